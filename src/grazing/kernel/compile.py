@@ -1,0 +1,254 @@
+"""Compile a plain Python function together with every function it names, in strict or fast arithmetic.
+
+Nothing is decorated: a kernel is a plain function that calls other plain functions by bare name, and
+:func:`compiled` follows those names. That is why kernels never write ``module.f``: a name behind a dot could be
+neither compiled nor hashed here. The machine code is kept on disk under the hash of all of that source, so an
+edit anywhere below a kernel can never be answered from an old file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import tempfile
+import threading
+import warnings
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+from grazing.kernel.primitives import PRIMITIVES
+from grazing.outcome import InputError, UserCodeError
+
+#: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
+FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
+
+_lock = threading.RLock()
+_inner: dict[tuple[FunctionType, str], Any] = {}
+_outer: dict[tuple[FunctionType, str], Any] = {}
+
+
+def jit_disabled() -> bool:
+    """Whether ``NUMBA_DISABLE_JIT`` asks for plain Python."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callable[..., Any]:
+    """Compile a kernel and everything it calls.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function; functions it names, globally or in its closure, are compiled with it.
+    arithmetic : {"strict", "fast"}
+        Whether ``a*b + c`` must be two rounded operations (strict) or may be contracted to one (fast).
+
+    Returns
+    -------
+    callable
+        The compiled function; with ``NUMBA_DISABLE_JIT=1`` the plain one.
+
+    Raises
+    ------
+    InputError
+        For any other arithmetic.
+    UserCodeError
+        For a kernel that calls itself.
+    """
+    if arithmetic not in FLAGS:
+        raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
+    if jit_disabled() or not isinstance(function, FunctionType):
+        return function
+    with _lock:
+        key = (function, arithmetic)
+        if key not in _outer:
+            _outer[key] = _jit(function, arithmetic, entry=True)
+        return _outer[key]  # type: ignore[no-any-return]
+
+
+def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
+    """Call a compiled kernel; a compilation error becomes one sentence that names the construct."""
+    if jit_disabled():
+        return entry(*args)
+    from numba.core.errors import NumbaError
+
+    try:
+        return entry(*args)
+    except NumbaError as error:
+        raise UserCodeError(f"{who} does not compile: {_first_sentence(error)}") from None
+
+
+def _first_sentence(error: Exception) -> str:
+    """Reduce a compiler's report to the construct and its line."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    wanted = ("Untyped global", "No implementation", "Invalid use", "Unknown attribute", "NotDefined", "Unsupported")
+    said = [line for line in lines if line.startswith(wanted)][:1] or lines[1:2] or lines[:1]
+    where = [line for line in lines if line.startswith("File ")][-1:]
+    return "; ".join(said + where) + ". Use arithmetic on floats, math functions and plain tuples only"
+
+
+def _jit(function: FunctionType, arithmetic: str, entry: bool) -> Any:
+    import numba
+
+    resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic))
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
+    if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    dispatcher = numba.njit(**options)(resolved)
+    if entry:
+        _attach_cache(dispatcher, resolved, digest(function) + repr(options))
+    return dispatcher
+
+
+def _inner_jit(function: FunctionType, arithmetic: str) -> Any:
+    key = (function, arithmetic)
+    if key not in _inner:
+        _inner[key] = None
+        _inner[key] = _jit(function, arithmetic, entry=False)
+    if _inner[key] is None:
+        raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
+    return _inner[key]
+
+
+def _is_kernel(value: object) -> bool:
+    return isinstance(value, FunctionType) and value not in PRIMITIVES
+
+
+def _names(code: CodeType) -> set[str]:
+    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
+    return set(code.co_names).union(*(_names(const) for const in inner))
+
+
+def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
+    """Return a copy of the function in which every kernel it names is replaced."""
+    names = {"__name__": function.__module__, "__builtins__": function.__globals__.get("__builtins__")}
+    for name in _names(function.__code__) & function.__globals__.keys():
+        value = function.__globals__[name]
+        names[name] = replace(value) if _is_kernel(value) else value
+    cells = []
+    for cell in function.__closure__ or ():
+        value = cell.cell_contents
+        cells.append(CellType(replace(value) if _is_kernel(value) else value))
+    return FunctionType(function.__code__, names, function.__name__, function.__defaults__, tuple(cells))
+
+
+# ---- the hash of everything a kernel is made of
+
+
+def digest(function: Callable[..., Any]) -> str:
+    """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; equal for equal code, whatever file or line it stands in.
+    """
+    return hashlib.sha256(repr(_content(function, ())).encode()).hexdigest()
+
+
+def _content(value: Any, above: tuple[Any, ...]) -> Any:
+    """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
+    if isinstance(value, FunctionType):
+        if value in above:
+            return value.__name__
+        below = (*above, value)
+        code = value.__code__
+        names = sorted(_names(code) & value.__globals__.keys())
+        return (
+            _code_content(code),
+            [(name, _content(value.__globals__[name], below)) for name in names],
+            [_content(cell.cell_contents, below) for cell in value.__closure__ or ()],
+            [_content(default, below) for default in value.__defaults__ or ()],
+        )
+    if isinstance(value, tuple) and not hasattr(value, "_fields"):
+        return [_content(item, above) for item in value]
+    if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
+        return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
+    if isinstance(value, float):
+        return value.hex() if math.isfinite(value) else repr(value)
+    return (type(value).__name__, repr(value))
+
+
+def _code_content(code: CodeType) -> Any:
+    consts = [_code_content(c) if isinstance(c, CodeType) else (type(c).__name__, repr(c)) for c in code.co_consts]
+    return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)
+
+
+# ---- the disk cache
+
+
+@cache
+def cache_folder() -> Path:
+    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one."""
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
+    try:
+        wanted.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=wanted).close()
+    except OSError:
+        fallback = Path(tempfile.gettempdir()) / f"grazing-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+        fallback.mkdir(mode=0o700, exist_ok=True)
+        warnings.warn(
+            f"compiled kernels cannot be kept in {wanted}; they go to {fallback}. Set GRAZING_CACHE to choose",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+        return fallback
+    return wanted
+
+
+def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None:
+    """Give a dispatcher a disk cache whose file name is the hash of its content.
+
+    numba's own cache looks at one file's time stamp and so serves stale code after an edit in a callee.
+    """
+    import llvmlite
+    import numba
+    from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+
+    stamp = hashlib.sha256(f"{content} {numba.__version__} {llvmlite.__version__}".encode()).hexdigest()
+
+    class Implementation(CompileResultCacheImpl):  # type: ignore[misc]
+        def __init__(self, py_func: FunctionType) -> None:
+            self._filename_base = f"{py_func.__name__}-{stamp[:40]}"
+
+        @property
+        def locator(self) -> Any:
+            return self
+
+        def ensure_cache_path(self) -> None:
+            cache_folder()
+
+    class ContentCache(FunctionCache):  # type: ignore[misc]
+        def __init__(self, py_func: FunctionType) -> None:
+            self._name = repr(py_func)
+            self._py_func = py_func
+            self._impl = Implementation(py_func)
+            self._cache_path = os.fspath(cache_folder())
+            self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)
+            self.enable()
+
+        def _index_key(self, sig: Any, codegen: Any) -> Any:
+            return (sig, codegen.magic_tuple(), stamp)
+
+        def _load_overload(self, sig: Any, target_context: Any) -> Any:
+            try:
+                return super()._load_overload(sig, target_context)
+            except Exception:  # a truncated or foreign file is as good as none: compile again
+                return None
+
+        def _save_overload(self, sig: Any, data: Any) -> None:
+            try:
+                super()._save_overload(sig, data)
+            except OSError as error:  # a full disk must not stop a computation that has its code already
+                warnings.warn(f"a compiled kernel could not be kept: {error}", RuntimeWarning, stacklevel=2)
+
+    dispatcher._cache = ContentCache(function)

@@ -1,0 +1,1 @@
+"""The forced impact oscillator: model, reset laws, free flight, sign windows, contact rule, trajectory."""

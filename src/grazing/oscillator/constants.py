@@ -1,0 +1,141 @@
+"""The constants of one oscillator at one parameter value: everything a flight needs, computed once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import pi, sqrt
+from typing import Any, NamedTuple
+
+from grazing.kernel.primitives import replaced
+from grazing.oscillator.windows import series, window_edges
+
+#: Parameters in front of the harmonics cos1, sin1, cos2, ...; pinball calls the offset d.
+HEAD = ("alpha", "k", "omega", "t0", "offset")
+
+
+class Constants(NamedTuple):
+    """What a flight needs, for u'' + alpha u' + k^2 u = f(t) with y = u - sigma and local time t in [0, T]."""
+
+    alpha: float
+    k2: float  # k^2
+    q2: float  # alpha^2/4 - k^2: > 0 over-, < 0 under-damped
+    l1: float  # the slow root, or the real part when under-damped
+    l2: float  # the fast root, or the real part when under-damped
+    spread: float  # q = sqrt(|q2|): half the distance of the roots, or the damped frequency
+    omega: float
+    theta: float  # phase of the forcing at local time 0
+    T: float
+    sigma: float
+    F0: float  # offset - k^2 sigma, the constant part of F = f - k^2 sigma
+    cos: tuple[float, ...]
+    sin: tuple[float, ...]
+    Y0: float  # constant part of the steady response
+    hc: tuple[float, ...]  # its harmonics
+    hs: tuple[float, ...]
+    steady: bool  # whether the steady response is small enough to be subtracted without loss
+    rate: float  # fastest rate of the flight; flights shorter than a fraction of 1/rate use the Duhamel form
+    size: float  # bound on the forced part, for error bounds
+    bend: float  # bound on |F''|
+    piece: float  # longest piece of a window on which the lemma holds
+    edges: tuple[float, ...]  # window edges in [0, T]: 0, zeros of F, T, T, ...
+    first: float  # sign of F in the first window; signs alternate
+    p: Any  # the parameters themselves, for the reset law
+
+
+def roots(alpha: float, k: float) -> tuple[float, float, float, float]:
+    """Return (q2, spread, l1, l2) without cancellation: l1 = k^2/l2, q2 as a product."""
+    half = 0.5 * alpha
+    q2 = (half - k) * (half + k)
+    spread = sqrt(abs(q2))
+    if q2 <= 0.0:
+        return q2, spread, -half, -half
+    l2 = -half - spread
+    return q2, spread, k * k / l2, l2
+
+
+def natural_size(alpha: float, T: float, force: float) -> float:
+    """Return how far a force can push the free ball in one period."""
+    far = 0.5 * T * T
+    return force * (min(far, T / alpha) if alpha > 0.0 else far)
+
+
+def section_phase(p: Any) -> float:
+    """Return the parameter ``phase``, for maps that have a section."""
+    return p.phase  # type: ignore[no-any-return]
+
+
+def no_phase(p: Any) -> float:
+    """Return 0, for maps that measure time from t = 0."""
+    return 0.0
+
+
+@lru_cache(maxsize=64)
+def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_ratio: float = 100.0) -> Any:
+    """Return ``prepare(p) -> Constants`` for parameters in the order of :attr:`Oscillator.params`.
+
+    Parameters
+    ----------
+    harmonics : int
+        At least 1.
+    phase : callable
+        ``phase(p)``: the time that local time 0 stands for, :func:`section_phase` or :func:`no_phase`.
+    max_ratio : float
+        The steady response is subtracted while it is smaller than this multiple of what the force can do in one
+        period; beyond (k -> 0, resonance) its digits would cancel, and the Duhamel form is used instead.
+    """
+    none = (0.0,) * harmonics
+    no_edges = (0.0,) * (2 * harmonics + 2)
+    head = len(HEAD)
+
+    def prepare(p: Any) -> Any:
+        k2 = p.k * p.k
+        q2, spread, l1, l2 = roots(p.alpha, p.k)
+        T = 2.0 * pi / p.omega
+        turns = (p.t0 + phase(p)) / T
+        theta = 2.0 * pi * (turns - round(turns))
+        F0 = p[head - 1] - k2 * p.sigma
+        cos, sin, hc, hs = none, none, none, none
+        force, bend, moving = abs(F0), 0.0, 0.0
+        steady = k2 > 0.0 or F0 == 0.0
+        Y0 = F0 / k2 if k2 > 0.0 else 0.0
+        response = abs(Y0)
+        for j in range(harmonics):
+            c, s = p[head + 2 * j], p[head + 2 * j + 1]
+            W = (j + 1) * p.omega
+            a, b = k2 - W * W, p.alpha * W
+            det = a * a + b * b
+            amplitude = sqrt(c * c + s * s)
+            cos, sin = replaced(cos, j, c), replaced(sin, j, s)
+            force += amplitude
+            bend += W * W * amplitude
+            if amplitude > 0.0:
+                moving = W
+                if det > 0.0:
+                    hc = replaced(hc, j, (a * c - b * s) / det)
+                    hs = replaced(hs, j, (b * c + a * s) / det)
+                    response += amplitude / sqrt(det)
+                else:
+                    steady = False
+        natural = natural_size(p.alpha, T, force)
+        steady = steady and response <= max_ratio * natural
+        rate = max(p.alpha, p.k, moving)
+        size = max(response, natural) if steady else natural * harmonics
+        piece = 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
+        edges, first = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges)
+        return Constants(
+            p.alpha, k2, q2, l1, l2, spread, p.omega, theta, T, p.sigma, F0, cos, sin, Y0, hc, hs,
+            steady, rate, size, bend, piece, edges, first, p,
+        )  # fmt: skip
+
+    return prepare
+
+
+def forcing(t: float, c: Constants) -> tuple[float, float]:
+    """Return F = f - k^2 sigma and dF/dt at local time t."""
+    return series(t, c.F0, c.cos, c.sin, c.omega, c.theta)
+
+
+def steady_response(t: float, c: Constants) -> tuple[float, float]:
+    """Return the steady response Y and dY/dt at local time t; meaningful where ``c.steady``."""
+    return series(t, c.Y0, c.hc, c.hs, c.omega, c.theta)

@@ -1,0 +1,135 @@
+"""Free flight of the forced linear oscillator, exact from one instant to another for any damping and stiffness.
+
+The homogeneous part is written with functions that are entire in q^2 = alpha^2/4 - k^2, so over-, critically and
+under-damped, undamped and free balls are one case. The forced part is the difference of two steady responses where
+those are of ordinary size; otherwise (k -> 0, resonance) and for short flights it is Duhamel's integral, term by
+term a divided difference of exponentials, which has no singular case.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from grazing.kernel.elementary import exp, sincos
+from grazing.oscillator.constants import Constants, steady_response
+
+#: Flights shorter than this fraction of 1/rate use Duhamel's form: near the anchor y/s then has all its digits.
+SHORT = 0.25
+
+
+class Anchor(NamedTuple):
+    """Where a flight starts: local time, y = u - sigma, v, and the same less the steady response."""
+
+    t: float
+    y: float
+    v: float
+    h0: float
+    h1: float
+
+
+def anchored(t: float, y: float, v: float, c: Constants) -> Anchor:
+    """Return the anchor of a flight that starts at (t, y, v)."""
+    if not c.steady:
+        return Anchor(t, y, v, y, v)
+    Y, dY = steady_response(t, c)
+    return Anchor(t, y, v, y - Y, v - dY)
+
+
+def modes(s: float, c: Constants) -> tuple[float, float, float, float]:
+    """Return exp(Bs) = (E11, E12; E21, E22) row by row, the matrix of the unforced flight over time s >= 0."""
+    z = c.q2 * s * s
+    half = 0.5 * c.alpha
+    if z > 0.1:
+        e1, e2 = exp(c.l1 * s), exp(c.l2 * s)
+        gap = 2.0 * c.spread
+        E12 = (e1 - e2) / gap
+        return (c.l1 * e2 - c.l2 * e1) / gap, E12, -c.k2 * E12, (c.l1 * e1 - c.l2 * e2) / gap
+    if z < -0.1:
+        sine, cosine = sincos(c.spread * s)
+        S = sine / c.spread
+    else:  # cosh(qs) and sinh(qs)/q as series in q^2 s^2; the first term left out is below 1e-19
+        cosine = 1.0 + z / 2.0 * (1.0 + z / 12.0 * (1.0 + z / 30.0 * (1.0 + z / 56.0 * (1.0 + z / 90.0))))
+        S = s * (1.0 + z / 6.0 * (1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0 * (1.0 + z / 110.0)))))
+    e = exp(-half * s)
+    return e * (cosine + half * S), e * S, -c.k2 * (e * S), e * (cosine - half * S)
+
+
+def exp_complex(z: complex) -> complex:
+    """Return e**z."""
+    sine, cosine = sincos(z.imag)
+    size = exp(z.real)
+    return complex(size * cosine, size * sine)
+
+
+def divided2(a: complex, b: complex, s: float) -> complex:
+    """Return the divided difference exp[a, b](s) = (e^{as} - e^{bs})/(a - b), continued to a = b."""
+    w = 0.5 * (a - b) * s
+    z = w * w
+    if abs(z.real) + abs(z.imag) > 0.25:
+        return (exp_complex(a * s) - exp_complex(b * s)) / (a - b)
+    sinhc = 1.0 + z / 6.0 * (1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0 * (1.0 + z / 110.0 * (1.0 + z / 156.0)))))
+    return s * exp_complex(0.5 * (a + b) * s) * sinhc
+
+
+def divided3(a: complex, b: complex, c: complex, s: float) -> complex:
+    """Return the divided difference exp[a, b, c](s), continued to coinciding nodes."""
+    ab, bc, ac = abs(a - b), abs(b - c), abs(a - c)
+    if max(ab, bc, ac) * s < 1.0:
+        # Taylor series about the mean node: s^2 e^{ms} sum_n h_n/(n+2)!, h_n the complete symmetric polynomials
+        m = (a + b + c) / 3.0
+        x, y, w = (a - m) * s, (b - m) * s, (c - m) * s
+        e2, e3 = x * y + y * w + w * x, x * y * w
+        h0, h1, h2 = complex(1.0), complex(0.0), -e2
+        total = 0.5 * h0 + h2 / 24.0
+        factorial = 24.0
+        for n in range(3, 19):
+            factorial *= n + 2.0
+            h0, h1, h2 = h1, h2, e3 * h0 - e2 * h1
+            total += h2 / factorial
+        return s * s * exp_complex(m * s) * total
+    # the two nodes farthest apart divide: no digits are lost
+    if ac >= ab and ac >= bc:
+        return (divided2(a, b, s) - divided2(b, c, s)) / (a - c)
+    if ab >= bc:
+        return (divided2(a, c, s) - divided2(c, b, s)) / (a - b)
+    return (divided2(b, a, s) - divided2(a, c, s)) / (b - c)
+
+
+def duhamel(s: float, t: float, c: Constants) -> tuple[float, float]:
+    """Return position and velocity at t + s of a ball at rest at y = 0 at time t, under the forcing F alone."""
+    if c.q2 > 0.0:
+        a, b = complex(c.l1), complex(c.l2)
+    else:
+        a, b = complex(c.l1, c.spread), complex(c.l2, -c.spread)
+    still = complex(0.0)
+    y3 = divided3(a, b, still, s)
+    y = c.F0 * y3.real
+    v = c.F0 * (a * y3 + divided2(b, still, s)).real
+    s1, c1 = sincos(c.omega * t + c.theta)
+    turn = complex(c1, s1)
+    phase = turn
+    for j in range(len(c.cos)):
+        if c.cos[j] != 0.0 or c.sin[j] != 0.0:
+            node = complex(0.0, (j + 1) * c.omega)
+            amplitude = complex(c.cos[j], -c.sin[j]) * phase
+            y3 = divided3(a, b, node, s)
+            y += (amplitude * y3).real
+            v += (amplitude * (a * y3 + divided2(b, node, s))).real
+        phase = phase * turn
+    return y, v
+
+
+def flight(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
+    """Return (y, v) after a free flight of time s >= 0 from the anchor."""
+    E11, E12, E21, E22 = modes(s, c)
+    if c.steady and s * c.rate > SHORT:
+        y, v = steady_response(a.t + s, c)
+        return E11 * a.h0 + E12 * a.h1 + y, E21 * a.h0 + E22 * a.h1 + v
+    y, v = duhamel(s, a.t, c)
+    return E11 * a.y + E12 * a.v + y, E21 * a.y + E22 * a.v + v
+
+
+def noise(s: float, a: Anchor, c: Constants) -> float:
+    """Return a bound on the rounding error of y from :func:`flight`, tested against ball arithmetic."""
+    reach = min(s, 1.0 / c.spread) if c.spread > 0.0 else s
+    return 1.2e-15 * (abs(a.h0) + abs(a.h1) * reach + c.size)

@@ -1,0 +1,234 @@
+"""The model: a forced linear oscillator above a wall, with a reset law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, pi
+from typing import Any
+
+from grazing.oscillator.reset import KNOWN, Reset, active
+from grazing.outcome import InputError
+from grazing.parameter import Parameter, real, updated
+
+PARAMETERS = {
+    parameter.name: parameter
+    for parameter in (
+        Parameter("alpha", r"\alpha", "linear damping coefficient", 0.0),
+        Parameter("k", "k", "natural frequency; the stiffness is k^2", 0.0),
+        Parameter("omega", r"\omega", "frequency of the forcing", 0.0, inf, "low"),
+        Parameter("t0", "t_0", "time shift of the forcing"),
+        Parameter("offset", "d", "constant part of the forcing"),
+        Parameter("d", "d", "constant part of the forcing"),
+        Parameter("sigma", r"\sigma", "position of the wall"),
+        Parameter("phase", r"\varphi", "time of the stroboscopic section, from t = 0"),
+        *KNOWN.values(),
+    )
+}
+
+
+def describe_parameter(name: str) -> Parameter:
+    """Return what is known of a parameter of the oscillator or of a reset law."""
+    if name in PARAMETERS:
+        return PARAMETERS[name]
+    for kind, word in (("cos", "cosine"), ("sin", "sine")):
+        if name.startswith(kind) and name[3:].isdigit():
+            j = int(name[3:])
+            return Parameter(name, rf"{kind[0]}_{{{j}}}", f"{word} amplitude of harmonic {j} of the forcing")
+    return Parameter(name, rf"\mathrm{{{name}}}", "parameter of the reset law")
+
+
+@dataclass(frozen=True, slots=True)
+class Forcing:
+    """A periodic forcing: f(t) = offset + sum_j cos[j-1] cos(j omega (t + t0)) + sin[j-1] sin(j omega (t + t0)).
+
+    Parameters
+    ----------
+    omega : float
+        Frequency, > 0; the period is 2 pi/omega.
+    t0 : float
+        Time shift.
+    offset : float
+        Constant part.
+    cos, sin : sequence of float
+        Amplitudes of harmonics 1, 2, ...; the shorter one is filled up with zeros.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.Forcing(omega=2.0, cos=(1.0,), sin=(0.0, 0.5)).sin
+    (0.0, 0.5)
+    """
+
+    omega: float
+    t0: float = 0.0
+    offset: float = 0.0
+    cos: Sequence[float] = (1.0,)
+    sin: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("omega", "t0", "offset"):
+            object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
+        cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
+        m = max(len(cos), len(sin), 1)
+        object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
+        object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
+
+
+def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
+    try:
+        items = tuple(values)
+    except TypeError:
+        raise InputError(f"{name} = {values!r}; give one amplitude per harmonic, such as {name}=(1.0, 0.5)") from None
+    return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillator:
+    """A forced linear oscillator above a wall: u'' + alpha u' + k^2 u = f(t) for u > sigma, and a reset law.
+
+    Parameters
+    ----------
+    alpha : float
+        Damping coefficient, >= 0.
+    k : float
+        Natural frequency, >= 0.
+    forcing : Forcing
+        The periodic forcing f.
+    sigma : float
+        Position of the wall.
+    reset : Reset
+        What an impact does: :func:`newton`, :func:`active`, :func:`triggered` or :func:`reset`.
+
+    Raises
+    ------
+    InputError
+        For a value out of range.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, equations (1.1) to (1.3).
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> m = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=2.8), sigma=-0.1, reset=gz.newton(r=0.9))
+    >>> m.replace(r=0.5).params["r"]
+    0.5
+    """
+
+    alpha: float
+    k: float
+    forcing: Forcing
+    reset: Reset
+    sigma: float = 0.0
+    offset_name: str = field(default="offset", kw_only=True, repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("alpha", "k", "sigma"):
+            object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
+        if not isinstance(self.forcing, Forcing):
+            raise InputError(f"forcing is {self.forcing!r}; give a gz.Forcing(omega=..., ...)")
+        if not isinstance(self.reset, Reset):
+            raise InputError(f"reset is {self.reset!r}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
+        clash = self.reset.params.keys() & self._flight_params().keys()
+        if clash:
+            raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
+
+    def _flight_params(self) -> dict[str, float]:
+        f = self.forcing
+        values = {"alpha": self.alpha, "k": self.k, "omega": f.omega, "t0": f.t0, self.offset_name: f.offset}
+        for j, (c, s) in enumerate(zip(f.cos, f.sin, strict=True), start=1):
+            values |= {f"cos{j}": c, f"sin{j}": s}
+        return values | {"sigma": self.sigma}
+
+    @property
+    def params(self) -> Mapping[str, float]:
+        """All parameters, flat and in a fixed order: alpha k omega t0 offset cos1 sin1 ... sigma, then the law's."""
+        return {**self._flight_params(), **self.reset.params}
+
+    @property
+    def period(self) -> float:
+        """Period T = 2 pi/omega of the forcing."""
+        return 2.0 * pi / self.forcing.omega
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics of the forcing."""
+        return len(self.forcing.cos)
+
+    def replace(self, **changes: float) -> Oscillator:
+        """Return the model with other parameter values.
+
+        Parameters
+        ----------
+        **changes : float
+            Names of :attr:`params`.
+        """
+        new = updated(self.params, changes, "the model")
+        forcing = Forcing(
+            omega=new["omega"],
+            t0=new["t0"],
+            offset=new[self.offset_name],
+            cos=tuple(new[f"cos{j + 1}"] for j in range(self.harmonics)),
+            sin=tuple(new[f"sin{j + 1}"] for j in range(self.harmonics)),
+        )
+        law = self.reset.replace(**{name: new[name] for name in self.reset.params})
+        return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], offset_name=self.offset_name)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:g}" for name, value in self._flight_params().items())
+        return f"<Oscillator {values}, {self.reset!r}>"
+
+
+def pinball(
+    alpha: float = 3.0,
+    k: float = 1.0,
+    omega: float = 2.2,
+    t0: float = 0.0,
+    d: float = 0.12,
+    r: float = 0.8,
+    V: float = 0.4,
+    sigma: float = 0.0,
+) -> Oscillator:
+    """Return the paper's pinball machine: f(t) = cos(omega (t + t0)) + d, active bumper at u = sigma.
+
+    Parameters
+    ----------
+    alpha : float
+        Damping coefficient, >= 0.
+    k : float
+        Natural frequency, >= 0.
+    omega : float
+        Frequency of the forcing, > 0.
+    t0 : float
+        Time shift of the forcing.
+    d : float
+        Constant part of the forcing.
+    r : float
+        Coefficient of restitution, 0 <= r <= 1.
+    V : float
+        Extra velocity given by the bumper, >= 0; V = 0 is the passive oscillator.
+    sigma : float
+        Position of the wall.
+
+    Returns
+    -------
+    Oscillator
+        The defaults are the standard set of Figure 1.5.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, equations (1.1) and (1.3).
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> m = gz.pinball(alpha=3, k=1, omega=2.2, t0=0, d=0.12, r=0.8, V=0.4)
+    >>> m
+    <Oscillator alpha=3, k=1, omega=2.2, t0=0, d=0.12, cos1=1, sin1=0, sigma=0, active(r=0.8, V=0.4)>
+    >>> m.replace(d=0.10).params["d"]
+    0.1
+    """
+    forcing = Forcing(omega=omega, t0=t0, offset=describe_parameter("d").check(d))
+    return Oscillator(alpha, k, forcing, active(r, V), sigma, offset_name="d")

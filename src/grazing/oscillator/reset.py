@@ -1,0 +1,258 @@
+"""Reset laws: the velocity just after an impact from the velocity just before, v_minus < 0 <= v_plus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import inf
+from types import MappingProxyType
+from typing import Any
+
+from grazing.kernel.compile import digest
+from grazing.outcome import InputError, UserCodeError
+from grazing.parameter import Parameter, real
+
+R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
+V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
+TRIGGER = Parameter("trigger", "v_s", "least speed of impact that fires the bumper", 0.0)
+KNOWN = {parameter.name: parameter for parameter in (R, V, TRIGGER)}
+
+
+def newton_law(v: float, p: Any) -> float:
+    """Newton's law of restitution, equation (1.2)."""
+    return -p.r * v
+
+
+def newton_slope(v: float, p: Any) -> float:
+    """Return d v_plus/d v_minus of Newton's law."""
+    return -p.r
+
+
+def newton_contraction(p: Any) -> tuple[float, float]:
+    """Every impact contracts by r."""
+    return p.r, inf
+
+
+def active_law(v: float, p: Any) -> float:
+    """Active bumper, equation (1.3): restitution plus a kick."""
+    return -p.r * v + p.V
+
+
+def active_contraction(p: Any) -> tuple[float, float]:
+    """Only without a kick do impacts contract."""
+    return (p.r, inf) if p.V == 0.0 else (1.0, 0.0)
+
+
+def triggered_law(v: float, p: Any) -> float:
+    """Active bumper whose switch needs a minimum blow: passive below the trigger speed."""
+    return -p.r * v + (p.V if -v >= p.trigger else 0.0)
+
+
+def triggered_contraction(p: Any) -> tuple[float, float]:
+    """Below the trigger speed impacts contract by r."""
+    return (p.r, inf) if p.V == 0.0 else (p.r, p.trigger * (1.0 - 1e-15))
+
+
+def no_contraction(p: Any) -> tuple[float, float]:
+    """No contraction is known, so chatter is followed impact by impact."""
+    return 1.0, 0.0
+
+
+@lru_cache(maxsize=256)
+def difference_of(law: Callable[..., float]) -> Callable[..., float]:
+    """Return the slope of a law by central differences, good to about ten digits."""
+
+    def slope(v: float, p: Any) -> float:
+        h = 6e-6 * max(abs(v), 1e-3)
+        return (law(v + h, p) - law(v - h, p)) / (2.0 * h)
+
+    return slope
+
+
+@lru_cache(maxsize=256)
+def constant_contraction(ratio: float, speed: float) -> Callable[..., tuple[float, float]]:
+    """Return a contraction that does not depend on the parameters."""
+
+    def contraction(p: Any) -> tuple[float, float]:
+        return ratio, speed
+
+    return contraction
+
+
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """A reset law with its parameters; made by :func:`newton`, :func:`active`, :func:`triggered` or :func:`reset`.
+
+    ``pieces`` lists, for a law that is affine piece by piece, the speeds where a piece begins; empty for one piece,
+    None where the law is not known to be affine.
+    """
+
+    law: Callable[..., float]
+    params: Mapping[str, float]
+    slope: Callable[..., float]
+    contraction: Callable[..., Any]
+    exact_slope: bool = True
+    name: str = field(default="")
+    affine: bool = False
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
+        return f"{self.name}({values})"
+
+    def __call__(self, v_minus: float, **params: float) -> float:
+        """Return v_plus for one incoming velocity, in plain Python."""
+        return checked_velocity(self, v_minus, {**self.params, **params})
+
+    def replace(self, **changes: float) -> Reset:
+        """Return the law with other parameter values."""
+        return Reset(
+            self.law, _checked({**self.params, **changes}), self.slope, self.contraction,
+            self.exact_slope, self.name, self.affine,
+        )  # fmt: skip
+
+
+def _checked(params: Mapping[str, Any]) -> Mapping[str, float]:
+    good = {}
+    for name, value in params.items():
+        known = KNOWN.get(name)
+        good[name] = known.check(value) if known else real(value, name, "allowed is any finite number")
+    return MappingProxyType(good)
+
+
+def newton(r: float) -> Reset:
+    """Return the passive wall, Newton's law of restitution: v_plus = -r v_minus (1.2).
+
+    Parameters
+    ----------
+    r : float
+        Coefficient of restitution, 0 <= r <= 1.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.newton(r=0.5)(-2.0)
+    1.0
+    """
+    return Reset(newton_law, _checked({"r": r}), newton_slope, newton_contraction, name="newton", affine=True)
+
+
+def active(r: float, V: float) -> Reset:
+    """Return the active bumper of a pinball table: v_plus = -r v_minus + V (1.3).
+
+    Parameters
+    ----------
+    r : float
+        Coefficient of restitution, 0 <= r <= 1.
+    V : float
+        Extra velocity, V >= 0; 0 is the passive wall.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, equation (1.3).
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.active(r=0.5, V=0.25)(-2.0)
+    1.25
+    """
+    return Reset(active_law, _checked({"r": r, "V": V}), newton_slope, active_contraction, name="active", affine=True)
+
+
+def triggered(r: float, V: float, trigger: float) -> Reset:
+    """Return an active bumper that fires only for impacts of at least the trigger speed.
+
+    Parameters
+    ----------
+    r : float
+        Coefficient of restitution, 0 <= r <= 1.
+    V : float
+        Extra velocity when fired, V >= 0.
+    trigger : float
+        Least speed of impact that fires it, >= 0.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> bumper = gz.triggered(r=0.5, V=1.0, trigger=0.1)
+    >>> bumper(-0.2), bumper(-0.02)
+    (1.1, 0.01)
+    """
+    params = _checked({"r": r, "V": V, "trigger": trigger})
+    return Reset(triggered_law, params, newton_slope, triggered_contraction, name="triggered", affine=True)
+
+
+def reset(
+    law: Callable[..., float], contraction: tuple[float, float] | Callable[..., Any] | None = None, **params: float
+) -> Reset:
+    """Return a reset law of your own.
+
+    Parameters
+    ----------
+    law : callable
+        ``law(v_minus, p) -> v_plus`` in plain scalar Python, v_minus <= 0, v_plus >= 0 and finite; ``p`` has the
+        keywords below as fields.
+    contraction : (ratio, speed) or callable, optional
+        Says that v_plus <= ratio |v_minus| whenever |v_minus| <= speed, with ratio < 1: chatter is then completed
+        in closed form. A callable gets ``p``. Without it chatter is followed impact by impact, up to the budget.
+    **params : float
+        Parameters of the law; they become parameters of the model: swept, shown and saved.
+
+    Returns
+    -------
+    Reset
+
+    Raises
+    ------
+    UserCodeError
+        If the law raises, or returns a velocity into the wall or not finite, for one of a few test velocities.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> def soft(v, p):
+    ...     return -p.r * v / (1.0 - p.c * v)
+    >>> gz.reset(soft, r=0.8, c=0.1)
+    soft(r=0.8, c=0.1)
+    """
+    if not callable(law):
+        raise InputError(f"law is {law!r}; give a function law(v_minus, p) -> v_plus")
+    if contraction is None:
+        known: Callable[..., Any] = no_contraction
+    elif callable(contraction):
+        known = contraction
+    else:
+        ratio, speed = contraction
+        if not (0.0 <= ratio < 1.0 and speed > 0.0):
+            raise InputError(f"contraction is ({ratio}, {speed}); allowed is 0 <= ratio < 1 and speed > 0")
+        known = constant_contraction(float(ratio), float(speed))
+    name = getattr(law, "__name__", "law")
+    made = Reset(law, _checked(params), difference_of(law), known, exact_slope=False, name=name)
+    for v in (0.0, -1e-3, -0.1, -1.0):
+        made(v)
+    return made
+
+
+def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:
+    """Apply a law in plain Python and say what is wrong with its answer, if anything."""
+    from collections import namedtuple
+
+    p = namedtuple("Parameters", list(params))(*params.values())  # type: ignore[misc]  # noqa: PYI024
+    try:
+        v_plus = made.law(v_minus, p)
+    except Exception as error:
+        raise UserCodeError(
+            f"the reset law {made.name} raised {type(error).__name__}: {error} (v_minus = {v_minus:g}, {dict(params)})"
+        ) from error
+    if isinstance(v_plus, bool) or not isinstance(v_plus, (int, float)) or not 0.0 <= v_plus < inf:
+        raise UserCodeError(
+            f"the reset law {made.name} returned {v_plus!r} for v_minus = {v_minus:g}; "
+            "allowed is a finite v_plus >= 0, away from the wall"
+        )
+    return float(v_plus)
+
+
+def fingerprint(made: Reset) -> str:
+    """Return a short hash of the law's code, for results to record."""
+    return digest(made.law)[:16]

@@ -1,0 +1,134 @@
+"""What can happen, in words: outcomes of a step, trust in a result, and the exceptions.
+
+Kernels never raise. They return an integer whose bits are the flags of :class:`Outcome`; wrong input raises
+at once, before any kernel runs, with one of the exceptions below::
+
+    GrazingError
+    ├── InputError      a value out of range, an unknown name, a wrong shape (also a ValueError)
+    ├── UserCodeError   a user's step or reset law that raises, or returns what it must not
+    └── OutsideForm     a model that a closed form or a normal form does not cover, refused by name
+"""
+
+from __future__ import annotations
+
+from enum import Enum, IntFlag
+from typing import Final
+
+__all__ = ["GrazingError", "InputError", "Outcome", "OutsideForm", "Trust", "UserCodeError", "describe"]
+
+# The bits as plain integers, because kernels fold them with `|`.
+OK: Final = 0
+GRAZE: Final = 1
+AMBIGUOUS: Final = 2
+STUCK: Final = 4
+CHATTER: Final = 8
+NO_IMPACT: Final = 16
+DIVERGED: Final = 32
+BAD_LAW: Final = 64
+TOO_MANY_IMPACTS: Final = 128
+INSIDE_WALL: Final = 256
+
+#: Bits after which a step has no next state: the orbit ends there.
+FATAL: Final = NO_IMPACT | DIVERGED | BAD_LAW | TOO_MANY_IMPACTS | INSIDE_WALL
+
+
+class Outcome(IntFlag):
+    """What happened during a step, as bits that add up over an orbit.
+
+    Examples
+    --------
+    >>> from grazing import Outcome
+    >>> Outcome(9)
+    <Outcome.graze|chatter: 9>
+    """
+
+    ok = OK
+    graze = GRAZE
+    ambiguous = AMBIGUOUS
+    stuck = STUCK
+    chatter = CHATTER
+    no_impact = NO_IMPACT
+    diverged = DIVERGED
+    bad_law = BAD_LAW
+    too_many_impacts = TOO_MANY_IMPACTS
+    inside_wall = INSIDE_WALL
+
+
+class Trust(Enum):
+    """How far a result can be trusted.
+
+    ``certified``: every decision (impact or no impact) is right for the double-precision state it was given.
+    ``numerical``: some part rests on floating-point evidence alone, such as a finite difference.
+    ``ambiguous``: at least one decision was closer than the rounding error; the other answer is as likely.
+    """
+
+    certified = "certified"
+    numerical = "numerical"
+    ambiguous = "ambiguous"
+
+
+_ADVICE = {
+    Outcome.graze: ("the orbit touches the wall with zero speed", "vary the parameter to see both sides"),
+    Outcome.ambiguous: (
+        "impact or no impact could not be decided in double precision",
+        "treat the orbit as either of the two",
+    ),
+    Outcome.stuck: ("the ball rests on the wall for a while", "nothing to do: the forcing releases it"),
+    Outcome.chatter: (
+        "infinitely many impacts in finite time, completed in closed form",
+        "nothing to do: the ball then sticks until released",
+    ),
+    Outcome.no_impact: (
+        "no further impact within the budget of periods",
+        "use the stroboscopic map, or raise the budget",
+    ),
+    Outcome.diverged: ("the orbit left the region of interest", "look at the starting box and the parameters"),
+    Outcome.bad_law: (
+        "the reset law returned a velocity into the wall or not finite",
+        "make the law return v_plus >= 0 for every v_minus < 0",
+    ),
+    Outcome.too_many_impacts: (
+        "more impacts in one period than the budget allows",
+        "raise max_impacts, or choose r < 1 or V > 0",
+    ),
+    Outcome.inside_wall: ("the state lies inside the wall, u < sigma", "start with u >= sigma"),
+}
+
+
+def describe(outcome: int) -> str:
+    """Say in words what an outcome means and what to do about it.
+
+    Parameters
+    ----------
+    outcome : int
+        Bits of :class:`Outcome`.
+
+    Returns
+    -------
+    str
+        One sentence per bit; ``"ok"`` when no bit is set.
+
+    Examples
+    --------
+    >>> from grazing import describe
+    >>> describe(0)
+    'ok'
+    """
+    said = [f"{flag.name}: {what}; {advice}" for flag, (what, advice) in _ADVICE.items() if outcome & flag]
+    return ". ".join(said) or "ok"
+
+
+class GrazingError(Exception):
+    """Base of every exception that grazing raises on purpose."""
+
+
+class InputError(GrazingError, ValueError):
+    """A value that is not allowed: says what was got, what is allowed and what to do."""
+
+
+class UserCodeError(GrazingError, RuntimeError):
+    """A user's step or reset law raised, does not compile, or returned what it must not."""
+
+
+class OutsideForm(GrazingError, ValueError):
+    """A model lies outside a closed form or normal form; the message names the condition that fails."""
