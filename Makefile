@@ -1,0 +1,60 @@
+# `make` alone lists the targets. All paths are relative, because make cannot spell a path with spaces.
+
+# The interpreter that .venv is made from: make PYTHON=python3.12 paper
+PYTHON ?= python3
+# Options for the command behind a target: make paper ARGS="--figures 1.6", make test ARGS="-k gap_map"
+ARGS =
+
+RUN := .venv/bin/python -m
+PYTEST := $(RUN) pytest -n 2 --dist loadfile
+
+# These would put another package in front of ours, or send what pip installs somewhere else than into .venv.
+# The index, proxy and certificate settings of the user stay as they are.
+unexport PYTHONPATH PYTHONHOME PYTHONOPTIMIZE PIP_CONSTRAINT PIP_PREFIX PIP_PYTHON PIP_ROOT PIP_TARGET
+export PIP_USER := 0
+# No window is opened, and what is worth keeping between runs is kept here: the home may be read-only.
+export MPLBACKEND := Agg
+export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
+export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
+
+.PHONY: help paper test test-long check lint types layers clean
+
+help: ## list these targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
+
+paper: .venv/ready ## draw the figures of the paper and check its claims
+	$(RUN) grazing paper $(ARGS)
+
+test: .venv/ready-test ## run the tests and every example in the documentation strings
+	$(PYTEST) $(ARGS)
+
+test-long: .venv/ready-test ## run the tests that take long
+	$(PYTEST) -m long $(ARGS)
+
+check: lint types layers ## lint, types and import direction together
+
+lint: .venv/ready-test ## style and common mistakes (ruff)
+	$(RUN) ruff check .
+
+types: .venv/ready-test ## type annotations (mypy, strict)
+	$(RUN) mypy
+
+layers: .venv/ready-test ## the direction of imports
+	$(RUN) pytest -q tests/test_layers.py
+
+clean: ## remove .venv and all caches; results stay
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist
+	find src tests -name __pycache__ -prune -exec rm -rf {} +
+
+# ---- the environment. Its stamp is written last, so an interrupted installation leaves none and is done again.
+
+# A checkout that was copied or moved, or whose Python has been replaced, has a stamp but no working environment.
+ifneq ("$(shell .venv/bin/python -I -c 'import pip' 2>/dev/null && cat .venv/folder)","$(CURDIR)")
+.PHONY: .venv/ready
+endif
+
+.venv/ready: pyproject.toml constraints.txt
+	@PYTHON="$(PYTHON)" sh scripts/environment.sh runtime
+
+.venv/ready-test: .venv/ready
+	@PYTHON="$(PYTHON)" sh scripts/environment.sh test

@@ -1,0 +1,218 @@
+"""Imports go down only. Every file of the package is parsed, so an import inside a function counts too."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src"
+
+# Bottom first. A part may import from the layers before its own, and from itself; parts of one layer are
+# siblings that do not know each other. `grazing` is the public list, which only the top may use.
+LAYERS = (
+    ("outcome",),
+    ("parameter",),
+    ("kernel", "theory"),
+    ("oscillator",),
+    ("maps",),
+    ("orbits", "studies"),
+    ("sweep", "compare"),
+    ("plot",),
+    ("paper",),
+    ("io", "testing"),
+    ("grazing", "explorer"),
+    ("cli",),
+    ("__main__",),
+)
+NO_LAYER = "{} has no layer yet: give it one in tests/test_layers.py"
+RANK = {part: rank for rank, line in enumerate(LAYERS) for part in line}
+
+# Theory is closed forms in plain Python: of what lies below it may use one part only.
+ALLOWED_ONLY = {"theory": {"outcome"}}
+# A study knows no other study, except for what they share.
+SHARED_BY_STUDIES = {"classify", "labels"}
+# Heavy packages, each with the parts that may name it.
+OWNERS = {
+    "numba": {"kernel"},
+    "llvmlite": {"kernel"},
+    "matplotlib": {"plot", "paper"},
+}
+# The command line parses, calls and saves: no mathematics.
+FORBIDDEN = {"cli": {"numpy", "scipy"}}
+# Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
+# hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
+BARE_NAMES = {"kernel", "theory", "oscillator", "maps"}
+
+
+def module_name(file: Path, source: Path) -> str:
+    parts = file.relative_to(source).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def is_type_checking(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+
+
+def imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Every import that can run, at whatever depth."""
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        yield node
+    below = node.orelse if is_type_checking(node) else ast.iter_child_nodes(node)
+    for child in below:
+        yield from imports(child)
+
+
+def targets(node: ast.Import | ast.ImportFrom, package: str, modules: set[str]) -> Iterator[tuple[str, bool]]:
+    """The modules that a statement imports, each with whether a name is bound to the module itself."""
+    if isinstance(node, ast.Import):
+        yield from ((alias.name, True) for alias in node.names)
+        return
+    above = package.split(".")[: len(package.split(".")) + 1 - node.level] if node.level else []
+    base = ".".join([*above, *([node.module] if node.module else [])])
+    for alias in node.names:
+        full = f"{base}.{alias.name}"
+        yield (full, True) if full in modules else (base, False)
+
+
+def part_of(module: str) -> str:
+    """The part of the package that a module belongs to: its first name below `grazing`."""
+    names = module.split(".")
+    return names[1] if len(names) > 1 else "grazing"
+
+
+def complaint(importer: str, target: str, binds_module: bool) -> str | None:
+    """What is wrong with one import, or None."""
+    part, top = part_of(importer), target.split(".")[0]
+    if top != "grazing":
+        if part not in OWNERS.get(top, {part}):
+            return f"only {' and '.join(sorted(OWNERS[top]))} may import {top}"
+        return f"{part} may not import {top}" if top in FORBIDDEN.get(part, ()) else None
+    other = part_of(target)
+    if other not in RANK:
+        return NO_LAYER.format(other)
+    if binds_module and part in BARE_NAMES:
+        return f"import the names that you need, not the module {target}: kernels call kernels by bare name"
+    if part == other:
+        return study_complaint(importer, target) if part == "studies" else None
+    if RANK[other] >= RANK[part]:
+        return f"{part} may not import {other}, which is not below it"
+    if other not in ALLOWED_ONLY.get(part, {other}):
+        return f"{part} may import {' and '.join(sorted(ALLOWED_ONLY[part]))} only"
+    return None
+
+
+def study_complaint(importer: str, target: str) -> str | None:
+    """What is wrong with an import between studies; their __init__ lists them all and so imports each."""
+    one, other = ("".join(name.split(".")[2:3]) for name in (importer, target))
+    if not one or one == other or other in SHARED_BY_STUDIES:
+        return None
+    return f"study {one} may not import {other or 'the list of all studies'}"
+
+
+def violations(source: Path) -> list[str]:
+    """Everything wrong below a source folder, as `file:line: what`."""
+    files = sorted((source / "grazing").rglob("*.py"))
+    modules = {module_name(file, source) for file in files}
+    # Folders that have no __init__.py yet are modules too.
+    modules |= {".".join(name.split(".")[:i]) for name in modules for i in range(1, name.count(".") + 1)}
+    found = []
+    for file in files:
+        importer = module_name(file, source)
+        package = importer if file.name == "__init__.py" else importer.rpartition(".")[0]
+        where = file.relative_to(source).as_posix()
+        if part_of(importer) not in RANK:
+            found.append(f"{where}:1: {NO_LAYER.format(part_of(importer))}")
+            continue
+        for node in imports(ast.parse(file.read_text(encoding="utf-8"))):
+            for target, binds_module in targets(node, package, modules):
+                said = complaint(importer, target, binds_module)
+                if said:
+                    found.append(f"{where}:{node.lineno}: {said}")
+    return found
+
+
+def test_imports_go_down_only():
+    assert violations(SOURCE) == []
+
+
+def plant(source, texts):
+    for name, text in {"__init__": "", **texts}.items():
+        file = source / "grazing" / f"{name}.py"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    return violations(source)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("outcome", "from grazing.parameter import P", "outcome may not import parameter"),
+        ("outcome", "from grazing import gap_map", "outcome may not import grazing"),
+        ("outcome", "import grazing", "outcome may not import grazing"),
+        ("theory/gap", "from grazing.parameter import P", "theory may import outcome only"),
+        ("theory/gap", "from grazing.kernel.lanes import runner", "theory may not import kernel"),
+        ("kernel/loop", "from grazing.theory.gap import mu_pd", "kernel may not import theory"),
+        ("oscillator/model", "def f():\n  from ..maps import gap_map", "not the module grazing.maps.gap_map"),
+        ("oscillator/model", "def f():\n  from ..maps.base import Map", "oscillator may not import maps"),
+        ("maps/zdm", "def f():\n    import numba.types", "only kernel may import numba"),
+        ("maps/zdm", "from llvmlite import ir", "only kernel may import llvmlite"),
+        ("maps/zdm", "from . import gap_map", "not the module grazing.maps.gap_map"),
+        ("maps/zdm", "import grazing.maps.gap_map as g", "not the module grazing.maps.gap_map"),
+        ("orbits/branch", "from grazing.studies import chart", "orbits may not import studies"),
+        ("studies/chart", "from grazing.orbits.word import word", "studies may not import orbits"),
+        ("studies/chart", "from grazing.studies.basins import basins", "study chart may not import basins"),
+        ("studies/chart", "from . import basins", "study chart may not import basins"),
+        ("studies/chart", "from . import density", "study chart may not import the list of all"),
+        ("studies/classify", "from .basins import basins", "study classify may not import basins"),
+        ("studies/chart", "if f():\n    import matplotlib.pyplot", "only paper and plot may import"),
+        ("compare/scan", "from grazing.plot import axes", "compare may not import plot"),
+        ("plot/chart", "from grazing.paper.claims import CLAIMS", "plot may not import paper"),
+        ("paper/figure", "from grazing.cli import main", "paper may not import cli"),
+        ("io", "from grazing.testing import check_map", "io may not import testing"),
+        ("cli/main", "import numpy as np", "cli may not import numpy"),
+        ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
+        ("novelty", "", "novelty has no layer yet"),
+    ],
+)
+def test_a_planted_violation_is_found(tmp_path, name, text, said):
+    found = plant(tmp_path, {"maps/gap_map": "", "studies/basins": "", name: text})
+    assert len(found) == 1
+    assert found[0].startswith(f"grazing/{name}.py:")
+    assert said in found[0]
+
+
+def test_what_is_allowed_is_not_found(tmp_path):
+    texts = {
+        "outcome": "import math\nfrom typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import grazing.cli",
+        "kernel/loop": "import math\nimport numba\nimport numpy as np\nfrom grazing.outcome import OK",
+        "theory/gap": "from grazing.outcome import InputError\nfrom .other import f",
+        "theory/other": "",
+        "maps/zdm": "from grazing.theory.gap import mu_pd\nfrom grazing.maps.base import Map",
+        "maps/base": "import xarray",
+        "studies/__init__": "from .chart import chart\nfrom .labels import label",
+        "studies/chart": "from grazing.studies.classify import classify\nfrom . import labels",
+        "studies/classify": "from .labels import label",
+        "studies/labels": "",
+        "compare/scan": "from grazing import studies\nfrom grazing.orbits.branch import Branch",
+        "orbits/branch": "",
+        "plot/chart": "def draw():\n    import matplotlib.pyplot as plt",
+        "paper/__init__": "",
+        "io": "",
+        "cli/__init__": "import grazing\nfrom grazing import io, paper\nfrom .options import parse",
+        "cli/options": "",
+        "__main__": "from grazing.cli import main",
+    }
+    assert plant(tmp_path, texts) == []
+
+
+@pytest.mark.parametrize("module", ["grazing", "grazing.cli"])
+def test_importing_is_cheap(module):
+    # -P, and the source folder first: neither the folder we stand in nor another grazing is asked.
+    code = f"import sys; sys.path.insert(0, {str(SOURCE)!r}); import {module}; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.split(".")[0] for name in run.stdout.split()}
+    assert "grazing" in loaded
+    assert loaded.isdisjoint({"numba", "llvmlite", "scipy", "xarray", "pandas", "matplotlib"})
