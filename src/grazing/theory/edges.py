@@ -186,3 +186,15 @@ def powers_sum(n: FloatArray, lam: FloatArray) -> FloatArray:
     """K_n for arrays already checked; exactly 1 for n = 1."""
     # expm1 of n log(lam) loses nothing: for a negative argument its relative condition is at most 1.
     return np.where(n == 1, 1.0, -np.expm1(n * np.log(lam)) / (1 - lam))
+
+
+def sum_minus_3(n: FloatArray, lam: FloatArray) -> FloatArray:
+    """K_n - 3, whose sign says whether n has a window at l = 0, without cancellation near lam = 2/3."""
+    far = lam - 2 * (1 - lam) - np.power(lam, n)  # each difference is exact near lam = 2/3
+    return np.where(lam < 0.75, far / (1 - lam), powers_sum(n, lam) - 3)
+
+
+def triple_sum_minus_4(n: FloatArray, lam: FloatArray) -> FloatArray:
+    """3 K_n - 4, whose sign says whether n and n + 1 overlap at l = 0; no cancellation near lam = 1/4."""
+    far = (4 * lam - 1) - 3 * np.power(lam, n)
+    return np.where(lam < 0.5, far / (1 - lam), 3 * powers_sum(n, lam) - 4)

@@ -10,8 +10,8 @@ import math
 from enum import Enum
 
 from grazing.outcome import OutsideForm
-from grazing.theory._inputs import number, period
-from grazing.theory.edges import geometric_sum, mu_pd
+from grazing.theory._inputs import elements, number, period
+from grazing.theory.edges import mu_pd, sum_minus_3
 from grazing.theory.interval import Interval
 
 __all__ = ["Regime", "lam_exist", "lam_overlap", "last_window", "regime", "robust_chaos"]
@@ -56,7 +56,7 @@ def regime(lam: float) -> Regime:
     a = number("lam", lam)
     if a <= 0.25:
         return Regime.overlapping
-    return Regime.separated if 3 * a <= 2 else Regime.chaotic
+    return Regime.separated if _beyond(a) <= 0 else Regime.chaotic
 
 
 def lam_overlap(N: int) -> float:
@@ -145,12 +145,12 @@ def last_window(lam: float) -> int:
     (3, 6)
     """
     a = number("lam", lam)
-    if 3 * a <= 2:
+    if _beyond(a) <= 0:
         raise OutsideForm(f"no last window at lam = {a!r}: for lam <= 2/3 every N has a window at l = 0")
-    N = max(3, math.floor(math.log(3 * a - 2) / math.log(a)))  # K_N < 3 iff lam^N > 3 lam - 2
-    while geometric_sum(N + 1, a) < 3:
+    N = max(3, math.floor(math.log(_beyond(a)) / math.log(a)))  # K_N < 3 iff lam^N > 3 lam - 2
+    while _has_window(N + 1, a):
         N += 1
-    while N > 3 and geometric_sum(N, a) >= 3:
+    while N > 3 and not _has_window(N, a):
         N -= 1
     return N
 
@@ -190,7 +190,16 @@ def robust_chaos(lam: float) -> Interval:
     True
     """
     a = number("lam", lam)
-    return Interval(0.0, mu_pd(last_window(a), a, 0.0) if 3 * a > 2 else 0.0)
+    return Interval(0.0, mu_pd(last_window(a), a, 0.0) if _beyond(a) > 0 else 0.0)
+
+
+def _beyond(lam: float) -> float:
+    """Return 3 lam - 2, exact near lam = 2/3."""
+    return lam - 2 * (1 - lam)
+
+
+def _has_window(N: int, lam: float) -> bool:
+    return float(sum_minus_3(*elements(N=N, lam=lam))) < 0
 
 
 def _root_of_sum(N: int, total: float) -> float:

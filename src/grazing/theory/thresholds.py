@@ -8,7 +8,7 @@ from typing import NamedTuple, overload
 import numpy as np
 
 from grazing.theory._inputs import FloatArray, Periods, Values, elements, number, plain
-from grazing.theory.edges import powers_sum
+from grazing.theory.edges import sum_minus_3, triple_sum_minus_4
 
 __all__ = ["WorstWindow", "l_all", "l_coexist", "l_exist"]
 
@@ -56,7 +56,7 @@ def l_exist(N: Periods, lam: Values) -> float | FloatArray:
     [0.08000775, 0.1796237775]
     """
     n, a = elements(N=N, lam=lam)
-    value = np.power(a, n - 1) * (powers_sum(n, a) - 3) / 4  # lam K_(N-1) = K_N - 1
+    value = np.power(a, n - 1) * sum_minus_3(n, a) / 4  # lam K_(N-1) = K_N - 1
     return plain(np.where(n == 1, -np.inf, value))
 
 
@@ -98,7 +98,7 @@ def l_coexist(N: Periods, lam: Values) -> float | FloatArray:
     0.62724375
     """
     n, a = elements(N=N, lam=lam)
-    return plain(np.power(a, n - 1) * (0.5625 * powers_sum(n, a) - 0.75))
+    return plain(np.power(a, n - 1) * 0.1875 * triple_sum_minus_4(n, a))
 
 
 def l_all(lam: float) -> WorstWindow:
@@ -133,9 +133,10 @@ def l_all(lam: float) -> WorstWindow:
     (0.340273, 10)
     """
     a = number("lam", lam)
-    if 3 * a <= 2:
+    beyond = a - 2 * (1 - a)  # 3 lam - 2, exact near 2/3
+    if beyond <= 0:
         return WorstWindow(0.0, None)
-    peak = math.log((3 * a - 2) / 2) / math.log(a)
+    peak = math.log(beyond / 2) / math.log(a)
     candidates = (max(2, math.floor(peak)), max(2, math.ceil(peak)))
     best = max(candidates, key=lambda n: l_exist(n, a))
     return WorstWindow(l_exist(best, a), best)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from grazing.theory._inputs import number, period
-from grazing.theory.edges import geometric_sum, mu_bc, mu_gr, mu_pd
+from grazing.theory._inputs import elements, number, period
+from grazing.theory.edges import mu_bc, mu_gr, mu_pd, triple_sum_minus_4
 from grazing.theory.interval import Interval
 
 __all__ = ["Window", "existence_interval", "overlapping", "stability_interval", "window", "windows_overlap"]
@@ -176,9 +176,10 @@ def windows_overlap(N: int, lam: float, l: float) -> bool:
     >>> theory.windows_overlap(3, 0.5, 0.058), theory.windows_overlap(3, 0.5, 0.059)
     (False, True)
     """
-    n, a, gap = period(N), number("lam", lam), number("l", l)
-    bracket = 0.5625 * geometric_sum(n, a) - 0.75
-    return bracket < 0 or gap > float(np.power(a, n - 1.0)) * bracket
+    gap = number("l", l)
+    n, a = elements(N=period(N), lam=number("lam", lam))
+    bracket = 0.1875 * float(triple_sum_minus_4(n, a))
+    return bracket < 0 or gap > float(np.power(a, n - 1)) * bracket
 
 
 def overlapping(lam: float, l: float, N_max: int) -> npt.NDArray[np.int64]:
