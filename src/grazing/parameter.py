@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 
 from grazing.outcome import InputError
@@ -57,6 +59,12 @@ class Parameter:
         if not inside:
             raise InputError(f"{self.name} = {number:g}; allowed is {self.allowed} ({self.meaning})")
         return number
+
+
+@lru_cache(maxsize=256)
+def parameter_tuple(names: tuple[str, ...]) -> type:
+    """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
+    return namedtuple("Parameters", names)
 
 
 def real(value: Any, name: str, allowed: str) -> float:

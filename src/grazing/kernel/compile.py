@@ -114,7 +114,7 @@ def _inner_jit(function: FunctionType, arithmetic: str) -> Any:
 
 
 def _is_kernel(value: object) -> bool:
-    return isinstance(value, FunctionType) and value not in PRIMITIVES
+    return isinstance(value, FunctionType) and value.__name__ not in PRIMITIVES
 
 
 def _names(code: CodeType) -> set[str]:
@@ -226,6 +226,9 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None
 
         def ensure_cache_path(self) -> None:
             cache_folder()
+
+        def check_cachable(self, result: Any) -> bool:
+            return not (result.lifted or result.library.has_dynamic_globals)
 
     class ContentCache(FunctionCache):  # type: ignore[misc]
         def __init__(self, py_func: FunctionType) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 def replaced(items: tuple[float, ...], index: int, value: float) -> tuple[float, ...]:
     """Return the tuple with one item replaced; compiled code keeps it in registers."""
-    return items[:index] + (value,) + items[index + 1 :]
+    return (*items[:index], value, *items[index + 1 :])
 
 
 def power_of_two(exponent: float) -> float:
@@ -22,8 +22,8 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
     return kind(*items)
 
 
-#: Functions that have a compiled form of their own and are therefore not compiled from their source.
-PRIMITIVES = frozenset({replaced, power_of_two, built})
+#: Names of the functions that have a compiled form of their own and are not compiled from their source.
+PRIMITIVES = frozenset({"replaced", "power_of_two", "built"})
 
 
 def _register() -> None:

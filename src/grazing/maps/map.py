@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -16,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import call
 from grazing.kernel.lanes import runner, tangent_runner
 from grazing.outcome import DIVERGED, FATAL, InputError, UserCodeError
-from grazing.parameter import real, updated, whole
+from grazing.parameter import parameter_tuple, real, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
@@ -29,12 +27,6 @@ class Segment(NamedTuple):
     points: NDArray[np.float64]
     letters: NDArray[np.int64]
     outcomes: NDArray[np.int64]
-
-
-@lru_cache(maxsize=256)
-def parameter_tuple(names: tuple[str, ...]) -> type:
-    """Return the named tuple type of these fields; the same type for the same names."""
-    return namedtuple("Parameters", names)  # type: ignore[misc]  # noqa: PYI024
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +97,15 @@ class Map:
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        params = {str(name): real(value, str(name), "a finite number is allowed") for name, value in self.params.items()}
+        params = {
+            str(name): real(value, str(name), "a finite number is allowed") for name, value in self.params.items()
+        }
         box = tuple((real(low, "box", "finite ends"), real(high, "box", "finite ends")) for low, high in self.box)
         coordinates = tuple(self.coordinates)
         if len(box) != len(coordinates):
-            raise InputError(f"box has {len(box)} intervals for {len(coordinates)} coordinates; give one (low, high) each")
+            raise InputError(
+                f"box has {len(box)} intervals for {len(coordinates)} coordinates; give one (low, high) each"
+            )
         for (low, high), coordinate in zip(box, coordinates, strict=True):
             if not low < high:
                 raise InputError(f"box of {coordinate} is ({low:g}, {high:g}); the lower end must come first")
@@ -225,13 +221,16 @@ class Map:
         lanes = np.concatenate([plus, minus], axis=1)
         self.run(lanes, 1, 0)
         d = self.dimension
-        return (lanes[:, :d] - lanes[:, d:]) / (plus - minus)[np.arange(d), np.arange(d)]
+        slopes: NDArray[np.float64] = (lanes[:, :d] - lanes[:, d:]) / np.diagonal(plus - minus)
+        return slopes
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:
             start = np.atleast_1d(np.asarray(state, dtype=np.float64))
         except (TypeError, ValueError):
-            raise InputError(f"state is {state!r}; give {self.dimension} numbers ({', '.join(self.coordinates)})") from None
+            raise InputError(
+                f"state is {state!r}; give {self.dimension} numbers ({', '.join(self.coordinates)})"
+            ) from None
         if start.shape != (self.dimension,):
             raise InputError(
                 f"state has shape {start.shape}; {self.name} needs ({self.dimension},): {', '.join(self.coordinates)}"

@@ -99,7 +99,9 @@ def period_of(
 
 
 @lru_cache(maxsize=256)
-def step_of(law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]) -> Callable[..., Any]:
+def step_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
     """Return the step of the stroboscopic map for one reset law."""
     period = period_of(law, slope, contraction, False)
 

@@ -97,7 +97,9 @@ def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
     return s, y
 
 
-def piece_hit(a: Anchor, length: float, sign: float, end: float, c: Constants) -> tuple[bool, float, float, float, float, int]:
+def piece_hit(
+    a: Anchor, length: float, sign: float, end: float, c: Constants
+) -> tuple[bool, float, float, float, float, int]:
     """Follow one piece of a window: (hit, time, velocity) of its impact, else (y, v) at its end, and flags."""
     yb, vb = flight(length, a, c)
     flags = AMBIGUOUS if end >= c.T and abs(yb) <= noise(length, a, c) and vb < 0.0 else OK

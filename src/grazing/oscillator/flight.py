@@ -67,7 +67,9 @@ def divided2(a: complex, b: complex, s: float) -> complex:
     z = w * w
     if abs(z.real) + abs(z.imag) > 0.25:
         return (exp_complex(a * s) - exp_complex(b * s)) / (a - b)
-    sinhc = 1.0 + z / 6.0 * (1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0 * (1.0 + z / 110.0 * (1.0 + z / 156.0)))))
+    sinhc = 1.0 + z / 6.0 * (
+        1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0 * (1.0 + z / 110.0 * (1.0 + z / 156.0))))
+    )
     return s * exp_complex(0.5 * (a + b) * s) * sinhc
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError
-from grazing.parameter import Parameter, real
+from grazing.parameter import Parameter, parameter_tuple, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
 V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
@@ -21,12 +21,12 @@ KNOWN = {parameter.name: parameter for parameter in (R, V, TRIGGER)}
 
 def newton_law(v: float, p: Any) -> float:
     """Newton's law of restitution, equation (1.2)."""
-    return -p.r * v
+    return -p.r * v  # type: ignore[no-any-return]
 
 
 def newton_slope(v: float, p: Any) -> float:
     """Return d v_plus/d v_minus of Newton's law."""
-    return -p.r
+    return -p.r  # type: ignore[no-any-return]
 
 
 def newton_contraction(p: Any) -> tuple[float, float]:
@@ -36,7 +36,7 @@ def newton_contraction(p: Any) -> tuple[float, float]:
 
 def active_law(v: float, p: Any) -> float:
     """Active bumper, equation (1.3): restitution plus a kick."""
-    return -p.r * v + p.V
+    return -p.r * v + p.V  # type: ignore[no-any-return]
 
 
 def active_contraction(p: Any) -> tuple[float, float]:
@@ -46,7 +46,7 @@ def active_contraction(p: Any) -> tuple[float, float]:
 
 def triggered_law(v: float, p: Any) -> float:
     """Active bumper whose switch needs a minimum blow: passive below the trigger speed."""
-    return -p.r * v + (p.V if -v >= p.trigger else 0.0)
+    return -p.r * v + (p.V if -v >= p.trigger else 0.0)  # type: ignore[no-any-return]
 
 
 def triggered_contraction(p: Any) -> tuple[float, float]:
@@ -84,8 +84,8 @@ def constant_contraction(ratio: float, speed: float) -> Callable[..., tuple[floa
 class Reset:
     """A reset law with its parameters; made by :func:`newton`, :func:`active`, :func:`triggered` or :func:`reset`.
 
-    ``pieces`` lists, for a law that is affine piece by piece, the speeds where a piece begins; empty for one piece,
-    None where the law is not known to be affine.
+    ``slope`` is d v_plus/d v_minus, ``exact_slope`` says whether it is exact or a central difference; ``affine``
+    says whether the law is affine piece by piece, as closed forms need.
     """
 
     law: Callable[..., float]
@@ -236,9 +236,7 @@ def reset(
 
 def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:
     """Apply a law in plain Python and say what is wrong with its answer, if anything."""
-    from collections import namedtuple
-
-    p = namedtuple("Parameters", list(params))(*params.values())  # type: ignore[misc]  # noqa: PYI024
+    p = parameter_tuple(tuple(params))(*params.values())
     try:
         v_plus = made.law(v_minus, p)
     except Exception as error:

@@ -13,7 +13,9 @@ from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import replaced
 
 
-def series(t: float, F0: float, cos: tuple[float, ...], sin: tuple[float, ...], omega: float, theta: float) -> tuple[float, float]:
+def series(
+    t: float, F0: float, cos: tuple[float, ...], sin: tuple[float, ...], omega: float, theta: float
+) -> tuple[float, float]:
     """Return F0 + sum_j cos_j cos(j phi) + sin_j sin(j phi), phi = omega t + theta, and its derivative in t."""
     s1, c1 = sincos(omega * t + theta)
     F, dF = F0, 0.0
@@ -33,7 +35,14 @@ def free_distance(F: float, dF: float, bend: float) -> float:
 
 
 def simple_zero(
-    lo: float, hi: float, f_lo: float, F0: float, cos: tuple[float, ...], sin: tuple[float, ...], omega: float, theta: float
+    lo: float,
+    hi: float,
+    f_lo: float,
+    F0: float,
+    cos: tuple[float, ...],
+    sin: tuple[float, ...],
+    omega: float,
+    theta: float,
 ) -> float:
     """Return the zero in [lo, hi] where F changes sign once, by Newton's method kept inside the bracket."""
     t = 0.5 * (lo + hi)

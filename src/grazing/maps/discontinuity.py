@@ -1,0 +1,236 @@
+"""The zero-time discontinuity map and the local map it gives: (2.2) to (2.5) of the paper.
+
+An orbit that is about to hit at low speed is carried to the wall, reset, and carried back by the same time delta:
+a correction of the state in zero time, after which the whole period is flown as if there were no wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.maps.map import Map
+from grazing.maps.stroboscopic import above_wall, product
+from grazing.oscillator.constants import constants_of, forcing, section_phase
+from grazing.oscillator.flight import anchored, flight, modes
+from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.outcome import OK, InputError, OutsideForm
+from grazing.parameter import parameter_tuple
+
+ORDERS = ("lowest", "full")
+
+
+def time_to_wall(y: float, v: float, A: float) -> tuple[float, float]:
+    """Return (delta, sqrt(x)): the smaller root of y + v delta + A delta^2/2 = 0 and x = v^2 - 2 A y >= 0, v < 0.
+
+    The paper's delta = (-v - sqrt(x))/A, written so that A may vanish or be negative.
+    """
+    root = sqrt(max(v * v - 2.0 * A * y, 0.0))
+    return (2.0 * y / (root - v) if y > 0.0 else 0.0), root
+
+
+@lru_cache(maxsize=256)
+def correction_of(law: Callable[..., float], slope: Callable[..., float], full: bool) -> Callable[..., Any]:
+    """Return ``correction(y, v, c) -> ((y3, v3), letter, J)``, the zero-time map at local time 0."""
+
+    def correction(y: float, v: float, c: Any) -> Any:
+        F, _dF = forcing(0.0, c)
+        A = F - c.alpha * v - c.k2 * y
+        x = v * v - 2.0 * A * y
+        if not (v < 0.0 and x >= 0.0):
+            return (y, v), 0, (1.0, 0.0, 0.0, 1.0)
+        delta, root = time_to_wall(y, v, A)
+        V2 = law(-root, c.p)
+        # (2.3): V3 = V2 - delta A, with delta A = -v - sqrt(x)
+        v3 = V2 + v + root
+        y3 = -delta * V2 + 0.5 * A * delta * delta if full else y
+        # slopes in (y, v): A depends on the state, too
+        g = slope(-root, c.p)
+        A_y, A_v = -c.k2, -c.alpha
+        root_y, root_v = -(A + y * A_y) / root, (v - y * A_v) / root
+        J = (1.0, 0.0, (1.0 - g) * root_y, 1.0 + (1.0 - g) * root_v)
+        if full:
+            width = root - v
+            d_y = (2.0 - delta * root_y) / width
+            d_v = -delta * (root_v - 1.0) / width
+            pull = A * delta - V2
+            half = 0.5 * delta * delta
+            J = (
+                pull * d_y + delta * g * root_y + half * A_y,
+                pull * d_v + delta * g * root_v + half * A_v,
+                J[2],
+                J[3],
+            )
+        return (y3, v3), 1, J
+
+    return correction
+
+
+@lru_cache(maxsize=256)
+def local_map_of(
+    law: Callable[..., float], slope: Callable[..., float], full: bool, flown: bool
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return (step, tangent) of the zero-time map, followed by the period without impact if ``flown``."""
+    correction = correction_of(law, slope, full)
+
+    def tangent(state: Any, c: Any) -> Any:
+        u, v = state
+        (y, v), letter, J = correction(u - c.sigma, v, c)
+        if flown:
+            y, v = flight(c.T, anchored(0.0, y, v, c), c)
+            J = product(modes(c.T, c), J)
+        return (y + c.sigma, v), letter, OK, J
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J = tangent(state, c)
+        return new, letter, outcome
+
+    return step, tangent
+
+
+def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0.0) -> Map:
+    """Return the paper's local map: the zero-time discontinuity map, then a period without impact.
+
+    Parameters
+    ----------
+    model : Oscillator
+        Its low-velocity impact should come shortly after the section, as in the paper.
+    order : {"lowest", "full"}
+        lowest: (2.4)/(2.5), which leaves the position as it is; full: all terms of (2.2)/(2.3).
+    phase : float
+        Time of the section, from t = 0.
+
+    Returns
+    -------
+    Map
+        State (u, v); letter 1 where v^2 - 2A(u - sigma) >= 0 and v < 0, with A the acceleration at the state, else 0.
+
+    Notes
+    -----
+    (2.5) is P_T alone, not P_T after the zero-time map as printed. The acceleration after an active impact differs
+    from the one before by -alpha (v_plus - v_minus), which (2.2)/(2.3) neglect: for V > 0 and alpha > 0 the error
+    of the full form is therefore of first order in delta in v and of second order in u; of the lowest form, of
+    first order in u and v. For V = 0 all orders are one higher.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, equations (2.2) to (2.5).
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> m = gz.pinball(alpha=3, k=1, omega=2.1, t0=2.2, r=0.8, d=0.11, V=0.2)
+    >>> Z = gz.discontinuity_map(m)
+    >>> Z((0.030, -0.23))[1], Z((0.045, -0.23))[1]
+    (1, 0)
+    """
+    return _local_map(model, order, phase, flown=True)
+
+
+def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
+    """Return the zero-time discontinuity map alone, (U0, V0) to (U3, V3), without the period that follows.
+
+    Parameters
+    ----------
+    model : Oscillator
+    order : {"lowest", "full"}
+        See :func:`discontinuity_map`.
+    phase : float
+        Time of the section, from t = 0.
+
+    Returns
+    -------
+    Map
+        State (u, v); the identity where no impact follows.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.zdm(gz.pinball())((0.5, 0.1))
+    (array([0.5, 0.1]), 0)
+    """
+    return _local_map(model, order, phase, flown=False)
+
+
+def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
+    if order not in ORDERS:
+        raise InputError(f"order is {order!r}; allowed are 'lowest' (2.4)/(2.5) and 'full' (2.2)/(2.3)")
+    law = model.reset
+    step, tangent = local_map_of(law.law, law.slope, order == "full", flown)
+
+    def again(values: dict[str, Any]) -> Map:
+        own = {name: value for name, value in values.items() if name != "phase"}
+        return _local_map(model.replace(**own), order, values["phase"], flown)
+
+    return Map(
+        step,
+        params={**model.params, "phase": describe_parameter("phase").check(phase)},
+        coordinates=("u", "v"),
+        box=((model.sigma, model.sigma + 0.1), (-0.3, 0.3)),
+        prepare=constants_of(model.harmonics, section_phase),
+        tangent=tangent,
+        name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",
+        check=above_wall if not flown else None,
+        source=again,
+    )
+
+
+class ZeroTime(NamedTuple):
+    """The zero-time map of one state: points (4, 2), rows (U0, V0) to (U3, V3); delta; A; x = v^2 - 2A(u - sigma)."""
+
+    points: NDArray[np.float64]
+    delta: float
+    acceleration: float
+    x: float
+
+
+def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroTime:
+    """Return the four points of the zero-time discontinuity map, as in Figure 2.1.
+
+    Parameters
+    ----------
+    model : Oscillator
+    state : array_like, shape (2,)
+        (U0, V0) with U0 >= sigma, V0 < 0 and V0^2 >= 2A(U0 - sigma): the flight reaches the wall.
+    phase : float
+        Time of the section, from t = 0.
+
+    Returns
+    -------
+    ZeroTime
+
+    Raises
+    ------
+    OutsideForm
+        Where the quadratic flight does not reach the wall.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> four = gz.zdm_points(gz.pinball(d=0.12), (0.02, -0.3))
+    >>> float(four.points[1, 0]), round(float(four.points[2, 1] + 0.8 * four.points[1, 1]), 12)
+    (0.0, 0.4)
+    """
+    u, v = (float(x) for x in np.asarray(state, dtype=np.float64))
+    above_wall((u, v), model.params)
+    params = {**model.params, "phase": describe_parameter("phase").check(phase)}
+    p = parameter_tuple(tuple(params))(*params.values())
+    c = constants_of(model.harmonics, section_phase)(p)
+    y = u - model.sigma
+    A = forcing(0.0, c)[0] - c.alpha * v - c.k2 * y
+    x = v * v - 2.0 * A * y
+    if not (v < 0.0 and x >= 0.0):
+        raise OutsideForm(
+            f"no impact follows from (u, v) = ({u:g}, {v:g}): v = {v:g} must be negative and "
+            f"v^2 - 2A(u - sigma) = {x:g} must not"
+        )
+    delta, root = time_to_wall(y, v, A)
+    V2 = model.reset.law(-root, p)
+    U3 = -delta * V2 + 0.5 * A * delta * delta
+    rows = [(y, v), (0.0, -root), (0.0, V2), (U3, V2 - delta * A)]
+    return ZeroTime(np.array(rows) + np.array([model.sigma, 0.0]), delta, A, x)

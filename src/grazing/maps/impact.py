@@ -1,0 +1,134 @@
+"""The impact map: from just after one impact to just after the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import nan
+from typing import Any
+
+from grazing.maps.map import Map
+from grazing.oscillator.constants import constants_of, forcing
+from grazing.oscillator.contact import FLIES, LIES, departure_of, next_contact
+from grazing.oscillator.flight import modes
+from grazing.oscillator.model import Oscillator
+from grazing.outcome import BAD_LAW, NO_IMPACT, OK, InputError
+
+#: Periods without an impact after which the step gives up by name.
+MAX_PERIODS = 1000
+INFINITY = float("inf")
+
+
+@lru_cache(maxsize=256)
+def return_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for one reset law."""
+    departure = departure_of(law, contraction)
+
+    def tangent(state: Any, c: Any) -> Any:
+        tau, w = state
+        lost = (nan, nan, nan, nan)
+        if not (0.0 <= w < INFINITY and abs(tau) < INFINITY):
+            return (nan, nan), 0, (OK if w != w or tau != tau else BAD_LAW), lost
+        t = tau - c.T * (tau // c.T)
+        start, launch = t, w
+        i, y, v, strobes, outcome, smooth = 0, 0.0, w, 0, OK, True
+        rests = w == 0.0
+        while strobes <= MAX_PERIODS:
+            if not rests:
+                hit, t, y, v, i, flags = next_contact(t, y, v, i, c)
+                outcome |= flags
+            if rests or hit:
+                arrived = v
+                kind, t, v, i, flags = departure(t, arrived, i, INFINITY, c)
+                outcome |= flags
+                if flags & BAD_LAW:
+                    return (nan, nan), strobes, outcome, lost
+                y = 0.0
+                smooth = smooth and kind == FLIES
+                # a ball released at rest, or lifted off at once, has made no impact of its own yet
+                if kind != LIES and (not rests or kind != FLIES):
+                    J = (
+                        derivative(start, launch, t + strobes * c.T, arrived, slope(arrived, c.p), c)
+                        if smooth
+                        else (0.0, 0.0, 0.0, 0.0)
+                    )
+                    return (t, v), strobes, outcome, J
+                rests = False
+            if t >= c.T:
+                t, i, strobes = 0.0, 0, strobes + 1
+                rests = y == 0.0 and v == 0.0
+        return (nan, nan), strobes, outcome | NO_IMPACT, lost
+
+    return tangent
+
+
+def derivative(start: float, w: float, end: float, v: float, g: float, c: Any) -> Any:
+    """Return the Jacobian of (tau, w) -> (tau', w') from the flight between the impacts; g = law'(v). NaN for v = 0."""
+    if v == 0.0:
+        return nan, nan, nan, nan
+    E11, E12, E21, E22 = modes(end - start, c)
+    F0, _dF0 = forcing(start, c)
+    F1, _dF1 = forcing(end - c.T * (end // c.T), c)
+    lift, fall = F0 - c.alpha * w, F1 - c.alpha * v
+    # starting later by dtau is starting at (-w dtau, -lift dtau) in the flight's own time
+    y_tau, v_tau = -(E11 * w + E12 * lift), -(E21 * w + E22 * lift)
+    tau_tau, tau_w = -y_tau / v, -E12 / v
+    return tau_tau, tau_w, g * (v_tau + fall * tau_tau), g * (E22 + fall * tau_w)
+
+
+@lru_cache(maxsize=256)
+def return_step_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return the step of the impact map for one reset law."""
+    tangent = return_of(law, slope, contraction)
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J = tangent(state, c)
+        return new, letter, outcome
+
+    return step
+
+
+def leaves_wall(state: Any, params: Any) -> None:
+    """Raise InputError for a velocity into the wall."""
+    if state[1] < 0.0:
+        raise InputError(f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0")
+
+
+def impact_map(model: Oscillator) -> Map:
+    """Return the oscillator as a map from one impact to the next.
+
+    Parameters
+    ----------
+    model : Oscillator
+
+    Returns
+    -------
+    Map
+        State (tau, v_plus): the phase in [0, T), measured from t = 0, and the velocity just after an impact. The
+        letter counts the strobes t = nT crossed on the way. After completed chatter or sticking the state is the
+        release: (time of release, 0). Without an impact in 1000 periods the outcome is *no_impact*.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> Q = gz.impact_map(gz.pinball(d=0.12, V=0.4))
+    >>> orbit = Q.iterate((0.0, 0.5), 50)
+    >>> bool(abs(orbit[-1] - orbit[-2]).max() < 1e-12)
+    True
+    """
+    law = model.reset
+    return Map(
+        return_step_of(law.law, law.slope, law.contraction),
+        params=model.params,
+        coordinates=("tau", "v_plus"),
+        box=((0.0, model.period), (0.0, 1.0)),
+        prepare=constants_of(model.harmonics),
+        tangent=return_of(law.law, law.slope, law.contraction),
+        name="impact map",
+        check=leaves_wall,
+        source=lambda values: impact_map(model.replace(**values)),
+    )

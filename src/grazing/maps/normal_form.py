@@ -1,0 +1,308 @@
+"""From a physical model to the normal form: the gap map (2.6) at the graze of the steady response."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.primitives import replaced
+from grazing.maps.gap import gap_map
+from grazing.maps.map import Map
+from grazing.oscillator.constants import Constants, constants_of, forcing, steady_response
+from grazing.oscillator.flight import modes
+from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.windows import window_edges
+from grazing.outcome import OK, InputError, OutsideForm
+from grazing.parameter import parameter_tuple, unknown
+
+
+def constants(model: Oscillator) -> Constants:
+    """Return the constants of a model at local time t = 0, in plain Python."""
+    kind = parameter_tuple(tuple(model.params))
+    return constants_of(model.harmonics)(kind(*model.params.values()))  # type: ignore[no-any-return]
+
+
+def steady_minimum(model: Oscillator) -> tuple[float, float]:
+    """Return (time in [0, T), height above the wall) of the lowest point of the steady response without impacts.
+
+    Raises
+    ------
+    OutsideForm
+        If there is no attracting steady response: alpha = 0, or k = 0 with a constant force.
+    """
+    c = constants(model)
+    if c.alpha == 0.0:
+        raise OutsideForm("alpha = 0: without damping no steady response attracts; the graze needs alpha > 0")
+    if c.k2 == 0.0 and c.F0 != 0.0:
+        raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
+    # zeros of Y': the derivative is a series of its own
+    cos, sin, bend = c.hc, c.hs, 0.0
+    for j in range(len(c.hc)):
+        W = (j + 1) * c.omega
+        cos, sin = replaced(cos, j, W * c.hs[j]), replaced(sin, j, -W * c.hc[j])
+        bend += W**3 * sqrt(c.hc[j] ** 2 + c.hs[j] ** 2)
+    edges, _first = window_edges(0.0, cos, sin, c.omega, c.theta, c.T, bend, (0.0,) * len(c.edges))
+    times = [t for t in edges if t < c.T]
+    heights = [steady_response(t, c)[0] for t in times]
+    best = int(np.argmin(heights))
+    return times[best], heights[best]
+
+
+def clearance_of(model: Oscillator, name: str) -> Callable[[float], float]:
+    """Return the height of the steady response's lowest point as a function of one parameter."""
+    return lambda value: steady_minimum(model.replace(**{name: value}))[1]
+
+
+def true_graze(model: Oscillator, name: str) -> float:
+    """Return the value of a parameter, the nearest one to the model's, at which the steady response grazes the wall.
+
+    Parameters
+    ----------
+    model : Oscillator
+    name : str
+        A parameter on which the steady response depends.
+
+    Raises
+    ------
+    OutsideForm
+        If no graze is found within the parameter's range (searched outwards to 1000 times the present value).
+    """
+    from scipy.optimize import brentq
+
+    if name not in model.params:
+        raise unknown(name, model.params, "the model")
+    clearance = clearance_of(model, name)
+    now = model.params[name]
+    here = clearance(now)
+    if here == 0.0:
+        return now
+    if name in model.reset.params or name == "t0":
+        raise OutsideForm(f"the graze does not depend on {name}; vary a parameter of the flight, such as the offset")
+    known = describe_parameter(name)
+    low = known.low if known.low > -inf else now - 1e3 * max(1.0, abs(now))
+    high = known.high if known.high < inf else now + 1e3 * max(1.0, abs(now))
+    inner = [now, now]
+    width = 1e-3 * max(abs(now), 1e-2)
+    while inner[0] > low or inner[1] < high:
+        for side, edge in ((0, max(low, now - width)), (1, min(high, now + width))):
+            if edge == inner[side] or (edge == known.low and known.open == "low"):
+                continue
+            try:
+                there = clearance(edge)
+            except OutsideForm:
+                continue
+            if (there > 0.0) != (here > 0.0):
+                return float(brentq(clearance, *sorted((inner[side], edge)), xtol=1e-300, rtol=8.9e-16))
+            inner[side] = edge
+        if width > 2e3 * max(1.0, abs(now)):
+            break
+        width *= 1.3
+    raise OutsideForm(
+        f"no graze of the steady response found for {name} in [{low:g}, {high:g}] around {now:g}; "
+        "vary another parameter, or start nearer"
+    )
+
+
+@dataclass(frozen=True)
+class NormalForm:
+    """The reduction of a model near its graze; made by :func:`normal_form`.
+
+    Attributes
+    ----------
+    model : Oscillator
+        The model at the graze.
+    name : str
+        The parameter that unfolds the graze.
+    graze : float
+        Its value at the graze.
+    time : float
+        Phase in [0, T) at which the steady response touches the wall.
+    acceleration : float
+        A > 0, the acceleration there.
+    lam, l, b : float
+        Trace of exp(BT); V/(2 A b (1+r)^2); upper right entry of exp(BT).
+    det : float
+        exp(-alpha T): what the one-dimensional map neglects.
+    scale : float
+        (2 A b (1+r))^2; x = v^2 - 2A(u - sigma) is scale times the gap map's x.
+    r, V : float
+        The law near zero speed: v_plus = -r v_minus + V.
+    """
+
+    model: Oscillator
+    name: str
+    graze: float
+    time: float
+    acceleration: float
+    lam: float
+    l: float
+    b: float
+    det: float
+    scale: float
+    r: float
+    V: float
+    entries: tuple[float, float, float, float]
+
+    def __repr__(self) -> str:
+        where = f"{self.name}={self.graze:.10g}"
+        return f"<NormalForm {where} at the graze: lam={self.lam:.6g}, l={self.l:.6g}, b={self.b:.6g}>"
+
+    def mu(self, value: ArrayLike) -> Any:
+        """Return μ for values of the parameter: -(height of the steady response) det(I - exp(BT))/(2 A b^2 (1+r)^2).
+
+        This is the paper's [(d g1 - b g2) - g1]/(2 A b^2 (1+r)^2), since g = (I - exp(BT)) w at the steady state w.
+        """
+        clearance = clearance_of(self.model, self.name)
+        factor = -(1.0 - self.lam + self.det) / (2.0 * self.acceleration * self.b**2 * (1.0 + self.r) ** 2)
+        if np.ndim(value) == 0:
+            return factor * clearance(float(np.asarray(value)))
+        return np.array([factor * clearance(float(x)) for x in np.asarray(value).ravel()]).reshape(np.shape(value))
+
+    def parameter(self, mu: float) -> float:
+        """Return the value of the parameter at which μ is ``mu``, on the branch through the graze."""
+        from scipy.optimize import brentq
+
+        if mu == 0.0:
+            return self.graze
+        h = 1e-4 * max(1.0, abs(self.graze))
+        slope = (self.mu(self.graze + h) - self.mu(self.graze - h)) / (2.0 * h)
+        if slope == 0.0:
+            raise OutsideForm(f"μ does not change with {self.name} at the graze; vary another parameter")
+        far = self.graze + mu / slope
+        for factor in (1.0 + 1e-9, 1.05, 1.3, 2.0, 4.0):
+            edge = self.graze + factor * (far - self.graze)
+            try:
+                if (self.mu(edge) - mu) * mu >= 0.0:
+                    return float(
+                        brentq(lambda x: self.mu(x) - mu, *sorted((self.graze, edge)), xtol=1e-300, rtol=8.9e-16)
+                    )
+            except (InputError, OutsideForm):
+                break
+        raise OutsideForm(f"no value of {self.name} near the graze {self.graze:g} gives μ = {mu:g}")
+
+    def gap_map(self, value: float | None = None) -> Map:
+        """Return the gap map (2.6) at a parameter value (default: the graze).
+
+        Raises
+        ------
+        OutsideForm
+            If b <= 0: the square root then enters with the other sign, outside (2.6).
+        """
+        if self.b <= 0.0:
+            raise OutsideForm(
+                f"b = {self.b:g} <= 0: the square root enters with a plus sign, outside the gap map (2.6); use xy_map()"
+            )
+        return gap_map(self.lam, self.mu(self.graze if value is None else value), self.l)
+
+    def to_xy(self, states: ArrayLike) -> NDArray[np.float64]:
+        """Return (x, y) of states (u, v) at the section through the graze, shape (..., 2).
+
+        x = v^2 - 2A(u - sigma); y = -[d x + 2Abv + 2A(d g1 - b g2)]: x_{n+1} = λ x_n + y_n + 2A[(d g1 - b g2) - g1]
+        up to the v^2 that the image's x neglects.
+        """
+        w = np.asarray(states, dtype=np.float64)
+        _a, b, _c, d = self.entries
+        g1, g2 = self._drift(self.model)
+        A = self.acceleration
+        x = w[..., 1] ** 2 - 2.0 * A * (w[..., 0] - self.model.sigma)
+        return np.stack([x, -(d * x + 2.0 * A * b * w[..., 1] + 2.0 * A * (d * g1 - b * g2))], axis=-1)
+
+    def from_xy(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return the states (u, v) of points (x, y); the inverse of :meth:`to_xy`."""
+        q = np.asarray(points, dtype=np.float64)
+        _a, b, _c, d = self.entries
+        g1, g2 = self._drift(self.model)
+        A = self.acceleration
+        v = -(q[..., 1] + d * q[..., 0] + 2.0 * A * (d * g1 - b * g2)) / (2.0 * A * b)
+        return np.stack([(v * v - q[..., 0]) / (2.0 * A) + self.model.sigma, v], axis=-1)
+
+    def _drift(self, model: Oscillator) -> tuple[float, float]:
+        """Return (g1, g2) of the period without impact, for y = u - sigma, at the phase of the graze."""
+        y, v = steady_response(self.time, constants(model))
+        a, b, c, d = self.entries
+        return y - a * y - b * v, v - c * y - d * v
+
+    def xy_map(self, value: float | None = None) -> Map:
+        """Return the two-dimensional map in (x, y) that the gap map comes from; any sign of b and λ.
+
+        x' = λ x + y + ρ, y' = -det x; for x >= 0 less 2Ab((1+r) sqrt(x) + V). The gap map drops y, and λ x for x >= 0.
+        """
+        rho = self.mu(self.graze if value is None else value) * self.scale
+        kick = 2.0 * self.acceleration * self.b
+        return Map(
+            xy_step,
+            params={
+                "lam": self.lam, "det": self.det, "rho": rho,
+                "root": kick * (1.0 + self.r), "jump": kick * self.V,
+            },
+            coordinates=("x", "y"),
+            box=((-self.scale, self.scale), (-self.scale, self.scale)),
+            letters="LR",
+            name="(x, y) map",
+        )  # fmt: skip
+
+
+def xy_step(state: Any, p: Any) -> Any:
+    """Apply the two-dimensional square-root map once: letter 0 (L) for x < 0, 1 (R) for x >= 0."""
+    x, y = state
+    hit = p.root * sqrt(max(x, 0.0)) + p.jump
+    return (p.lam * x + y + p.rho - (0.0 if x < 0.0 else hit), -p.det * x), (0 if x < 0.0 else 1), OK
+
+
+def normal_form(model: Oscillator, name: str) -> NormalForm:
+    """Reduce a model near the graze of its steady response to the gap map: λ, l and μ as a function of a parameter.
+
+    Parameters
+    ----------
+    model : Oscillator
+        Any damped model with a steady response.
+    name : str
+        The parameter to unfold the graze with, such as ``"d"`` or ``"omega"``.
+
+    Returns
+    -------
+    NormalForm
+        Found at the true graze: the value of the parameter and the phase at which the steady response touches the
+        wall, with the acceleration there.
+
+    Raises
+    ------
+    OutsideForm
+        Without a steady response, without a graze, or with zero acceleration at the graze.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, section 2.2; the printed parameters of Figure 3.2 take
+    cos(omega t0) for the acceleration, which is not the acceleration at the graze.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> nf = gz.normal_form(gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4), "d")
+    >>> round(nf.graze, 10), round(nf.lam, 6), round(nf.l, 6), round(nf.acceleration, 6)
+    (0.1309618694, 0.336482, 0.649353, 0.633855)
+    """
+    value = true_graze(model, name)
+    at = model.replace(**{name: value})
+    c = constants(at)
+    time, _height = steady_minimum(at)
+    A, _dF = forcing(time, c)
+    A -= c.alpha * steady_response(time, c)[1]
+    if A <= 1e-12 * c.size:
+        raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
+    a, b, e21, d = modes(c.T, c)
+    r = -at.reset.slope(-1e-9, c.p)
+    V = at.reset.law(0.0, c.p)
+    stretch = 1.0 + r
+    if b == 0.0:
+        raise OutsideForm("b = 0: the square root drops out, outside the normal form")
+    return NormalForm(
+        model=at, name=name, graze=value, time=time, acceleration=A,
+        lam=a + d, l=V / (2.0 * A * b * stretch**2), b=b, det=a * d - b * e21,
+        scale=(2.0 * A * b * stretch) ** 2, r=r, V=V, entries=(a, b, e21, d),
+    )  # fmt: skip

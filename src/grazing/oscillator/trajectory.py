@@ -1,0 +1,251 @@
+"""Trajectories: flights and impacts in continuous time, every impact located, none sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.contact import FLIES, departure_of, next_contact
+from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.model import Oscillator
+from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, TOO_MANY_IMPACTS, InputError, Trust, UserCodeError, describe
+from grazing.parameter import parameter_tuple, real, whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Chatter is followed impact by impact down to this fraction of its first speed, then completed in closed form.
+PATIENCE = 1e-6
+CAPACITY = 4096
+INFINITY = float("inf")
+# columns of a leg
+PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG = range(9)
+
+
+@lru_cache(maxsize=64)
+def recorder_of(
+    law: Callable[..., float], contraction: Callable[..., Any], prepare: Callable[..., Any], kind: type
+) -> Callable[..., int]:
+    """Compile ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
+
+    ``state`` holds (periods, t, y, v, window, fastest, in the air) and is moved along, so the call can be repeated.
+    A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
+    impact.
+    """
+    departure = departure_of(law, contraction)
+    unpack = unpacker(kind)
+
+    def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
+        c = prepare(unpack(row))
+        n, t, y, v, i = int(state[0]), state[1], state[2], state[3], int(state[4])
+        fastest, grounded = state[5], state[6] == 0.0
+        count = 0
+        while count + 2 < legs.shape[0] and n * c.T + t < until:
+            start, y0, v0, flags = t, y, v, 0
+            hit = grounded and y == 0.0 and v <= 0.0
+            if not hit:
+                hit, t, y, v, i, flags = next_contact(t, y, v, i, c)
+            leg = legs[count]
+            leg[0], leg[1], leg[2], leg[3], leg[4] = n, start, y0, v0, t
+            leg[5], leg[6] = np.nan, np.nan
+            count += 1
+            if hit:
+                arrived, landed = v, t
+                kind, t, v, i, said = departure(t, arrived, i, patience * fastest, c)
+                flags |= said
+                y = 0.0
+                if arrived < 0.0 or v > 0.0:
+                    leg[5], leg[6] = arrived, v
+                fastest = max(fastest, v) if kind == FLIES else 0.0
+                if said & BAD_LAW:
+                    leg[7], leg[8] = flags, v
+                    break
+                if kind != FLIES:
+                    rest = legs[count]
+                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, landed, 0.0, 0.0, t
+                    rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
+                    count += 1
+            leg[7], leg[8] = flags, 0.0
+            if t >= c.T:
+                n, t, i, fastest = n + 1, 0.0, 0, 0.0
+            grounded = t == 0.0  # only at a strobe can the ball be on the wall with its contact still to come
+        state[0], state[1], state[2], state[3], state[4], state[5] = n, t, y, v, i, fastest
+        state[6] = 0.0 if grounded else 1.0
+        return count
+
+    return compiled(record)
+
+
+@lru_cache(maxsize=64)
+def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
+    """Compile ``sample(row, leg, s, u, v)``: position and velocity at times s after the start of a flight."""
+    unpack = unpacker(kind)
+
+    def sample(row: Any, leg: Any, s: Any, u: Any, v: Any) -> None:
+        c = prepare(unpack(row))
+        a = anchored(leg[1], leg[2], leg[3], c)
+        for j in range(s.shape[0]):
+            y, w = flight(s[j], a, c)
+            u[j], v[j] = max(y, 0.0) + c.sigma, w
+
+    return compiled(sample)
+
+
+def parameters_of(model: Oscillator, phase: float) -> tuple[type, NDArray[np.float64]]:
+    """Return the named tuple type and the row of a model's parameters with the section's phase appended."""
+    params = {**model.params, "phase": phase}
+    return parameter_tuple(tuple(params)), np.array(list(params.values()), dtype=np.float64)
+
+
+def flown_legs(
+    model: Oscillator, state: tuple[float, float], start: float, until: float, limit: int
+) -> NDArray[np.float64]:
+    """Return all legs of a trajectory, shape (legs, 9), columns as named at the top of this file."""
+    law = model.reset
+    kind, row = parameters_of(model, start)
+    prepare = constants_of(model.harmonics, section_phase)
+    record = recorder_of(law.law, law.contraction, prepare, kind)
+    now = np.array([0.0, 0.0, state[0] - model.sigma, state[1], 0.0, 0.0, 0.0])
+    tables = []
+    total = 0
+    while now[0] * model.period + now[1] < until - start:
+        legs = np.zeros((CAPACITY, 9))
+        count = call(record, row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
+        tables.append(legs[:count])
+        total += count
+        bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
+        if bad.size:
+            raise UserCodeError(
+                f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
+                f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "
+                "allowed is a finite v_plus >= 0, away from the wall"
+            )
+        if total > limit:
+            raise InputError(
+                f"more than {limit} flights up to t = {start + now[0] * model.period + now[1]:g}: "
+                f"{describe(TOO_MANY_IMPACTS)}"
+            )
+    return np.concatenate(tables)
+
+
+def trajectory(
+    model: Oscillator,
+    state: ArrayLike,
+    start: float = 0.0,
+    until: float = 50.0,
+    samples: int = 200,
+) -> xr.Dataset:
+    """Follow the ball in continuous time.
+
+    Parameters
+    ----------
+    model : Oscillator
+    state : array_like, shape (2,)
+        (u, v) at time ``start``, u >= sigma. At u = sigma with v < 0 the ball is hit at once.
+    start, until : float
+        Time interval, until > start.
+    samples : int
+        Points per forcing period, at least 2; each flight also has its two ends, so that velocities jump where
+        they do. Impacts do not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``trust``, one word:
+        *certified* or *ambiguous*. Chatter is listed down to 1e-6 of its first speed and then completed.
+
+    Raises
+    ------
+    InputError
+        For a ball inside the wall, an empty or reversed interval, or more impacts than can be listed.
+    UserCodeError
+        For a reset law that returns what it must not.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> tr = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
+    >>> tr.sizes["impact"], str(tr.trust.item())
+    (2, 'certified')
+    """
+    import xarray as xr
+
+    start = real(start, "start", "a finite time is allowed")
+    until = real(until, "until", "a finite time is allowed")
+    samples = whole(samples, "samples", 2)
+    if not until > start:
+        raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
+    u, v = _start(state, model)
+    limit = 200_000
+    legs = flown_legs(model, (u, v), start, until, limit)
+    times, us, vs = _sampled(model, legs, start, until, samples)
+    ends = start + legs[:, PERIOD] * model.period + legs[:, END]
+    hits = ~np.isnan(legs[:, V_MINUS]) & (ends <= until)
+    flags = int(np.bitwise_or.reduce(legs[:, FLAGS].astype(int)))
+    trust = Trust.ambiguous if flags & AMBIGUOUS else Trust.certified
+    result = xr.Dataset(
+        {
+            "u": ("t", us, {"long_name": "position", "units": "1", "symbol": "u"}),
+            "v": ("t", vs, {"long_name": "velocity", "units": "1", "symbol": "v"}),
+            "impact_time": ("impact", ends[hits], {"long_name": "time of impact", "units": "1", "symbol": "t"}),
+            "v_minus": ("impact", legs[hits, V_MINUS], {"long_name": "velocity before", "units": "1", "symbol": "v^-"}),
+            "v_plus": ("impact", legs[hits, V_PLUS], {"long_name": "velocity after", "units": "1", "symbol": "v^+"}),
+            "trust": ((), trust.value),
+        },
+        coords={"t": ("t", times, {"long_name": "time", "units": "1", "symbol": "t"})},
+    )
+    result.attrs = {
+        "title": f"trajectory of {model!r}",
+        "grazing_outcome": flags,
+        "chatter": int(bool(flags & CHATTER)),
+        **{f"parameter_{name}": value for name, value in model.params.items()},
+    }
+    return result
+
+
+def _start(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
+    try:
+        u, v = (
+            real(x, name, "any finite number is allowed")
+            for x, name in zip(np.asarray(state).tolist(), "uv", strict=True)
+        )
+    except (TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"state is {state!r}; give two numbers (u, v)") from None
+    if u < model.sigma:
+        raise InputError(f"the ball starts inside the wall: u = {u:g}, sigma = {model.sigma:g}; start with u >= sigma")
+    return u, v
+
+
+def _sampled(
+    model: Oscillator, legs: NDArray[np.float64], start: float, until: float, samples: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return times, positions and velocities along the legs, both ends of every leg included."""
+    kind, row = parameters_of(model, start)
+    sample = sampler_of(constants_of(model.harmonics, section_phase), kind)
+    times, us, vs = [], [], []
+    for leg in legs:
+        origin = start + leg[PERIOD] * model.period
+        length = min(leg[END], until - origin) - leg[START]
+        if length < 0.0:
+            continue
+        s = np.linspace(0.0, length, max(2, ceil(samples * length / model.period) + 1))
+        u, v = np.full_like(s, model.sigma), np.zeros_like(s)
+        if leg[LEG] == 0.0:
+            sample(row, leg, s, u, v)
+            u[0], v[0] = leg[Y] + model.sigma, leg[V]
+            if not np.isnan(leg[V_MINUS]) and length == leg[END] - leg[START]:
+                u[-1], v[-1] = model.sigma, leg[V_MINUS]
+        times.append(origin + leg[START] + s)
+        us.append(u)
+        vs.append(v)
+    return np.concatenate(times), np.concatenate(us), np.concatenate(vs)

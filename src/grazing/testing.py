@@ -1,0 +1,214 @@
+"""Laws that every map and every model must keep: for what we ship, and for yours.
+
+``check_map`` and ``check_model`` raise AssertionError with the law that failed and the state at which it did.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.impact import impact_map
+from grazing.maps.map import Map
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import checked_velocity
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, STUCK
+from grazing.parameter import parameter_tuple
+
+#: Outcomes at which a map need not be smooth.
+_ROUGH = FATAL | AMBIGUOUS | GRAZE | STUCK
+
+
+def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
+    """Hold a map to the laws of the protocol.
+
+    Parameters
+    ----------
+    P : Map
+        Any map; states are drawn from its box.
+    states : int
+        How many.
+    steps : int
+        How far each is followed.
+    seed : int
+
+    Raises
+    ------
+    AssertionError
+        Names the law and the state. The laws: compiled code gives the bits of the plain Python step; n steps are n
+        times one step; results do not depend on how many orbits run side by side; ``replace`` keeps what it does
+        not change; the Jacobian agrees with central differences wherever the letter is locally constant; a ``block``
+        twin agrees with the step.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.testing.check_map(gz.gap_map(lam=0.5, mu=0.1, l=0.2))
+    """
+    starts = _starts(P, states, seed)
+    _check_bits(P, starts, steps)
+    _check_lanes(P, starts, steps)
+    again = P.replace(**P.params)
+    assert dict(again.params) == dict(P.params), f"{P.name}: replace() with the same values changed the parameters"
+    assert _equal(again.iterate(starts[0], steps), P.iterate(starts[0], steps)), f"{P.name}: replace() changed the map"
+    for start in starts:
+        _check_jacobian(P, start)
+    if P.block is not None:
+        _check_block(P, starts, steps)
+
+
+def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: int = 0) -> None:
+    """Hold a model to the laws of motion.
+
+    Parameters
+    ----------
+    model : Oscillator
+    states : int
+        Random starts.
+    periods : int
+        How long each is followed.
+    seed : int
+
+    Raises
+    ------
+    AssertionError
+        Names the law and the start. The laws: the ball is never inside the wall; every impact is at the wall, moves
+        towards it before and away after, as the reset law says; between impacts the equation of motion holds;
+        the stroboscopic map and the trajectory agree; so do the impact map and the list of impacts; both section
+        maps keep the laws of :func:`check_map`.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.testing.check_model(gz.pinball(d=0.1), states=3)
+    """
+    P, Q = stroboscopic_map(model), impact_map(model)
+    check_map(P, states, min(periods, 6), seed)
+    check_map(Q, states, 3, seed)
+    for start in _starts(P, states, seed):
+        flown = trajectory(model, start, until=periods * model.period)
+        said = f"{model!r}, start {start.tolist()}"
+        assert float(flown.u.min()) >= model.sigma, f"{said}: the ball is inside the wall, u = {float(flown.u.min())}"
+        _check_impacts(model, flown, said)
+        _check_motion(model, flown, said)
+        orbit = P.orbit(start, periods)
+        if not np.bitwise_or.reduce(orbit.outcomes) & _ROUGH:
+            end = np.array([flown.u.values[-1], flown.v.values[-1]])
+            grown = np.abs(orbit.points).max() + 1.0
+            for i in range(periods):
+                grown *= max(1.0, float(np.linalg.norm(P.jacobian(orbit.points[i]), 2)))
+            error = float(np.abs(end - orbit.points[-1]).max())
+            assert error <= 1e-13 * grown, f"{said}: trajectory and stroboscopic map differ by {error:.1e}"
+            _check_returns(model, Q, flown, said)
+
+
+def _starts(P: Map, n: int, seed: int) -> NDArray[np.float64]:
+    box = np.array(P.box)
+    return np.random.default_rng(seed).uniform(box[:, 0], box[:, 1], (n, P.dimension))
+
+
+def _equal(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))
+
+
+def _check_bits(P: Map, starts: NDArray[np.float64], steps: int) -> None:
+    p = parameter_tuple(tuple(P.params))(*P.params.values())
+    c = P.prepare(p) if P.prepare is not None else p
+    for start in starts:
+        orbit = P.orbit(start, steps)
+        state: Any = tuple(start.tolist())
+        for i in range(steps):
+            state, letter, outcome = P._full_step(state, c)
+            said = f"{P.name}: compiled and plain step differ at step {i + 1} from {start.tolist()}"
+            assert _equal(np.array(state, dtype=np.float64), orbit.points[i + 1]), said
+            assert letter == orbit.letters[i], said
+            if outcome & FATAL or not np.isfinite(state).all():
+                break
+            assert outcome == orbit.outcomes[i], said
+
+
+def _check_lanes(P: Map, starts: NDArray[np.float64], steps: int) -> None:
+    many = np.repeat(starts, 6, axis=0).T.copy()  # more than one block, and a rest
+    points, letters, _outcomes = P.run(many, 0, steps)
+    for i, start in enumerate(starts):
+        alone = P.orbit(start, steps)
+        said = f"{P.name}: the orbit from {start.tolist()} depends on its neighbours"
+        for copy in (6 * i, 6 * i + 5):
+            assert _equal(points[:, :, copy], alone.points[1:]), said
+            assert _equal(letters[:, copy], alone.letters), said
+
+
+def _check_jacobian(P: Map, start: NDArray[np.float64]) -> None:
+    if P.tangent is None:
+        return
+    slopes = P.jacobian(start)
+    h = 2e-5 * np.maximum(1.0, np.abs(start))
+    near = [P.orbit(start + sign * np.diag(h)[i], 1) for i in range(P.dimension) for sign in (-1.0, 1.0)]
+    here = P.orbit(start, 1)
+    rough = any(one.outcomes[0] & _ROUGH or one.letters[0] != here.letters[0] for one in [here, *near])
+    if rough or not np.isfinite(slopes).all():
+        return
+    # a second difference measures how far the central difference can be trusted
+    columns, bends = [], []
+    for i in range(P.dimension):
+        low, high = near[2 * i].points[1], near[2 * i + 1].points[1]
+        columns.append((high - low) / (2.0 * h[i]))
+        bends.append(np.abs(high - 2.0 * here.points[1] + low) / h[i])
+    differences, bend = np.array(columns).T, np.array(bends).T
+    allowed = 1e-6 * (1.0 + np.abs(slopes).max()) + bend
+    wrong = np.abs(differences - slopes) > allowed
+    assert not wrong.any(), (
+        f"{P.name}: Jacobian {slopes.tolist()} at {start.tolist()}, central differences {differences.tolist()}"
+    )
+
+
+def _check_block(P: Map, starts: NDArray[np.float64], steps: int) -> None:
+    assert P.block is not None
+    blocked = P.block(starts.T.copy(), P.params, steps)
+    for i, start in enumerate(starts):
+        error = float(np.abs(blocked[:, i] - P.iterate(start, steps)[-1]).max())
+        assert error <= 1e-12, f"{P.name}: block and step differ by {error:.1e} from {start.tolist()}"
+
+
+def _check_impacts(model: Oscillator, flown: Any, said: str) -> None:
+    times, before, after = flown.impact_time.values, flown.v_minus.values, flown.v_plus.values
+    assert (np.diff(times) >= 0.0).all(), f"{said}: impacts out of order"
+    assert (before <= 0.0).all(), f"{said}: an impact moves away from the wall"
+    for v, w in zip(before, after, strict=True):
+        if w > 0.0:  # 0 stands for the rest that ends a chatter
+            expected = checked_velocity(model.reset, float(v), model.reset.params)
+            assert w == expected, f"{said}: v_minus = {v} left with {w}, the law says {expected}"
+
+
+def _check_motion(model: Oscillator, flown: Any, said: str) -> None:
+    t, u, v = flown.t.values, flown.u.values, flown.v.values
+    f, forcing = np.full_like(t, model.forcing.offset), model.forcing
+    for j, (c, s) in enumerate(zip(forcing.cos, forcing.sin, strict=True), start=1):
+        angle = j * forcing.omega * (t + forcing.t0)
+        f += c * np.cos(angle) + s * np.sin(angle)
+    a = f - model.alpha * v - model.k**2 * u
+    dt = np.diff(t)
+    flying = (dt > 0.0) & (np.maximum(u[1:], u[:-1]) > model.sigma)
+    # the trapezium rule, exact up to dt^3 times a second derivative that the rates bound
+    rate = max(model.alpha, model.k, len(forcing.cos) * forcing.omega)
+    slack = dt * (rate * dt) ** 2 * (np.abs(a).max() + rate * np.abs(v).max() + 1e-12) + 1e-13
+    wrong_u = np.abs(np.diff(u) - 0.5 * dt * (v[1:] + v[:-1])) > slack
+    wrong_v = np.abs(np.diff(v) - 0.5 * dt * (a[1:] + a[:-1])) > slack * max(1.0, rate)
+    bad = flying & (wrong_u | wrong_v)
+    assert not bad.any(), f"{said}: the equation of motion fails near t = {t[:-1][bad][:1]}"
+
+
+def _check_returns(model: Oscillator, Q: Map, flown: Any, said: str) -> None:
+    times, after = flown.impact_time.values, flown.v_plus.values
+    for i in range(min(4, len(times) - 1)):
+        (tau, w), _letter = Q((times[i] % model.period, after[i]))
+        late = abs((tau - times[i + 1] + 0.5 * model.period) % model.period - 0.5 * model.period)
+        slow = 1e-11 / max(abs(flown.v_minus.values[i + 1]), 1e-3) ** 2
+        assert late <= slow, f"{said}: impact {i + 1} at {times[i + 1]}, the impact map is {late:.1e} off"
+        assert abs(w - after[i + 1]) <= slow, (
+            f"{said}: impact {i + 1} leaves with {after[i + 1]}, the impact map says {w}"
+        )
