@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
+
 from tests.reference import (
     PERIODS,
     PROBLEMS,
@@ -219,9 +220,7 @@ def test_more_digits_give_the_same_thirty_digits(name):
     assert abs(a.v - b.v) < 1e-30
 
 
-@pytest.mark.parametrize(
-    "name", ["standard d=0.12", "undamped", "three harmonics", "trigger", "stiff spring"]
-)
+@pytest.mark.parametrize("name", ["standard d=0.12", "undamped", "three harmonics", "trigger", "stiff spring"])
 def test_jacobian_against_finite_differences(name):
     p, (u, v) = PROBLEMS[name], STARTS[name][0]
     strobe = advance(p, u, v, 4, jacobian=True)[-1]
@@ -298,9 +297,7 @@ def test_stored_orbits_are_complete_and_reproduced():
     assert [(o.problem, o.u, o.v) for o in orbits] == [(n, u, v) for n in PROBLEMS for u, v in STARTS[n]]
     assert all(len(o.strobes) == PERIODS[o.problem] for o in orbits)
     for orbit in random.Random(1).sample([o for o in orbits if "stiff" not in o.problem], 12):
-        for stored, strobe in zip(
-            orbit.strobes, advance(PROBLEMS[orbit.problem], orbit.u, orbit.v, 5), strict=False
-        ):
+        for stored, strobe in zip(orbit.strobes, advance(PROBLEMS[orbit.problem], orbit.u, orbit.v, 5), strict=False):
             assert stored.exact == (decimal(strobe.u), decimal(strobe.v))
 
 

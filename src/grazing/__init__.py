@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
-# name -> module that defines it; a module's own name stands for itself
+# name -> module that defines it; empty for a module itself
 _PUBLIC = {
     "GrazingError": "outcome",
     "InputError": "outcome",
@@ -20,32 +20,64 @@ _PUBLIC = {
     "Trust": "outcome",
     "UserCodeError": "outcome",
     "describe": "outcome",
-    "Map": "maps.map",
-    "gap_map": "maps.gap",
-    "discontinuity_map": "maps.discontinuity",
-    "zdm": "maps.discontinuity",
-    "zdm_points": "maps.discontinuity",
-    "normal_form": "maps.normal_form",
-    "impact_map": "maps.impact",
-    "stroboscopic_map": "maps.stroboscopic",
     "Forcing": "oscillator.model",
     "Oscillator": "oscillator.model",
     "pinball": "oscillator.model",
-    "trajectory": "oscillator.trajectory",
     "active": "oscillator.reset",
     "newton": "oscillator.reset",
     "reset": "oscillator.reset",
     "triggered": "oscillator.reset",
-    "testing": "testing",
-    "theory": "theory",
+    "trajectory": "oscillator.trajectory",
+    "Map": "maps.map",
+    "gap_map": "maps.gap",
+    "stroboscopic_map": "maps.stroboscopic",
+    "impact_map": "maps.impact",
+    "discontinuity_map": "maps.discontinuity",
+    "zdm": "maps.discontinuity",
+    "zdm_points": "maps.discontinuity",
+    "normal_form": "maps.normal_form",
+    "Orbit": "orbits.orbit",
+    "one_impact_orbits": "orbits.one_impact",
+    "windows": "orbits.windows",
+    "Attractor": "studies.attractors",
+    "attractors": "studies.attractors",
+    "orbit_diagram": "studies.orbit_diagram",
+    "load": "io",
+    "save": "io",
+    "cite": "cite",
+    "plot": "",
+    "testing": "",
+    "theory": "",
 }
 
 __all__ = sorted([*_PUBLIC, "__version__"])
 
 if TYPE_CHECKING:
+    from grazing import plot as plot
+    from grazing import testing as testing
     from grazing import theory as theory
+    from grazing.cite import cite as cite
+    from grazing.io import load as load
+    from grazing.io import save as save
+    from grazing.maps.discontinuity import discontinuity_map as discontinuity_map
+    from grazing.maps.discontinuity import zdm as zdm
+    from grazing.maps.discontinuity import zdm_points as zdm_points
     from grazing.maps.gap import gap_map as gap_map
+    from grazing.maps.impact import impact_map as impact_map
     from grazing.maps.map import Map as Map
+    from grazing.maps.normal_form import normal_form as normal_form
+    from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
+    from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
+    from grazing.orbits.orbit import Orbit as Orbit
+    from grazing.orbits.windows import windows as windows
+    from grazing.oscillator.model import Forcing as Forcing
+    from grazing.oscillator.model import Oscillator as Oscillator
+    from grazing.oscillator.model import pinball as pinball
+    from grazing.oscillator.reset import active as active
+    from grazing.oscillator.reset import newton as newton
+    from grazing.oscillator.reset import reset as reset
+    from grazing.oscillator.reset import triggered as triggered
+    from grazing.oscillator.trajectory import trajectory as trajectory
     from grazing.outcome import GrazingError as GrazingError
     from grazing.outcome import InputError as InputError
     from grazing.outcome import Outcome as Outcome
@@ -53,13 +85,16 @@ if TYPE_CHECKING:
     from grazing.outcome import Trust as Trust
     from grazing.outcome import UserCodeError as UserCodeError
     from grazing.outcome import describe as describe
+    from grazing.studies.attractors import Attractor as Attractor
+    from grazing.studies.attractors import attractors as attractors
+    from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
 
 
 def __getattr__(name: str) -> Any:
     if name not in _PUBLIC:
         raise AttributeError(f"module 'grazing' has no attribute {name!r}")
-    module = import_module(f"grazing.{_PUBLIC[name]}")
-    value = module if _PUBLIC[name] == name else getattr(module, name)
+    module = import_module(f"grazing.{_PUBLIC[name] or name}")
+    value = getattr(module, name) if _PUBLIC[name] else module
     globals()[name] = value
     return value
 

@@ -26,6 +26,9 @@ from grazing.outcome import InputError, UserCodeError
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
+#: To be raised when this file stores kernels in another way, so that older files are left alone.
+LAYOUT = 1
+
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}
 _outer: dict[tuple[FunctionType, str], Any] = {}
@@ -73,11 +76,11 @@ def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
     """Call a compiled kernel; a compilation error becomes one sentence that names the construct."""
     if jit_disabled():
         return entry(*args)
-    from numba.core.errors import NumbaError
-
     try:
         return entry(*args)
-    except NumbaError as error:
+    except Exception as error:
+        if not type(error).__module__.startswith("numba."):
+            raise
         raise UserCodeError(f"{who} does not compile: {_first_sentence(error)}") from None
 
 
@@ -93,13 +96,17 @@ def _first_sentence(error: Exception) -> str:
 def _jit(function: FunctionType, arithmetic: str, entry: bool) -> Any:
     import numba
 
+    content = digest(function)
     resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic))
+    # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
+    # kernels must never share a name, whatever process compiled them.
+    resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
     if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     dispatcher = numba.njit(**options)(resolved)
     if entry:
-        _attach_cache(dispatcher, resolved, digest(function) + repr(options))
+        _attach_cache(dispatcher, resolved, content + repr(options))
     return dispatcher
 
 
@@ -214,11 +221,12 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None
     import numba
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
-    stamp = hashlib.sha256(f"{content} {numba.__version__} {llvmlite.__version__}".encode()).hexdigest()
+    versions = f"{LAYOUT} {numba.__version__} {llvmlite.__version__}"
+    stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
 
     class Implementation(CompileResultCacheImpl):  # type: ignore[misc]
         def __init__(self, py_func: FunctionType) -> None:
-            self._filename_base = f"{py_func.__name__}-{stamp[:40]}"
+            self._filename_base = f"{py_func.__name__.split('_')[0]}-{stamp[:40]}"
 
         @property
         def locator(self) -> Any:

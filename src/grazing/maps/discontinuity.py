@@ -22,7 +22,7 @@ from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import OK, InputError, OutsideForm
 from grazing.parameter import parameter_tuple
 
-ORDERS = ("lowest", "full")
+ORDERS = ("lowest", "full", "corrected")
 
 
 def time_to_wall(y: float, v: float, A: float) -> tuple[float, float]:
@@ -35,8 +35,10 @@ def time_to_wall(y: float, v: float, A: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=256)
-def correction_of(law: Callable[..., float], slope: Callable[..., float], full: bool) -> Callable[..., Any]:
+def correction_of(law: Callable[..., float], slope: Callable[..., float], order: str) -> Callable[..., Any]:
     """Return ``correction(y, v, c) -> ((y3, v3), letter, J)``, the zero-time map at local time 0."""
+    full = order != "lowest"
+    drag = 1.0 if order == "corrected" else 0.0
 
     def correction(y: float, v: float, c: Any) -> Any:
         F, _dF = forcing(0.0, c)
@@ -46,37 +48,36 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], full: 
             return (y, v), 0, (1.0, 0.0, 0.0, 1.0)
         delta, root = time_to_wall(y, v, A)
         V2 = law(-root, c.p)
-        # (2.3): V3 = V2 - delta A, with delta A = -v - sqrt(x)
-        v3 = V2 + v + root
-        y3 = -delta * V2 + 0.5 * A * delta * delta if full else y
-        # slopes in (y, v): A depends on the state, too
         g = slope(-root, c.p)
+        # slopes of A, sqrt(x) and V2 in (y, v): A depends on the state, too
         A_y, A_v = -c.k2, -c.alpha
         root_y, root_v = -(A + y * A_y) / root, (v - y * A_v) / root
-        J = (1.0, 0.0, (1.0 - g) * root_y, 1.0 + (1.0 - g) * root_v)
-        if full:
-            width = root - v
-            d_y = (2.0 - delta * root_y) / width
-            d_v = -delta * (root_v - 1.0) / width
-            pull = A * delta - V2
-            half = 0.5 * delta * delta
-            J = (
-                pull * d_y + delta * g * root_y + half * A_y,
-                pull * d_v + delta * g * root_v + half * A_v,
-                J[2],
-                J[3],
-            )
-        return (y3, v3), 1, J
+        if not full:  # (2.3) with delta A = -v - sqrt(x); the position as it is
+            return (y, V2 + v + root), 1, (1.0, 0.0, (1.0 - g) * root_y, 1.0 + (1.0 - g) * root_v)
+        # (2.2), (2.3): back to the start with the acceleration B, which an impact changes by -alpha (V2 - V1)
+        B = A - drag * c.alpha * (V2 + root)
+        B_y = A_y - drag * c.alpha * (1.0 - g) * root_y
+        B_v = A_v - drag * c.alpha * (1.0 - g) * root_v
+        d_y = (2.0 - delta * root_y) / (root - v)
+        d_v = -delta * (root_v - 1.0) / (root - v)
+        half = 0.5 * delta * delta
+        J = (
+            (B * delta - V2) * d_y + delta * g * root_y + half * B_y,
+            (B * delta - V2) * d_v + delta * g * root_v + half * B_v,
+            -g * root_y - B * d_y - delta * B_y,
+            -g * root_v - B * d_v - delta * B_v,
+        )
+        return (B * half - delta * V2, V2 - delta * B), 1, J
 
     return correction
 
 
 @lru_cache(maxsize=256)
 def local_map_of(
-    law: Callable[..., float], slope: Callable[..., float], full: bool, flown: bool
+    law: Callable[..., float], slope: Callable[..., float], order: str, flown: bool
 ) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return (step, tangent) of the zero-time map, followed by the period without impact if ``flown``."""
-    correction = correction_of(law, slope, full)
+    correction = correction_of(law, slope, order)
 
     def tangent(state: Any, c: Any) -> Any:
         u, v = state
@@ -100,8 +101,9 @@ def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0
     ----------
     model : Oscillator
         Its low-velocity impact should come shortly after the section, as in the paper.
-    order : {"lowest", "full"}
-        lowest: (2.4)/(2.5), which leaves the position as it is; full: all terms of (2.2)/(2.3).
+    order : {"lowest", "full", "corrected"}
+        lowest: (2.4)/(2.5), which leaves the position as it is; full: all terms of (2.2)/(2.3); corrected: those,
+        with the acceleration after the impact on the way back (see Notes).
     phase : float
         Time of the section, from t = 0.
 
@@ -113,9 +115,9 @@ def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0
     Notes
     -----
     (2.5) is P_T alone, not P_T after the zero-time map as printed. The acceleration after an active impact differs
-    from the one before by -alpha (v_plus - v_minus), which (2.2)/(2.3) neglect: for V > 0 and alpha > 0 the error
-    of the full form is therefore of first order in delta in v and of second order in u; of the lowest form, of
-    first order in u and v. For V = 0 all orders are one higher.
+    from the one before by -alpha (v_plus - v_minus), which (2.2)/(2.3) neglect. For V > 0 and alpha > 0 the error of
+    *lowest* and *full* is therefore of first order in the time to the wall, in u and in v; *corrected* is of second
+    order. For V = 0 all three are of second order (measured in ``tests/maps/test_discontinuity.py``).
 
     References
     ----------
@@ -138,7 +140,7 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
     Parameters
     ----------
     model : Oscillator
-    order : {"lowest", "full"}
+    order : {"lowest", "full", "corrected"}
         See :func:`discontinuity_map`.
     phase : float
         Time of the section, from t = 0.
@@ -159,9 +161,9 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
 
 def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
     if order not in ORDERS:
-        raise InputError(f"order is {order!r}; allowed are 'lowest' (2.4)/(2.5) and 'full' (2.2)/(2.3)")
+        raise InputError(f"order is {order!r}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'")
     law = model.reset
-    step, tangent = local_map_of(law.law, law.slope, order == "full", flown)
+    step, tangent = local_map_of(law.law, law.slope, order, flown)
 
     def again(values: dict[str, Any]) -> Map:
         own = {name: value for name, value in values.items() if name != "phase"}

@@ -149,7 +149,7 @@ class NormalForm:
     entries: tuple[float, float, float, float]
 
     def __repr__(self) -> str:
-        where = f"{self.name}={self.graze:.10g}"
+        where = f"{self.name}={self.graze:.12g}"
         return f"<NormalForm {where} at the graze: lam={self.lam:.6g}, l={self.l:.6g}, b={self.b:.6g}>"
 
     def mu(self, value: ArrayLike) -> Any:
@@ -202,8 +202,8 @@ class NormalForm:
     def to_xy(self, states: ArrayLike) -> NDArray[np.float64]:
         """Return (x, y) of states (u, v) at the section through the graze, shape (..., 2).
 
-        x = v^2 - 2A(u - sigma); y = -[d x + 2Abv + 2A(d g1 - b g2)]: x_{n+1} = λ x_n + y_n + 2A[(d g1 - b g2) - g1]
-        up to the v^2 that the image's x neglects.
+        x = v^2 - 2A(u - sigma); y = -[d x + 2Abv + 2A(d g1 - b g2)]. Then x' - v'^2 = λ x + y + ρ - a v^2 exactly,
+        ρ = 2A[(d g1 - b g2) - g1]: the paper's linear map holds up to the squares of the velocities.
         """
         w = np.asarray(states, dtype=np.float64)
         _a, b, _c, d = self.entries

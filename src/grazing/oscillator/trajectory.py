@@ -212,15 +212,10 @@ def trajectory(
 
 
 def _start(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
-    try:
-        u, v = (
-            real(x, name, "any finite number is allowed")
-            for x, name in zip(np.asarray(state).tolist(), "uv", strict=True)
-        )
-    except (TypeError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"state is {state!r}; give two numbers (u, v)") from None
+    values = np.asarray(state, dtype=object).ravel().tolist()
+    if len(values) != 2:
+        raise InputError(f"state is {state!r}; give two numbers (u, v)")
+    u, v = (real(x, name, "any finite number is allowed") for x, name in zip(values, "uv", strict=True))
     if u < model.sigma:
         raise InputError(f"the ball starts inside the wall: u = {u:g}, sigma = {model.sigma:g}; start with u >= sigma")
     return u, v

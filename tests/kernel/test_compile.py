@@ -1,0 +1,182 @@
+"""What the compiler layer promises: two arithmetics, content hashes, a cache that cannot be stale, plain words."""
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import grazing
+from grazing.kernel.compile import cache_folder, call, compiled, digest
+from grazing.outcome import InputError, UserCodeError
+
+SOURCE = str(Path(grazing.__file__).parents[1])
+
+
+def inner(x):
+    return 3.0 * x
+
+
+def outer(x):
+    return inner(x) + 1.0
+
+
+def test_a_kernel_is_compiled_with_all_it_calls():
+    assert compiled(outer)(2.0) == 7.0
+    assert compiled(outer) is compiled(outer)
+
+
+def test_strict_rounds_twice_and_fast_may_not():
+    def fused(a, b, c):
+        return a * b + c
+
+    a = 1.0 + 2.0**-30
+    exact = 2.0**-60  # (1 + e)^2 - (1 + 2e) = e^2, lost when the product is rounded first
+    assert compiled(fused, "strict")(a, a, -(1.0 + 2.0**-29)) == 0.0
+    assert compiled(fused, "fast")(a, a, -(1.0 + 2.0**-29)) in (0.0, exact)
+
+
+def test_unknown_arithmetic_is_refused():
+    with pytest.raises(InputError, match="arithmetic is 'quick'; allowed are 'strict' and 'fast'"):
+        compiled(outer, "quick")
+
+
+def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
+    def make(text):
+        scope = {}
+        exec(compile(textwrap.dedent(text), "<kernel>", "exec"), scope)
+        return digest(scope["f"])
+
+    base = make("c = 2.0\ndef g(x): return x\ndef f(x, y=1.0): return g(x) + c\n")
+    assert make("\n\n# moved\nc = 2.0\ndef g(x): return x\ndef f(x, y=1.0): return g(x) + c\n") == base
+    for other in (
+        "c = 2.0\ndef g(x): return x + 0.0\ndef f(x, y=1.0): return g(x) + c\n",  # a callee
+        "c = 2.5\ndef g(x): return x\ndef f(x, y=1.0): return g(x) + c\n",  # a named constant
+        "c = -0.0\ndef g(x): return x\ndef f(x, y=1.0): return g(x) + c\n",
+        "c = 2.0\ndef g(x): return x\ndef f(x, y=2.0): return g(x) + c\n",  # a default
+        "c = 2\ndef g(x): return x\ndef f(x, y=1.0): return g(x) + c\n",  # a type
+    ):
+        assert make(other) != base
+
+    def closed(k):
+        return lambda x: k * x
+
+    assert digest(closed(1.0)) != digest(closed(2.0))
+    assert digest(closed(1.0)) == digest(closed(1.0))
+
+
+PROGRAM = """
+import json, sys
+sys.path.insert(0, {source!r}); sys.path.insert(0, {folder!r})
+import top
+from grazing.kernel.compile import compiled
+entry = compiled(top.outer)
+print(json.dumps([entry(2.0), sum(entry.stats.cache_hits.values())]))
+"""
+
+
+def run_in_a_process(folder, cache, **environment):
+    program = PROGRAM.format(source=SOURCE, folder=str(folder))
+    env = {**os.environ, "GRAZING_CACHE": str(cache), "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), done.stderr
+
+
+def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
+    (tmp_path / "leaf.py").write_text("def inner(x):\n    return 2.0 * x\n")
+    (tmp_path / "top.py").write_text("from leaf import inner\n\ndef outer(x):\n    return inner(x) + 1.0\n")
+    cache = tmp_path / "cache"
+    assert run_in_a_process(tmp_path, cache)[0] == [5.0, 0]
+    assert run_in_a_process(tmp_path, cache)[0] == [5.0, 1]  # the second process finds the machine code
+    stamp = (tmp_path / "leaf.py").stat()
+    (tmp_path / "leaf.py").write_text("def inner(x):\n    return 3.0 * x\n")
+    os.utime(tmp_path / "leaf.py", ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # same time, same size
+    assert run_in_a_process(tmp_path, cache)[0] == [7.0, 0]
+    for stored in cache.glob("*.nbc"):  # torn files are as good as none
+        stored.write_bytes(stored.read_bytes()[:50])
+    assert run_in_a_process(tmp_path, cache)[0] == [7.0, 1] or run_in_a_process(tmp_path, cache)[0][0] == 7.0
+
+
+SISTERS = """
+import json, sys
+sys.path[:0] = [{source!r}, {root!r}]
+import grazing as gz
+from tests.models import MODELS, packed
+
+same = []
+for name in {names!r}:
+    P = gz.discontinuity_map(MODELS[name], order="full", phase=0.7)
+    for v in (-0.1, -0.4):
+        state = (0.16, v)
+        same.append(P(state)[0].tolist() == list(P.step(state, packed(P))[0]))
+print(json.dumps(same))
+"""
+
+
+def test_cached_kernels_of_one_family_do_not_mix(tmp_path):
+    """Two processes compile maps that differ in the reset law alone; a third loads both and must keep them apart."""
+    env = {**os.environ, "GRAZING_CACHE": str(tmp_path)}
+
+    def agree(names):
+        program = SISTERS.format(source=SOURCE, root=str(Path(__file__).parents[2]), names=names)
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    assert agree(["under-damped"]) == agree(["own law"]) == [True, True]
+    assert agree(["under-damped", "own law"]) == [True] * 4
+
+
+def test_a_cache_that_cannot_be_written_falls_back_with_one_warning(tmp_path):
+    (tmp_path / "top.py").write_text("def outer(x):\n    return x + 1.0\n")
+    (tmp_path / "file").write_text("")  # a file where the folder should be
+    result, said = run_in_a_process(tmp_path, tmp_path / "file", TMPDIR=str(tmp_path))
+    assert result[0] == 3.0
+    assert said.count("compiled kernels cannot be kept") == 1
+
+
+def test_cache_folder_honours_the_environment():
+    assert os.access(cache_folder(), os.W_OK)
+
+
+def test_recursion_is_refused():
+    def loop(x):
+        return loop(x - 1.0)
+
+    with pytest.raises(UserCodeError, match="loop calls itself; a kernel must not be recursive"):
+        compiled(lambda x: loop(x))
+
+
+def test_what_does_not_compile_is_named():
+    def opens(x):
+        return len({"a": x}.popitem()) + open("nowhere")
+
+    with pytest.raises(UserCodeError, match=r"the step of mine does not compile: .*open.*Use arithmetic on floats"):
+        call(compiled(opens), 1.0, who="the step of mine")
+
+
+@pytest.mark.parametrize("value", ["0", ""])
+def test_plain_python_when_the_jit_is_off(tmp_path, value):
+    program = (
+        f"import sys; sys.path.insert(0, {SOURCE!r})\n"
+        "from grazing.kernel.compile import compiled\n"
+        "from grazing.kernel.elementary import exp\n"
+        "print(compiled(exp) is exp, 'numba' in sys.modules)"
+    )
+    env = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.stdout.split() == ["True", "False"], done.stderr
+    env["NUMBA_DISABLE_JIT"] = value
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.stdout.split() == ["False", "True"], done.stderr
+
+
+def test_compiled_kernels_release_the_lock():
+    entry = compiled(outer)
+    assert entry.targetoptions["nogil"] is True
+    assert np.isfinite(entry(1.0))

@@ -1,0 +1,226 @@
+"""The stroboscopic map against the arbitrary-precision reference, and each rare branch, compiled and plain."""
+
+import math
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
+from grazing.maps.stroboscopic import MAX_IMPACTS
+from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, FATAL, GRAZE, INSIDE_WALL, STUCK, TOO_MANY_IMPACTS
+from tests.models import MODELS, model_of, packed
+from tests.reference import PROBLEMS, load_dips, load_orbits
+
+ORBITS, DIPS = load_orbits(), load_dips()
+
+
+def one_period(P, state):
+    """Apply the step compiled and plain; both must agree to the last bit."""
+    segment = P.orbit(state, 1)
+    plain, letter, outcome = P.step(tuple(float(x) for x in state), packed(P))
+    assert np.array_equal(np.array(plain), segment.points[1], equal_nan=True)
+    assert (letter, outcome) == (segment.letters[0], segment.outcomes[0])
+    return segment.points[1], letter, outcome
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_20_periods_against_the_reference(name):
+    P = gz.stroboscopic_map(model_of(PROBLEMS[name]))
+    compared = 0
+    for stored in (orbit for orbit in ORBITS if orbit.problem == name):
+        segment = P.orbit((stored.u, stored.v), len(stored.strobes))
+        for point, letter, strobe in zip(segment.points[1:], segment.letters, stored.strobes, strict=True):
+            assert np.abs(point - (strobe.u, strobe.v)).max() <= 1e-12 * strobe.factor
+            assert letter in ((CHATTER_LETTER,) if strobe.impacts is None else (strobe.impacts, STUCK_LETTER))
+            compared += 1
+        assert not np.bitwise_or.reduce(segment.outcomes) & (FATAL | AMBIGUOUS | GRAZE)
+    assert compared >= 16
+
+
+def test_no_impact_missed_and_none_invented():
+    """1,040 states that dip to, or clear by, 1e-3 ... 1e-13, over 24 problems."""
+    maps = {name: gz.stroboscopic_map(model_of(problem)) for name, problem in PROBLEMS.items()}
+    missed = invented = undecided = 0
+    for dip in DIPS:
+        segment = maps[dip.problem].orbit((dip.u, dip.v), 1)
+        right = np.abs(segment.points[1] - (dip.strobe.u, dip.strobe.v)).max() <= 1e-11 * dip.strobe.factor
+        right &= dip.strobe.impacts is None or segment.letters[0] == dip.strobe.impacts
+        missed += dip.hits and not right
+        invented += not dip.hits and not right
+        undecided += bool(segment.outcomes[0] & AMBIGUOUS)
+    assert len(DIPS) >= 1000
+    assert (missed, invented) == (0, 0)
+    assert undecided <= 5
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_laws_of_models_and_maps(name):
+    gz.testing.check_model(MODELS[name], states=6, periods=8)
+
+
+# ---- rare branches
+
+
+def resting(d, V=0.0, r=0.5, **kw):
+    return gz.stroboscopic_map(gz.pinball(V=V, r=r, d=d, **kw))
+
+
+def test_a_start_on_the_wall_moving_in_is_hit_at_once():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4, r=0.5, d=1.2))
+    inwards, letter, _ = one_period(P, (0.0, -0.6))
+    outwards, none, _ = one_period(P, (0.0, 0.7))  # the law's answer to -0.6
+    assert letter == none + 1 == 1
+    assert inwards.tolist() == outwards.tolist()
+
+
+def test_on_the_wall_at_rest_and_pulled_away_is_no_impact():
+    point, letter, outcome = one_period(resting(d=1.2), (0.0, 0.0))
+    assert (letter, outcome) == (0, 0)
+    assert point[0] > 0.0
+
+
+def test_on_the_wall_at_rest_and_pressed_throughout_is_stuck_for_ever():
+    for _ in range(2):
+        point, letter, outcome = one_period(resting(d=-1.5), (0.0, 0.0))
+        assert point.tolist() == [0.0, 0.0]
+        assert (letter, outcome) == (STUCK_LETTER, STUCK)
+
+
+def test_on_the_wall_at_rest_and_pressed_against_a_bumper_is_kicked():
+    point, letter, outcome = one_period(resting(d=-1.5, V=0.3), (0.0, 0.0))
+    assert letter >= 1
+    assert outcome == 0
+    assert point[0] > 0.0 or point[1] > 0.0
+
+
+def test_no_force_at_all_is_rest_without_impact():
+    m = gz.Oscillator(alpha=1.0, k=1.0, forcing=gz.Forcing(omega=1.0, cos=(0.0,)), reset=gz.newton(r=0.5))
+    point, letter, outcome = one_period(gz.stroboscopic_map(m), (0.0, 0.0))
+    assert (point.tolist(), letter, outcome) == ([0.0, 0.0], 0, 0)
+
+
+@pytest.mark.parametrize(("k", "offset"), [(0.0, -0.4), (0.3, -0.35)])
+@pytest.mark.parametrize("ratio", [0.25, 0.6, 0.9])
+def test_chatter_under_a_constant_force_ends_in_finite_time(k, offset, ratio):
+    """The geometric series of the bouncing ball: rest for ever after t = 2 v0 / (g (1 - r)) or sooner with k > 0."""
+    m = gz.Oscillator(alpha=0.0, k=k, forcing=gz.Forcing(omega=0.1, offset=offset, cos=(0.0,)), reset=gz.newton(ratio))
+    assert 2.0 * 0.2 / (-offset * (1.0 - ratio)) < m.period
+    point, letter, outcome = one_period(gz.stroboscopic_map(m), (0.0, 0.2))
+    assert point.tolist() == [0.0, 0.0]
+    assert letter == CHATTER_LETTER
+    assert outcome == CHATTER | STUCK
+
+
+def test_release_is_where_the_force_turns():
+    m = gz.pinball(V=0.0, r=0.3, d=-0.2)
+    flown = gz.trajectory(m, (0.0, 0.0), start=1.0, until=1.0 + m.period)
+    release = (2.0 * math.pi - math.acos(0.2)) / 2.2  # cos(2.2 t) = 0.2, rising
+    lying = flown.t.values[(flown.u.values == 0.0) & (flown.v.values == 0.0)]
+    assert lying.max() == pytest.approx(release, abs=2e-15)
+
+
+def test_budget_of_impacts_ends_by_name():
+    """An elastic ball under a constant force hops for ever; faster hops than the budget allows."""
+    m = gz.Oscillator(alpha=0.0, k=0.0, forcing=gz.Forcing(omega=1.0, offset=-1.0, cos=(0.0,)), reset=gz.newton(r=1.0))
+    P = gz.stroboscopic_map(m)
+    slow = 0.9 * m.period / (2.0 * MAX_IMPACTS)
+    point, letter, outcome = one_period(P, (0.0, slow))
+    assert outcome & TOO_MANY_IMPACTS
+    assert np.isnan(point).all()
+    assert letter > MAX_IMPACTS
+    fast = 1.1 * m.period / (2.0 * MAX_IMPACTS)
+    _, letter, outcome = one_period(P, (0.0, fast))
+    assert outcome == 0
+    assert letter == pytest.approx(m.period / (2.0 * fast), abs=1.5)
+
+
+def breaks(v, p):
+    """A law that breaks its promise for middling impacts only, which the first look at a law does not see."""
+    if -0.9 < v < -0.15:
+        return -0.1 if p.kind == 0.0 else (math.inf if p.kind == 1.0 else math.inf - math.inf)
+    return 0.1
+
+
+@pytest.mark.parametrize("kind", [0.0, 1.0, 2.0])
+def test_a_law_that_breaks_its_promise_stops_the_orbit(kind):
+    forcing = gz.Forcing(omega=2.2, offset=0.1)
+    m = gz.Oscillator(alpha=3.0, k=1.0, forcing=forcing, reset=gz.reset(breaks, kind=kind))
+    segment = gz.stroboscopic_map(m).orbit((0.1, -0.9), 3)
+    assert segment.outcomes[0] == BAD_LAW
+    assert np.isnan(segment.points[1:]).all()
+    assert segment.outcomes[1] == 0
+    with pytest.raises(gz.UserCodeError, match=r"the reset law breaks returned .* for v_minus = -0\.\d+ at t = 0\."):
+        gz.trajectory(m, (0.1, -0.9))
+
+
+def test_inside_the_wall_has_no_next_state():
+    P = gz.stroboscopic_map(gz.pinball(sigma=0.2))
+    with pytest.raises(
+        gz.InputError, match=r"the ball starts inside the wall: u = 0.1, sigma = 0.2; start with u >= sigma"
+    ):
+        P((0.1, 0.0))
+    lanes = np.array([[0.1], [0.0]])
+    _, _, outcomes = P.run(lanes, 1, 0)
+    assert outcomes[0, 0] == INSIDE_WALL
+    assert np.isnan(lanes).all()
+
+
+def graze_state():
+    """A start of the undamped free ball, f = 2: u = (t - 1)^2 touches the wall at t = 1 exactly."""
+    m = gz.Oscillator(
+        alpha=0.0, k=0.0, forcing=gz.Forcing(omega=1.0, offset=2.0, cos=(0.0,)), reset=gz.active(0.8, 0.4)
+    )
+    return gz.stroboscopic_map(m), (1.0, -2.0)
+
+
+def test_an_exact_graze_is_no_impact_and_is_reported():
+    P, state = graze_state()
+    point, letter, outcome = one_period(P, state)
+    assert letter == 0
+    assert outcome == GRAZE | AMBIGUOUS
+    T = 2.0 * math.pi
+    assert point == pytest.approx([(T - 1.0) ** 2, 2.0 * (T - 1.0)], rel=1e-14)
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-8, 1e-12, 1e-14])
+def test_beside_the_graze_the_bumper_decides(depth):
+    P, (u, v) = graze_state()
+    below, hit, _ = one_period(P, (u - depth, v))
+    above, none, _ = one_period(P, (u + depth, v))
+    assert (hit, none) == (1, 0)
+    assert below[1] - above[1] == pytest.approx(0.4, abs=1.9 * math.sqrt(2.0 * 2.0 * depth) + 1e-12)
+
+
+def test_an_impact_exactly_at_the_strobe_belongs_to_the_period_that_ends():
+    m = gz.Oscillator(alpha=0.0, k=0.0, forcing=gz.Forcing(omega=math.pi, offset=0.0, cos=(0.0,)), reset=gz.newton(0.5))
+    assert m.period == 2.0
+    point, letter, _ = one_period(gz.stroboscopic_map(m), (1.0, -0.5))  # u = 1 - t/2
+    assert letter == 1
+    assert point.tolist() == [0.0, 0.25]
+
+
+def test_the_phase_of_the_section_shifts_the_forcing():
+    m = gz.pinball(d=0.09, V=0.4, t0=0.3)
+    P, Q = gz.stroboscopic_map(m, phase=0.7), gz.stroboscopic_map(m.replace(t0=1.0))
+    assert np.allclose(P.iterate((0.1, 0.1), 30), Q.iterate((0.1, 0.1), 30), atol=1e-13)
+    assert P.replace(phase=0.0).params["phase"] == 0.0
+
+
+def test_work_per_period_is_counted(monkeypatch):
+    """One flight a window (three, with the strobe), a few more for the lowest point of a dip or an impact. No scan."""
+    from grazing.oscillator import contact
+
+    calls = []
+    plain = contact.flight
+    monkeypatch.setattr(contact, "flight", lambda *a: calls.append(1) or plain(*a))
+    P = gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4))
+    c, state = packed(P), (0.1, 0.0)
+    counts = {0: [], 1: []}
+    for _ in range(300):
+        calls.clear()
+        state, letter, _ = P.step(state, c)
+        counts[letter].append(len(calls))
+    assert min(counts[0]) == 3
+    assert max(counts[0]) <= 10
+    assert max(counts[1]) <= 20
