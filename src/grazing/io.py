@@ -1,0 +1,252 @@
+"""Save a result to one NetCDF file and load it back, exactly as it was.
+
+The format is NetCDF 3 with 64-bit offsets, which SciPy writes and every NetCDF reader understands. It knows neither
+64-bit integers nor complex numbers nor the order of the variables; one attribute of the file, ``grazing_file``,
+says what they were, so that :func:`load` gives back the very types, order and attributes that :func:`save` got.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Hashable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.outcome import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FORMAT = 1
+RECORD = "grazing_file"
+CREATED = "date_created"
+#: Bytes of one variable beyond which NetCDF 3 cannot address it.
+LARGEST = 2**32 - 4
+#: Dimension that holds the real and the imaginary part of a complex variable.
+PARTS = "real_imaginary"
+#: Types that NetCDF 3 stores as they are, and what the others are stored as; int64 goes where its numbers fit.
+_STORED = {"float64": "float64", "float32": "float32", "int8": "int8", "int16": "int16", "int32": "int32"}
+_STORED |= {"bool": "int8", "uint8": "int16", "uint16": "int32", "uint32": "float64"}
+
+
+def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
+    """Write a result to a NetCDF file, whole or not at all.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From any study, or any other dataset of numbers and text.
+    path : path-like
+        Must end in ``.nc``; a file that is there is replaced once the new one is complete.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        For another ending, a folder that is missing or not writable, or a dataset with something that the file
+        cannot hold; nothing is written then.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, xarray as xr
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = save(xr.Dataset({"word": ("start", ["LLR", ""])}), pathlib.Path(folder) / "words.nc")
+    ...     load(path).word.values.tolist()
+    ['LLR', '']
+    """
+    import xarray as xr
+
+    target = _target(path)
+    if not isinstance(result, xr.Dataset):
+        raise InputError(f"cannot save {type(result).__name__}; give the xarray.Dataset that a study returns")
+    stored = _encoded(result)
+    stored.attrs[CREATED] = datetime.now(UTC).isoformat(timespec="seconds")
+    partial = target.with_name(f".{target.stem}-{uuid4().hex}.partial")
+    try:
+        stored.to_netcdf(partial, engine="scipy", format="NETCDF3_64BIT")
+        os.replace(partial, target)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
+    except ValueError as error:  # such as an attribute whose name NetCDF keeps for itself: int, real, double, ...
+        raise InputError(f"{target} cannot be written: {error}; rename it or make it text") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return target
+
+
+def load(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read a result that :func:`save` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    xarray.Dataset
+        What was saved, in memory; the file can be moved or deleted. When it was saved is in
+        ``encoding["date_created"]``.
+
+    Raises
+    ------
+    InputError
+        For a file that is missing, damaged or not written by :func:`save`.
+    """
+    import xarray as xr
+
+    source = Path(path)
+    if source.is_dir():
+        raise InputError(f"{source} is a folder; give a file that gz.save wrote")
+    try:
+        with open(source, "rb") as file:
+            ours = file.read(3) == b"CDF"
+    except FileNotFoundError:
+        raise InputError(f"there is no file {source}") from None
+    except OSError as error:
+        raise InputError(f"{source} cannot be read: {error.strerror or error}") from error
+    foreign = InputError(f"{source} was not written by gz.save; open it with xarray.open_dataset instead")
+    if not ours:
+        raise foreign
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
+            stored = xr.load_dataset(source, engine="scipy", decode_times=False)
+    except Exception as error:  # a damaged file can fail anywhere in the reader
+        raise InputError(f"{source} is damaged and cannot be read: {error}") from error
+    if RECORD not in stored.attrs:
+        raise foreign
+    record = json.loads(stored.attrs[RECORD])
+    if record["format"] != FORMAT:
+        raise InputError(f"{source} has format {record['format']}, this version reads {FORMAT}; update grazing")
+    return _decoded(stored, record)
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    target = Path(path)
+    if target.suffix != ".nc":
+        raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.nc' (NetCDF)")
+    if target.is_dir():
+        raise InputError(f"{target} is a folder; give the name of a file")
+    if not target.parent.is_dir():
+        raise InputError(f"there is no folder {target.parent}; make it first")
+    return target
+
+
+# ---- what NetCDF 3 cannot say
+
+
+def _encoded(result: xr.Dataset) -> xr.Dataset:
+    """Return a dataset of types that NetCDF 3 has, with the record of what they were."""
+    import xarray as xr
+
+    record: dict[str, Any] = {"format": FORMAT, "attrs": {}, "variables": {}}
+    attrs = _encoded_attrs(result.attrs, "the dataset", record["attrs"])
+    names = [*result.data_vars, *result.coords]
+    variables: dict[Hashable, Any] = {}
+    for name in names:
+        if not isinstance(name, str):
+            raise InputError(f"variable {name!r} has no text for a name; rename it")
+        variable = result.variables[name]
+        kept: dict[str, Any] = {"dtype": variable.dtype.str, "coordinate": name in result.coords, "attrs": {}}
+        dims, data = tuple(variable.dims), np.asarray(variable.values)
+        if data.dtype.kind == "c":
+            dims, data = (*dims, PARTS), np.stack([data.real, data.imag], axis=-1)
+        elif data.dtype.kind == "O" and all(isinstance(item, str) for item in data.flat):
+            data = data.astype(np.str_)
+        if data.dtype.kind != "U":
+            data = _fitting(data, f"variable {name!r}")
+        if data.size * data.dtype.itemsize > LARGEST:
+            raise InputError(
+                f"variable {name!r} has {data.nbytes / 1e9:.3g} GB; a NetCDF file holds 4.29 GB a variable: save parts"
+            )
+        attributes = _encoded_attrs(variable.attrs, f"variable {name!r}", kept["attrs"])
+        variables[name] = (dims, data, attributes)
+        record["variables"][name] = kept
+    stored = xr.Dataset({name: variables[name] for name in result.data_vars})
+    stored = stored.assign_coords({name: variables[name] for name in result.coords})
+    stored.attrs = attrs | {RECORD: json.dumps(record)}
+    for variable in stored.variables.values():
+        if variable.dtype.kind == "f":
+            variable.encoding["_FillValue"] = None
+    return stored
+
+
+def _fitting(data: NDArray[Any], where: str) -> NDArray[Any]:
+    """Return numbers as a type that NetCDF 3 has and that holds every one of them."""
+    kind = data.dtype.name
+    if kind in _STORED:
+        return data.astype(_STORED[kind])
+    if data.dtype.kind not in "iu":
+        raise InputError(f"{where} is of type {kind}; a file holds numbers and text, and JSON for anything else")
+    if not data.size or (data.min() >= -(2**31) and data.max() < 2**31):
+        return data.astype(np.int32)
+    if data.min() >= -(2**53) and data.max() <= 2**53:
+        return data.astype(np.float64)
+    raise InputError(f"{where} has whole numbers beyond 2^53, which the file cannot hold; save them as text")
+
+
+def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str]) -> dict[str, Any]:
+    """Return attributes that NetCDF 3 has; the record says which of them were what."""
+    stored: dict[str, Any] = {}
+    for name, value in attrs.items():
+        of = f"attribute {name!r} of {where}"
+        if not isinstance(name, str):
+            raise InputError(f"{of} has no text for a name; rename it")
+        if isinstance(value, str):
+            stored[name] = value
+            continue
+        array = np.asarray(value)
+        if isinstance(value, (bool, dict)) or array.dtype.kind not in "iuf" or array.ndim > 1 or not array.size:
+            raise InputError(f"{of} is {value!r}; give text (JSON for a structure), a number or an array of numbers")
+        stored[name] = _fitting(array, of)
+        plain = "python" if isinstance(value, (int, float, list)) and not isinstance(value, np.generic) else ""
+        record[name] = f"{plain} {array.ndim} {array.dtype.name}"
+    return stored
+
+
+def _decoded_attrs(attrs: dict[Any, Any], record: dict[str, str]) -> dict[str, Any]:
+    found = {}
+    for name, value in attrs.items():
+        if name not in record:
+            found[name] = value
+            continue
+        plain, ndim, kind = record[name].split(" ")
+        array = np.asarray(value).astype(kind)
+        array = np.atleast_1d(array) if ndim == "1" else array.reshape(())
+        found[name] = array.tolist() if plain else (array if ndim == "1" else array[()])
+    return found
+
+
+def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:
+    import xarray as xr
+
+    data: dict[str, Any] = {}
+    for name, kept in record["variables"].items():
+        variable = stored.variables[name]
+        dims, values = tuple(variable.dims), variable.values
+        if np.dtype(kept["dtype"]).kind == "c":
+            dims, values = dims[:-1], values[..., 0] + 1j * values[..., 1]
+        values = values.astype(kept["dtype"])
+        data[name] = (dims, values, _decoded_attrs(variable.attrs, kept["attrs"]))
+    coordinates = {name for name, kept in record["variables"].items() if kept["coordinate"]}
+    attrs = dict(stored.attrs)
+    created = attrs.pop(CREATED, "")
+    del attrs[RECORD]
+    result = xr.Dataset(
+        {name: item for name, item in data.items() if name not in coordinates},
+        {name: item for name, item in data.items() if name in coordinates},
+        _decoded_attrs(attrs, record["attrs"]),
+    )
+    result.encoding = {CREATED: created}
+    return result

@@ -1,0 +1,203 @@
+"""The word of an orbit: the letters that it visits, written so that every start on the orbit gives the same word.
+
+A word is primitive (no repetition of a shorter one) and in its least rotation, where letters are ordered by their
+code. So L comes before R, counts are in order, and a ball at rest (S) and completed chatter (C), whose codes are
+negative, come before all counts. A word names a class of orbits: a doubled LLR has word LLR and period 6.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
+from grazing.outcome import InputError
+
+_SPECIAL = {CHATTER_LETTER: "C", STUCK_LETTER: "S"}
+_COUNTS = {"C": CHATTER_LETTER, "S": STUCK_LETTER}
+_COUNT = re.compile(r"[0-9CS]|\(([1-9][0-9]+)\)")
+
+
+def primitive(letters: Iterable[int]) -> tuple[int, ...]:
+    """Return the shortest sequence of which the letters are a repetition, in linear time.
+
+    Parameters
+    ----------
+    letters : iterable of int
+        At least one letter.
+
+    Returns
+    -------
+    tuple of int
+
+    Examples
+    --------
+    >>> primitive((0, 0, 1, 0, 0, 1))
+    (0, 0, 1)
+    """
+    s = _sequence(letters)
+    border = [0] * len(s)  # longest proper prefix of s[:i+1] that is also its suffix (Knuth, Morris and Pratt)
+    for i in range(1, len(s)):
+        k = border[i - 1]
+        while k and s[k] != s[i]:
+            k = border[k - 1]
+        border[i] = k + (s[k] == s[i])
+    period = len(s) - border[-1]
+    return s[:period] if len(s) % period == 0 else s
+
+
+def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
+    """Return the rotation that comes first in lexicographic order of the letters' codes, in linear time.
+
+    Parameters
+    ----------
+    letters : iterable of int
+        At least one letter.
+
+    Returns
+    -------
+    tuple of int
+
+    Examples
+    --------
+    >>> least_rotation((1, 0, 0))
+    (0, 0, 1)
+    """
+    s = _sequence(letters)
+    n = len(s)
+    i, j, k = 0, 1, 0  # two rotations that agree in k letters; the larger one and all between them drop out
+    while i < n and j < n and k < n:
+        a, b = s[(i + k) % n], s[(j + k) % n]
+        if a == b:
+            k += 1
+            continue
+        if a > b:
+            i += k + 1
+        else:
+            j += k + 1
+        if i == j:
+            j += 1
+        k = 0
+    first = min(i, j)
+    return s[first:] + s[:first]
+
+
+def word(letters: Iterable[int], symbols: str | None = None) -> str:
+    """Return the word of a cycle of letters.
+
+    Parameters
+    ----------
+    letters : iterable of int
+        The letters of one period, from any point of the orbit on; several periods give the same word.
+    symbols : str, optional
+        The symbol of letter 0, 1, ... (:attr:`grazing.Map.letters`); None for counts, with those above 9 in
+        parentheses, C for completed chatter and S for a ball at rest throughout.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        For no letter at all, or one that has no symbol.
+
+    Examples
+    --------
+    >>> word((1, 0, 0, 1, 0, 0), "LR")
+    'LLR'
+    >>> word((12, 0))
+    '0(12)'
+    """
+    return "".join(_symbol(letter, symbols) for letter in least_rotation(primitive(letters)))
+
+
+def letters_of(text: str, symbols: str | None = None) -> tuple[int, ...]:
+    """Return the letters that a word spells; the inverse of :func:`word` on words.
+
+    Parameters
+    ----------
+    text : str
+        Any spelling: it need not be primitive or rotated.
+    symbols : str, optional
+        As in :func:`word`.
+
+    Returns
+    -------
+    tuple of int
+
+    Raises
+    ------
+    InputError
+        For a text with a symbol that is not known, or for an empty one.
+
+    Examples
+    --------
+    >>> letters_of("LLR", "LR"), letters_of("0(12)C")
+    ((0, 0, 1), (0, 12, -1))
+    """
+    letters: list[int] = []
+    position = 0
+    while position < len(text):
+        found = None if symbols is not None else _COUNT.match(text, position)
+        if symbols is not None and text[position] in symbols:
+            letters.append(symbols.index(text[position]))
+            position += 1
+        elif found is not None:
+            letters.append(_COUNTS[found[0]] if found[0] in _COUNTS else int(found[1] or found[0]))
+            position = found.end()
+        else:
+            allowed = "0 to 9, (10) and above, C, S" if symbols is None else ", ".join(symbols)
+            raise InputError(f"word {text!r} has {text[position:]!r} at position {position}; allowed are {allowed}")
+    return _sequence(letters)
+
+
+def impacts_and_periods(letters: Sequence[int]) -> tuple[float, int]:
+    """Return how many impacts an orbit of the oscillator has, and in how many forcing periods.
+
+    Unlike the word, the pair does not change when an impact crosses the strobe.
+
+    Parameters
+    ----------
+    letters : sequence of int
+        Impacts in each period of the forcing, one letter per period of the orbit.
+
+    Returns
+    -------
+    impacts : float
+        Infinite for an orbit with completed chatter.
+    periods : int
+
+    Examples
+    --------
+    >>> impacts_and_periods((0, 0, 1)), impacts_and_periods((0, -1))
+    ((1, 3), (inf, 2))
+    """
+    s = _sequence(letters)
+    if CHATTER_LETTER in s:
+        return math.inf, len(s)
+    return sum(0 if letter == STUCK_LETTER else letter for letter in s), len(s)
+
+
+def _sequence(letters: Iterable[int]) -> tuple[int, ...]:
+    s = tuple(map(int, letters))
+    if not s:
+        raise InputError("a word of no letters; give the letters of at least one step")
+    return s
+
+
+def _symbol(letter: int, symbols: str | None) -> str:
+    if symbols is None:
+        if letter in _SPECIAL:
+            return _SPECIAL[letter]
+        if letter >= 0:
+            return str(letter) if letter < 10 else f"({letter})"
+        raise InputError(f"letter {letter} has no symbol; allowed are counts >= 0, {_names()}")
+    if 0 <= letter < len(symbols):
+        return symbols[letter]
+    raise InputError(f"letter {letter} has no symbol in {symbols!r}; allowed are 0 to {len(symbols) - 1}")
+
+
+def _names() -> str:
+    return " and ".join(f"{letter} ({symbol})" for letter, symbol in _SPECIAL.items())

@@ -1,0 +1,133 @@
+"""What a study writes beside its numbers: CF-style attributes, and the configuration with its hash.
+
+Attributes are text, numbers or arrays of numbers, so that they survive NetCDF: no dict, None or bool.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import digest
+from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
+from grazing.oscillator.model import describe_parameter
+from grazing.outcome import Outcome
+
+Attributes = dict[str, Any]
+
+REFERENCE = "Pring and Budd, IMA Journal of Applied Mathematics 76 (2011) 67-84"
+_GREEK = ("alpha", "beta", "gamma", "delta", "lambda", "mu", "nu", "omega", "phi", "rho", "sigma", "tau", "theta")
+
+
+def quantity(P: Map, name: str) -> Attributes:
+    """Return the attributes of a parameter or coordinate of a map."""
+    if name in P.params and P.source is not None:  # a model stands behind the map and says what its parameters are
+        known = describe_parameter(name)
+        return {"long_name": known.meaning, "units": "1", "symbol": known.symbol}
+    kind = "parameter" if name in P.params else "coordinate"
+    full = "lambda" if name == "lam" else name
+    return {"long_name": f"{kind} {name}", "units": "1", "symbol": f"\\{full}" if full in _GREEK else name}
+
+
+def period_attributes(limit: int) -> Attributes:
+    """Return the attributes of a period, sought up to a limit."""
+    return {
+        "long_name": "period of the orbit",
+        "units": "1",
+        "flag_values": np.array([0, -1, -2], np.int32),
+        "flag_meanings": "undecided aperiodic_as_far_as_seen ended",
+        "period_limit": limit,
+    }
+
+
+def word_attributes() -> Attributes:
+    """Return the attributes of a word."""
+    return {"long_name": "primitive cyclic word in its least rotation; empty where there is no period"}
+
+
+def letter_attributes(P: Map) -> Attributes:
+    """Return the attributes of the letters of a map."""
+    if P.letters is None:
+        special = np.array([CHATTER_LETTER, STUCK_LETTER], np.int32)
+        meanings = "completed_chatter stuck_throughout"
+        return {"long_name": "letter of the step: a count", "flag_values": special, "flag_meanings": meanings}
+    codes = np.arange(len(P.letters), dtype=np.int32)
+    return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(P.letters)}
+
+
+def outcome_attributes() -> Attributes:
+    """Return the attributes of an outcome; its bits add up, so that CF asks for masks."""
+    flags = [flag for flag in Outcome if flag]
+    return {
+        "long_name": "what happened along the orbit, transient included",
+        "flag_masks": np.array([flag.value for flag in flags], np.int32),
+        "flag_meanings": " ".join(str(flag.name) for flag in flags),
+    }
+
+
+def trust_attributes() -> Attributes:
+    """Return the attributes of the trust in the letters and points of an orbit."""
+    return {
+        "long_name": "how far to trust letters and points",
+        "flag_values": np.array([0, 1, 2], np.int8),
+        "flag_meanings": "certified numerical ambiguous",
+    }
+
+
+def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
+    """Return the attributes of a whole result.
+
+    Parameters
+    ----------
+    P : Map
+    title : str
+    config : mapping
+        All that decides the numbers, as JSON can write it; the map's name, coordinates and parameters are added.
+
+    Returns
+    -------
+    dict
+        ``title``, ``source``, ``references``, ``grazing_config`` (JSON, keys sorted), ``grazing_config_sha256`` of
+        that text, ``grazing_code_sha256`` of the step's bytecode and all that it names (another Python, another
+        bytecode: that is why it stands beside the configuration), ``grazing_versions`` (JSON).
+    """
+    described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
+    text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return {
+        "title": title,
+        "source": f"grazing {own_version()}",
+        "references": REFERENCE,
+        "Conventions": "CF-1.11",
+        "grazing_config": text,
+        "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "grazing_code_sha256": digest(P.step),
+        "grazing_versions": json.dumps(versions(), sort_keys=True),
+    }
+
+
+def own_version() -> str:
+    """Return the version of this package."""
+    return str(sys.modules["grazing"].__version__)  # it is imported: we are inside it
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what computes the numbers."""
+    found = {"grazing": own_version(), "python": ".".join(map(str, sys.version_info[:3]))}
+    for package in ("llvmlite", "numba", "numpy"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:  # pragma: no cover
+            found[package] = "unknown"
+    return found
+
+
+def fingerprint(array: NDArray[np.float64]) -> str:
+    """Return the SHA-256 of an array's numbers, the same on every machine."""
+    return hashlib.sha256(np.ascontiguousarray(array, "<f8").tobytes()).hexdigest()

@@ -1,0 +1,125 @@
+"""Random starts from a counter: the same whatever the threads, the order of the work or the rest of the sweep.
+
+Each number is a hash of (seed, cell, lane, coordinate). A cell is named by its parameter values, so that a cell
+computed alone, or in a finer sweep, gets the same starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.outcome import InputError
+from grazing.parameter import real, whole
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_FIRST = np.uint64(0xBF58476D1CE4E5B9)
+_SECOND = np.uint64(0x94D049BB133111EB)
+
+Words = NDArray[np.uint64]
+
+
+def mixed(z: Words) -> Words:
+    """Return the finaliser of SplitMix64, a bijection of 64 bits in which every input bit moves every output bit.
+
+    References
+    ----------
+    Steele, Lea and Flood, OOPSLA 2014, 453-472.
+    """
+    z = z + _GOLDEN
+    z = (z ^ (z >> np.uint64(30))) * _FIRST
+    z = (z ^ (z >> np.uint64(27))) * _SECOND
+    return z ^ (z >> np.uint64(31))
+
+
+def uniform(seed: int, cell: Sequence[float], lanes: int, dimension: int) -> NDArray[np.float64]:
+    """Return numbers in [0, 1), shape (lanes, dimension).
+
+    Parameters
+    ----------
+    seed : int
+        0 <= seed < 2^64.
+    cell : sequence of float
+        The parameter values that name the cell.
+    lanes, dimension : int
+
+    Examples
+    --------
+    >>> bool((uniform(1, (0.5,), 10, 2)[:4] == uniform(1, (0.5,), 4, 2)).all())
+    True
+    """
+    key = mixed(np.array([seed], np.uint64))
+    for bits in (np.asarray(cell, np.float64) + 0.0).view(np.uint64):  # + 0.0: -0 and 0 are one value
+        key = mixed(key ^ mixed(np.array([bits])))
+    lane = mixed(key[:, None] ^ mixed(np.arange(lanes, dtype=np.uint64))[:, None])
+    number = mixed(lane ^ mixed(np.arange(dimension, dtype=np.uint64) ^ _GOLDEN))
+    return (number >> np.uint64(11)).astype(np.float64) * 2.0**-53
+
+
+def random_starts(
+    seed: int, cell: Sequence[float], lanes: int, box: Sequence[tuple[float, float]]
+) -> NDArray[np.float64]:
+    """Return random states in a box, shape (dim, lanes).
+
+    Parameters
+    ----------
+    seed : int
+        0 <= seed < 2^64.
+    cell : sequence of float
+        The parameter values that name the cell.
+    lanes : int
+        Number of states; a state does not depend on how many there are.
+    box : sequence of (low, high)
+        One pair per coordinate.
+
+    Examples
+    --------
+    >>> random_starts(0, (0.1,), 3, ((0.0, 1.0), (5.0, 6.0))).shape
+    (2, 3)
+    """
+    low, high = np.array(box, np.float64).T[:, :, None]
+    return np.ascontiguousarray(low + (high - low) * uniform(seed, cell, lanes, len(box)).T)
+
+
+def checked_seed(seed: object) -> int:
+    """Return the seed, or raise InputError."""
+    number = whole(seed, "seed", 0)
+    if number >= 2**64:
+        raise InputError(f"seed = {number}; allowed is a whole number below 2^64")
+    return number
+
+
+def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
+    """Return a box as pairs of floats, one per coordinate, or raise InputError."""
+    wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
+    try:
+        pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise InputError(f"box is {box!r}; {wanted}") from None
+    if len(pairs) != len(coordinates):
+        raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
+    checked = []
+    for (low, high), name in zip(pairs, coordinates, strict=True):
+        ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
+        if not ends[0] < ends[1]:
+            raise InputError(f"box of {name} is ({low:g}, {high:g}); the lower end must come first")
+        checked.append(ends)
+    return tuple(checked)
+
+
+def checked_starts(starts: ArrayLike, coordinates: Sequence[str]) -> int | NDArray[np.float64]:
+    """Return a number of random starts, or given starts as an array (n, dim); raise InputError for neither."""
+    if np.ndim(starts) == 0:
+        return whole(starts, "starts", 1)
+    wanted = f"give a whole number >= 1, or states of shape (n, {len(coordinates)}): {', '.join(coordinates)}"
+    try:
+        states = np.array(starts, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"starts are not numbers; {wanted}") from None
+    if states.ndim != 2 or states.shape[1] != len(coordinates) or not len(states):
+        raise InputError(f"starts have shape {states.shape}; {wanted}")
+    if not np.isfinite(states).all():
+        raise InputError(f"start {np.flatnonzero(~np.isfinite(states).all(axis=1))[0]} is not finite; {wanted}")
+    return states

@@ -1,0 +1,211 @@
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing import theory
+from grazing.outcome import AMBIGUOUS, DIVERGED
+from grazing.studies.classify import classify
+from grazing.studies.starts import random_starts
+
+
+def logistic(state, p):
+    (x,) = state
+    return (p.a * x * (1.0 - x),)
+
+
+LOGISTIC = gz.Map(logistic, params={"a": 3.2}, coordinates=("x",), box=((0.0, 1.0),))
+
+
+def settled(P, starts=60, transient=200, keep=50):
+    lanes = random_starts(0, tuple(P.params.values()), starts, P.box)
+    points, letters, outcomes = P.run(lanes, transient, keep)
+    return classify(P, points, letters, outcomes[0])
+
+
+WINDOWS = [
+    (N, lam, l)
+    for lam in (0.2, 0.34, 0.5, 0.9)
+    for l in (0.0, 0.21, 0.8)
+    for N in (2, 3, 4, 6)
+    if theory.mu_pd(N, lam, l) < theory.mu_bc(N, lam, l)
+]
+
+
+@pytest.mark.parametrize(("N", "lam", "l"), WINDOWS)
+def test_inside_a_window_the_maximal_orbit_is_named(N, lam, l):
+    # Proposition 3.1: L^(N-1) R attracts for mu_pd < mu < mu_bc
+    low, high = theory.mu_pd(N, lam, l), theory.mu_bc(N, lam, l)
+    for share in (0.02, 0.5, 0.98):
+        mu = low + share * (high - low)
+        orbit = theory.maximal_orbit(N, lam, mu, l)
+        P = gz.gap_map(lam, mu, l)
+        points, letters, outcomes = P.run(np.array([[orbit[0]]]) * (1 + 1e-6), 200, 50)
+        found = classify(P, points, letters, outcomes[0])
+        assert (found.period[0], found.word[0], found.trust[0]) == (N, "L" * (N - 1) + "R", 0)
+
+
+@pytest.mark.parametrize(("lam", "mu", "l"), [(0.34, 0.05, 0.21), (0.8, 0.5, 1.0), (0.5, 0.08, 0.0)])
+def test_the_periods_found_are_those_whose_window_holds_mu(lam, mu, l):
+    found = settled(gz.gap_map(lam, mu, l), transient=2000)
+    held = {N for N in range(1, 12) if theory.mu_pd(N, lam, l) < mu < (theory.mu_bc(N, lam, l) if N > 1 else np.inf)}
+    assert set(found.period.tolist()) <= held
+    assert held
+
+
+@pytest.mark.parametrize("beyond", [1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize(("N", "lam", "l"), [(3, 0.5, 0.1), (2, 0.34, 0.21), (4, 0.9, 0.8)])
+def test_slow_alternation_at_a_period_doubling_is_not_a_doubled_orbit(N, lam, l, beyond):
+    mu = theory.mu_pd(N, lam, l) * (1 + beyond)
+    multiplier = theory.multiplier(N, lam, mu, l)
+    assert -1 < multiplier < -0.95
+    orbit = np.asarray(theory.maximal_orbit(N, lam, mu, l))
+    P = gz.gap_map(lam, mu, l)
+    for size in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
+        starts = orbit[:1, None] * (1 + size * (1 + multiplier) ** 0.5)  # inside the unstable doubled orbit
+        points, letters, outcomes = P.run(starts.copy(), 0, 50)
+        found = classify(P, points, letters, outcomes[0])
+        assert (found.period[0], found.word[0]) == (N, "L" * (N - 1) + "R")
+
+
+def test_recurrence_alone_would_have_said_twice_the_period():
+    N, lam, l = 3, 0.5, 0.1
+    mu = theory.mu_pd(N, lam, l) * (1 + 1e-7)
+    orbit = np.asarray(theory.maximal_orbit(N, lam, mu, l))
+    P = gz.gap_map(lam, mu, l)
+    points, letters, outcomes = P.run(orbit[:1, None] + 1e-6, 0, 50)
+    extent = np.ptp(points)
+    assert np.abs(points[6:] - points[:-6]).max() < 1e-9 * extent < np.abs(points[3:] - points[:-3]).max()
+    assert classify(P, points, letters, outcomes[0]).period[0] == 3
+
+
+def test_before_the_period_doubling_the_orbit_is_not_named():
+    mu = theory.mu_pd(3, 0.5, 0.1) * (1 - 1e-4)
+    orbit = np.asarray(theory.maximal_orbit(3, 0.5, mu, 0.1))
+    P = gz.gap_map(0.5, mu, 0.1)
+    points, letters, outcomes = P.run(orbit[:1, None] * (1 + 1e-5), 0, 50)
+    assert (letters[3:] == letters[:-3]).all()  # it still looks like the orbit
+    assert classify(P, points, letters, outcomes[0]).period[0] == -1
+
+
+@pytest.mark.parametrize("l", [0.0, 0.001])
+def test_chaos_has_no_period(l):
+    found = settled(gz.gap_map(lam=0.9, mu=0.1, l=l), starts=300)
+    assert set(found.period.tolist()) == {-1}
+    assert set(found.word.tolist()) == {""}
+
+
+@pytest.mark.parametrize("a", [3.58, 3.6, 3.64, 3.7, 3.9, 4.0])
+def test_chaos_without_letters_has_no_period(a):
+    # one to four bands: letters say nothing here, and every band returns near itself
+    assert set(settled(LOGISTIC.replace(a=a)).period.tolist()) == {-1}
+
+
+@pytest.mark.parametrize(
+    ("a", "period"),
+    [(0.9, 1), (2.0, 1), (2.99, 1), (2.9999, 1), (3.2, 2), (3.44, 2), (3.5, 4), (3.55, 8), (3.566, 16), (3.83, 3)],
+)
+def test_logistic_map(a, period):
+    found = settled(LOGISTIC.replace(a=a), transient=2000 if a != 0.9 else 100)
+    assert set(found.period.tolist()) == {period}
+    assert set(found.word.tolist()) == {"0"}
+    assert set(found.trust.tolist()) == {1}  # no exact tangent
+
+
+def test_just_beyond_a_supercritical_doubling_the_doubled_orbit_is_named():
+    assert set(settled(LOGISTIC.replace(a=3.001), transient=20_000).period.tolist()) == {2}
+    assert set(settled(LOGISTIC.replace(a=2.999), transient=200).period.tolist()) == {1}
+
+
+def test_a_map_in_three_dimensions():
+    # a driven cycle of period 4 in two phases that do not feel each other, and a contraction that follows
+    def step(state, p):
+        x, y, z = state
+        return (-y, x, p.c * z + x), (1 if x > 0.0 else 0), 0
+
+    P = gz.Map(
+        step, params={"c": 0.5}, coordinates=("x", "y", "z"), box=((0.1, 1.0),) * 3, letters="-+", name="spinning"
+    )
+    found = settled(P)
+    assert set(found.period.tolist()) == {4}
+    assert set(found.word.tolist()) == {"--++"}
+
+    def turning(state, p):
+        x, y, z = state
+        return (0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y, p.c * z + x), 0, 0  # an angle that is no part of a turn
+
+    Q = gz.Map(turning, params={"c": 0.5}, coordinates=("x", "y", "z"), box=((0.1, 1.0),) * 3)
+    assert set(settled(Q).period.tolist()) == {-1}
+
+
+def test_a_slow_spiral_into_a_fixed_point():
+    def step(state, p):
+        x, y = state
+        return p.r * (0.8 * x - 0.6 * y) + 1.0, p.r * (0.6 * x + 0.8 * y)
+
+    P = gz.Map(step, params={"r": 0.995}, coordinates=("x", "y"), box=((-1.0, 1.0), (-1.0, 1.0)))
+    assert set(settled(P, transient=100).period.tolist()) == {1}
+
+
+@pytest.mark.parametrize(("V", "d", "word"), [(0.4, 0.12, "001"), (0.0, 0.12, "01"), (0.4, 0.15, "0")])
+def test_oscillator(V, d, word):
+    found = settled(gz.stroboscopic_map(gz.pinball(alpha=3, k=1, omega=2.2, t0=0, r=0.8, V=V, d=d)))
+    assert set(found.word.tolist()) == {word}
+    assert set(found.period.tolist()) == {len(word)}
+    assert 1 not in found.trust
+
+
+@pytest.mark.parametrize("phase", [0.3, 1.1, 2.5])
+def test_the_strobe_does_not_change_a_one_impact_word(phase):
+    assert set(settled(gz.stroboscopic_map(gz.pinball(), phase)).word.tolist()) == {"001"}
+
+
+def test_ended_ambiguous_and_undecided():
+    points = np.zeros((50, 1, 4))
+    points[10:, 0, 1] = np.nan
+    letters = np.zeros((50, 4), np.int64)
+    outcomes = np.array([DIVERGED, 0, AMBIGUOUS, 0])
+    G = gz.gap_map(0.5, 0.1, 0.1)
+    found = classify(G, points, letters, outcomes)
+    assert found.period.tolist() == [-2, -2, 1, 1]
+    assert found.word.tolist() == ["", "", "L", "L"]
+    assert found.trust.tolist() == [0, 0, 2, 0]
+    assert classify(G, points[:1], letters[:1], outcomes * 0).period.tolist() == [0, 0, 0, 0]
+
+
+def test_letters_must_repeat_as_well():
+    points = np.zeros((12, 2, 1))
+    G = gz.gap_map(0.5, 0.1, 0.1)
+    letters = np.array([0, 1] * 6)[:, None]
+    found = classify(G, points, letters, np.zeros(1, np.int64))
+    assert (found.period[0], found.word[0]) == (2, "LR")
+    letters = np.array([0, 1, *[0] * 10])[:, None]  # once, and long ago
+    assert classify(G, points, letters, np.zeros(1, np.int64)).period[0] == -1
+
+
+def test_one_coincidence_is_not_a_period():
+    rng = np.random.default_rng(1)
+    points = rng.random((40, 1, 3))
+    points[-1 - 7] = points[-1]  # the last point was there before, the others were not
+    letters = np.zeros((40, 3), np.int64)
+    assert classify(LOGISTIC, points, letters, np.zeros(3, np.int64)).period.tolist() == [-1, -1, -1]
+
+
+def test_the_tolerance_counts():
+    cycle = np.array([1.0, 2.0, 4.0])
+    rng = np.random.default_rng(0)
+    points = np.tile(cycle, 10)[:, None, None] + 1e-7 * rng.random((30, 1, 1))
+    letters = np.tile([0, 0, 1], 10)[:, None]
+    zero = np.zeros(1, np.int64)
+    G = gz.gap_map(0.5, 0.1, 0.1)
+    assert classify(G, points, letters, zero, tolerance=1e-6).period[0] == 3
+    assert classify(G, points, letters, zero).period[0] == -1
+
+
+def test_orbits_do_not_decide_about_each_other():
+    P = gz.gap_map(0.5, theory.mu_pd(3, 0.5, 0.1) + 1e-3, 0.1)
+    points, letters, outcomes = P.run(random_starts(0, (1.0,), 60, P.box), 200, 50)
+    together = classify(P, points, letters, outcomes[0])
+    assert len(set(together.period.tolist())) > 1
+    for i in range(60):
+        alone = classify(P, points[:, :, i : i + 1], letters[:, i : i + 1], outcomes[0, i : i + 1])
+        assert (alone.period[0], alone.word[0]) == (together.period[i], together.word[i])

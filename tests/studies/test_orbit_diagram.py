@@ -1,0 +1,226 @@
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import grazing as gz
+from grazing import theory
+from grazing.studies import cells
+from grazing.studies.attractors import attractors
+from grazing.studies.orbit_diagram import orbit_diagram
+from grazing.studies.starts import random_starts
+
+GAP = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
+BALL = gz.stroboscopic_map(gz.pinball(V=0.4))
+SMALL = {"starts": 9, "transient": 60, "keep": 12}
+
+
+def hybrid(state, p):
+    x, y, z = state
+    return (p.a - x * x + 0.3 * y, x, 0.5 * z + x), (1 if x > 0.0 else 0), 0
+
+
+CUBE = gz.Map(
+    hybrid, params={"a": 1.0}, coordinates=("x", "y", "z"), box=((-0.1, 0.1),) * 3, letters="LR", escape=100.0
+)
+
+
+def test_dimensions_types_and_attributes():
+    values = np.linspace(0.1, 0.13, 4)
+    result = orbit_diagram(BALL, "d", values, **SMALL)
+    assert dict(result.sizes) == {"d": 4, "start": 9, "n": 12}
+    assert (result.d == values).all()
+    assert result.u.dims == result.v.dims == result.letter.dims == ("d", "start", "n")
+    assert result.period.dims == result.word.dims == result.outcome.dims == result.trust.dims == ("d", "start")
+    assert result.d.attrs == {"long_name": "constant part of the forcing", "units": "1", "symbol": "d"}
+    assert result.u.attrs["units"] == result.v.attrs["units"] == "1"
+    assert result.period.attrs["period_limit"] == 6
+    for name in ("letter", "period", "trust"):
+        assert result[name].attrs["flag_values"].dtype == result[name].dtype
+        assert len(result[name].attrs["flag_meanings"].split()) == len(result[name].attrs["flag_values"])
+    assert result.outcome.attrs["flag_masks"].tolist() == [2**i for i in range(9)]
+    assert result.attrs["source"] == f"grazing {gz.__version__}"
+
+
+def test_points_are_those_of_the_map():
+    values = [0.03, 0.07, 0.11]
+    result = orbit_diagram(GAP, "mu", values, starts=7, transient=20, keep=5, seed=3, arithmetic="strict")
+    for value in values:
+        P = GAP.replace(mu=value)
+        starts = random_starts(3, (value,), 7, P.box)
+        for i in range(7):
+            orbit = P.orbit(starts[:, i], 25)
+            here = result.sel(mu=value).isel(start=i)
+            assert here.x.values.tolist() == orbit.points[21:, 0].tolist()
+            assert here.letter.values.tolist() == orbit.letters[20:].tolist()
+
+
+@pytest.mark.parametrize("arithmetic", ["fast", "strict"])
+@pytest.mark.parametrize(
+    ("P", "name", "values"),
+    [
+        (BALL, "d", np.linspace(0.09, 0.13, 9)),
+        (gz.stroboscopic_map(gz.pinball(alpha=0.3, V=0.1)), "alpha", np.linspace(0.2, 2.0, 9)),
+        (GAP, "mu", np.linspace(0.2, 0.0, 9)),
+        (gz.gap_map(0.9, 0.1, 0.0), "lam", np.linspace(0.3, 0.95, 9)),
+        (CUBE, "a", np.linspace(0.2, 1.2, 9)),
+    ],
+    ids=["oscillator", "damping", "gap map", "slope", "three dimensions"],
+)
+def test_neither_threads_nor_order_nor_neighbours_change_a_bit(P, name, values, arithmetic):
+    more = {"starts": 70, "transient": 100, "keep": 20, "arithmetic": arithmetic}
+    one = orbit_diagram(P, name, values, threads=1, **more)
+    xr.testing.assert_identical(one, orbit_diagram(P, name, values, threads=4, **more))
+    shuffled = np.random.default_rng(0).permutation(len(values))
+    other = orbit_diagram(P, name, values[shuffled], threads=2, **more)
+    few = orbit_diagram(P, name, values[[4]], **{**more, "starts": 3})
+    for variable in ("letter", "period", "word", "outcome", "trust", *P.coordinates):
+        assert np.array_equal(other[variable].values, one[variable].values[shuffled], equal_nan=variable in "uvxyz")
+        assert np.array_equal(few[variable].values[0], one[variable].values[4, :3], equal_nan=variable in "uvxyz")
+
+
+def test_starts_follow_the_seed_and_the_box():
+    a, b = (orbit_diagram(GAP, "mu", [0.1], seed=s, **SMALL) for s in (1, 2))
+    assert not (a.x == b.x).all()
+    box = ((0.5, 0.6),)
+    first = orbit_diagram(GAP, "mu", [0.1], starts=20, transient=0, keep=1, box=box)
+    assert (first.x >= 0.1 - 0.1 - np.sqrt(0.6)).all() and (first.x <= 0.1 - 0.1 - np.sqrt(0.5)).all()
+
+
+def test_the_box_moves_with_the_wall():
+    result = orbit_diagram(gz.stroboscopic_map(gz.pinball()), "sigma", [-0.2, 0.0, 0.3], **SMALL)
+    assert (result.outcome.values & gz.Outcome.inside_wall == 0).all()
+    assert (result.u >= result.sigma).all()
+
+
+def test_given_starts():
+    starts = np.array([[-0.5], [0.25]])
+    result = orbit_diagram(GAP, "mu", [0.1, 0.2], starts=starts, transient=0, keep=1, arithmetic="strict")
+    assert result.x[:, :, 0].values.tolist() == [[0.1 - 0.25, 0.1 - 0.1 - 0.5], [0.2 - 0.25, 0.2 - 0.1 - 0.5]]
+    assert starts.tolist() == [[-0.5], [0.25]]
+    inside = orbit_diagram(BALL, "d", [0.12], starts=[[-1.0, 0.0], [0.1, 0.0]])
+    assert inside.period.values.tolist() == [[-2, 3]]
+    assert inside.outcome.values[0, 0] & gz.Outcome.inside_wall
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # overflow, which plain Python mentions
+def test_orbits_that_end_are_recorded_and_not_raised():
+    result = orbit_diagram(CUBE, "a", [0.5, 30.0], **SMALL)
+    assert (result.period.sel(a=30.0) == -2).all()
+    assert (result.outcome.sel(a=30.0).values & gz.Outcome.diverged).all()
+    assert (result.word.sel(a=30.0) == "").all()
+    assert (result.period.sel(a=0.5) == 2).all()
+
+
+def test_periods_follow_the_windows_of_the_gap_map():
+    lam, l = 0.34, 0.21
+    values = np.linspace(0.01, 0.3, 40)
+    result = orbit_diagram(gz.gap_map(lam, 0.1, l), "mu", values, starts=20, transient=1000)
+    for found in attractors(result):
+        low = theory.mu_pd(found.period, lam, l)
+        high = theory.mu_bc(found.period, lam, l) if found.period > 1 else np.inf
+        assert low < found.value < high
+        assert found.word == "L" * (found.period - 1) + "R"
+
+
+def test_windows_overlap():
+    # lam = 0.5, l = 0.1: periods 3 and 4 coexist for 0.0410714 < mu < 0.0443812
+    result = orbit_diagram(GAP, "mu", [0.043, 0.05], transient=1000)
+    found = attractors(result)
+    assert [(a.value, a.word, a.period) for a in found] == [(0.043, "LLR", 3), (0.043, "LLLR", 4), (0.05, "LLR", 3)]
+    assert found[0].share + found[1].share == pytest.approx(1.0)
+    assert 0.0 < found[1].share < found[0].share
+
+
+def test_configuration():
+    result = orbit_diagram(GAP, "mu", [0.3, 0.2], seed=5, **SMALL)
+    config = json.loads(result.attrs["grazing_config"])
+    assert config["params"] == {"lam": 0.5, "l": 0.1}
+    assert config["starts"] == {"random": 9, "seed": 5, "box": [[-1.0, 1.0]]}
+    assert config["values"]["first"] == 0.3
+    assert (config["parameter"], config["keep"], config["transient"]) == ("mu", 12, 60)
+    again = orbit_diagram(GAP.replace(mu=0.9), "mu", [0.3, 0.2], seed=5, threads=1, **SMALL)
+    assert again.attrs == result.attrs  # the swept parameter's own value does not count
+    changes = ({"seed": 6}, {"keep": 13}, {"arithmetic": "strict"}, {"box": ((0, 1),)}, {"starts": [[0.5]]})
+    others = [orbit_diagram(GAP, "mu", [0.3, 0.2], **{"seed": 5, **SMALL, **change}) for change in changes]
+    others.append(orbit_diagram(GAP.replace(l=0.2), "mu", [0.3, 0.2], seed=5, **SMALL))
+    others.append(orbit_diagram(GAP, "mu", [0.2, 0.3], seed=5, **SMALL))
+    assert len({other.attrs["grazing_config_sha256"] for other in [result, *others]}) == 8
+
+
+def test_another_step_of_the_same_name_is_another_code():
+    def steps(power):
+        def step(state, p):
+            return (p.a * state[0] ** power,)
+
+        return gz.Map(step, params={"a": 0.5})
+
+    one, same, other = (orbit_diagram(steps(power), "a", [0.5], **SMALL).attrs for power in (1, 1, 2))
+    assert one == same
+    assert one["grazing_config"] == other["grazing_config"]
+    assert one["grazing_code_sha256"] != other["grazing_code_sha256"]
+
+
+def test_saved_and_loaded(tmp_path):
+    from grazing.io import load, save
+
+    for P, name in ((BALL, "d"), (GAP, "mu"), (CUBE, "a")):
+        result = orbit_diagram(P, name, [0.12, 0.13], **SMALL)
+        loaded = load(save(result, tmp_path / "diagram.nc"))
+        xr.testing.assert_identical(loaded, result)
+        assert [v.dtype for v in loaded.variables.values()] == [v.dtype for v in result.variables.values()]
+
+
+def test_progress():
+    said = []
+    orbit_diagram(GAP, "mu", [0.1, 0.2, 0.3], progress=lambda *done: said.append(done), **SMALL)
+    assert said[-1] == (3, 3)
+
+
+def clash(state, p):
+    return (p.n * state[0],)
+
+
+@pytest.mark.parametrize(
+    ("P", "name", "values", "more", "said"),
+    [
+        (GAP.step, "mu", [0.1], {}, "the first argument is <function gap_step .*; give a map, such as"),
+        (GAP, "muu", [0.1], {}, "unknown parameter 'muu' of gap map. Did you mean 'mu'"),
+        (GAP, "mu", [], {}, r"values have shape \(0,\); give finite values of mu in a list"),
+        (GAP, "mu", 0.1, {}, r"values have shape \(\); give finite values of mu"),
+        (GAP, "mu", [[0.1]], {}, r"values have shape \(1, 1\); give finite values of mu"),
+        (GAP, "mu", [0.1, np.nan], {}, r"values\[1\] = nan is not finite; give finite values of mu"),
+        (GAP, "mu", ["a"], {}, r"values are not numbers: \['a'\]; give finite values of mu"),
+        (GAP, "mu", [0.1], {"starts": 0}, "starts = 0; allowed is a whole number >= 1"),
+        (GAP, "mu", [0.1], {"starts": [[1.0, 2.0]]}, r"starts have shape \(1, 2\); give a whole number"),
+        (GAP, "mu", [0.1], {"keep": 0}, "keep = 0; allowed is a whole number >= 1"),
+        (GAP, "mu", [0.1], {"transient": -1}, "transient = -1; allowed is a whole number >= 0"),
+        (GAP, "mu", [0.1], {"seed": "x"}, "seed = 'x'; allowed is a whole number >= 0"),
+        (GAP, "mu", [0.1], {"threads": 0}, "threads = 0; allowed is a whole number >= 1"),
+        (GAP, "mu", [0.1], {"arithmetic": "exact"}, "arithmetic is 'exact'; allowed are 'strict' and 'fast'"),
+        (GAP, "mu", [0.1], {"box": ((0, 1), (0, 1))}, "box has 2 intervals for 1 coordinates; give one"),
+        (BALL, "r", [0.5, 1.5], {}, "r = 1.5; allowed is 0 <= r <= 1"),
+        (gz.Map(clash, {"n": 0.5}), "n", [0.5], {}, "'n' names a dimension or variable of the result; rename it"),
+        (gz.Map(clash, {"n": 0.5}, ("n",)), "n", [0.5], {}, "'n' names a dimension or variable"),
+    ],
+)
+def test_error_texts(P, name, values, more, said):
+    with pytest.raises(gz.InputError, match=said):
+        orbit_diagram(P, name, values, **more)
+
+
+def test_a_result_larger_than_half_the_memory_is_refused_at_once(monkeypatch):
+    monkeypatch.setattr(cells, "physical_memory", lambda: 10**9)
+    said = r"would take 6[0-9.]+ GB, more than half .* reduce values \(1000\), starts \(1000\) or keep \(5000\)"
+    with pytest.raises(gz.InputError, match=said):
+        orbit_diagram(GAP, "mu", np.linspace(0, 1, 1000), starts=1000, keep=5000)
+
+
+def test_a_letter_without_a_symbol_is_said():
+    def step(state, p):
+        return (p.a * state[0],), 7, 0
+
+    P = gz.Map(step, params={"a": 0.5}, letters="LR")
+    with pytest.raises(gz.InputError, match="letter 7 has no symbol in 'LR'"):
+        orbit_diagram(P, "a", [0.5], **SMALL)

@@ -1,0 +1,151 @@
+import os
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import grazing as gz
+from grazing.io import load, save
+
+
+def everything():
+    """Every type that a result may have, in an order that is not the alphabet's."""
+    kinds = ("float64", "float32", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "bool")
+    result = xr.Dataset({f"a_{kind}": ("d", np.array([0, 1, 100], kind)) for kind in kinds})
+    result["special"] = ("d", [np.nan, -np.inf, 5e-324])
+    result["words"] = (("d", "start"), np.array([["LLR", ""], ["L", "λμ(12)"], ["", ""]]))
+    result["empty"] = ("d", np.array(["", "", ""]))
+    result["multipliers"] = ("d", np.array([1 + 2j, np.nan, -1e-300j]))
+    result["large"] = ("d", np.array([2**53, -(2**40), 3]))
+    result["scalar"] = 3
+    result["nothing"] = ("zero", np.zeros(0, np.int64))
+    result = result.assign_coords(
+        d=("d", [0.3, 0.2, 0.1], {"units": "1", "symbol": r"\mu"}), tag=("d", ["a", "b", "c"])
+    )
+    result["a_int8"].attrs = {"flag_values": np.array([1], np.int8), "list": [1, 2], "flag_meanings": "one"}
+    result.attrs = {"text": "λ", "empty": "", "whole": 3, "number": 0.1, "one": np.array([1]), "np": np.float64(2.5)}
+    return result
+
+
+def test_what_is_saved_comes_back(tmp_path):
+    result = everything()
+    path = save(result, tmp_path / "all.nc")
+    loaded = load(path)
+    xr.testing.assert_identical(loaded, result)
+    assert list(loaded.data_vars) == list(result.data_vars)
+    for name in result.variables:
+        assert loaded[name].dtype == result[name].dtype, name
+    for name, value in result.attrs.items():
+        assert type(loaded.attrs[name]) is type(value)
+    assert loaded["a_int8"].attrs["flag_values"].dtype == np.int8
+    assert loaded["a_int8"].attrs["flag_values"].shape == (1,)
+    assert loaded["a_int8"].attrs["list"] == [1, 2]
+    assert loaded.encoding["date_created"].startswith("20")
+
+
+def test_saved_again_it_is_the_same(tmp_path):
+    once = load(save(everything(), tmp_path / "a.nc"))
+    xr.testing.assert_identical(load(save(once, tmp_path / "b.nc")), everything())
+
+
+def test_the_dataset_itself_is_left_alone(tmp_path):
+    result = everything()
+    save(result, tmp_path / "a.nc")
+    xr.testing.assert_identical(result, everything())
+    assert not result["a_float64"].encoding
+
+
+def test_the_loaded_result_does_not_hold_the_file(tmp_path):
+    path = save(everything(), tmp_path / "a.nc")
+    loaded = load(path)
+    path.unlink()
+    assert loaded["special"].values[2] == 5e-324
+
+
+def test_other_programs_read_the_numbers(tmp_path):
+    path = save(everything(), tmp_path / "a.nc")
+    with xr.open_dataset(path, engine="scipy") as plain:
+        assert plain["a_float64"].values.tolist() == [0.0, 1.0, 100.0]
+        assert plain["d"].attrs["symbol"] == r"\mu"
+
+
+def test_trajectory(tmp_path):
+    result = gz.trajectory(gz.pinball(), (0.1, 0.0), until=20.0)
+    xr.testing.assert_identical(load(save(result, tmp_path / "flight.nc")), result)
+
+
+@pytest.mark.parametrize("where", ["writing", "renaming"])
+def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, where):
+    path = save(everything(), tmp_path / "a.nc")
+    before = path.read_bytes()
+
+    def full(*args, **kwargs):
+        if where == "writing":
+            args[1].write_bytes(b"CDF half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(*((xr.Dataset, "to_netcdf") if where == "writing" else (os, "replace")), full)
+    with pytest.raises(gz.InputError, match="cannot be written: No space left on device; choose another folder"):
+        save(xr.Dataset({"x": 1}), path)
+    assert path.read_bytes() == before
+    assert os.listdir(tmp_path) == ["a.nc"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_a_folder_that_is_not_writable(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(gz.InputError, match="cannot be written: Permission denied; choose another folder"):
+        save(everything(), tmp_path / "a.nc")
+    tmp_path.chmod(0o700)
+
+
+@pytest.mark.parametrize(
+    ("result", "name", "said"),
+    [
+        (xr.Dataset(), "a.csv", "a.csv ends in '.csv'; allowed is '.nc'"),
+        (xr.Dataset(), "a", "a ends in 'nothing'; allowed is '.nc'"),
+        (xr.Dataset(), "missing/a.nc", "there is no folder .*missing; make it first"),
+        (xr.Dataset(), "folder.nc", "folder.nc is a folder; give the name of a file"),
+        ({"x": 1}, "a.nc", "cannot save dict; give the xarray.Dataset that a study returns"),
+        (xr.Dataset({"x": ((), object())}), "a.nc", "variable 'x' is of type object; a file holds numbers and text"),
+        (xr.Dataset({"x": 2**60 + 1}), "a.nc", r"variable 'x' has whole numbers beyond 2\^53"),
+        (xr.Dataset({3: 1}), "a.nc", "variable 3 has no text for a name; rename it"),
+        (xr.Dataset(attrs={"a": None}), "a.nc", "attribute 'a' of the dataset is None; give text"),
+        (xr.Dataset(attrs={"a": True}), "a.nc", "attribute 'a' of the dataset is True; give text"),
+        (xr.Dataset(attrs={"a": {"b": 1}}), "a.nc", "attribute 'a' of the dataset is {'b': 1}; give text"),
+        (xr.Dataset({"x": ((), 1, {"a": ["b"]})}), "a.nc", r"attribute 'a' of variable 'x' is \['b'\]; give text"),
+        (xr.Dataset(attrs={"int": "b"}), "a.nc", "a.nc cannot be written: Not a valid attribute name; rename it"),
+        (xr.Dataset(attrs={1: "b"}), "a.nc", "attribute 1 of the dataset has no text for a name"),
+    ],
+)
+def test_what_cannot_be_saved(tmp_path, result, name, said):
+    (tmp_path / "folder.nc").mkdir()
+    with pytest.raises(gz.InputError, match=said):
+        save(result, tmp_path / name)
+    assert os.listdir(tmp_path) == ["folder.nc"]
+
+
+def test_what_cannot_be_loaded(tmp_path):
+    ours = save(everything(), tmp_path / "ours.nc")
+    foreign = tmp_path / "foreign.nc"
+    xr.Dataset({"x": 1.0}).to_netcdf(foreign, engine="scipy")
+    text = tmp_path / "text.nc"
+    text.write_text("words")
+    damaged = tmp_path / "damaged.nc"
+    damaged.write_bytes(ours.read_bytes()[:500])
+    for path, said in [
+        (tmp_path / "none.nc", "there is no file .*none.nc"),
+        (tmp_path, "is a folder; give a file that gz.save wrote"),
+        (foreign, "foreign.nc was not written by gz.save; open it with xarray.open_dataset instead"),
+        (text, "text.nc was not written by gz.save"),
+        (damaged, "damaged.nc is damaged and cannot be read"),
+    ]:
+        with pytest.raises(gz.InputError, match=said):
+            load(path)
+
+
+def test_a_file_from_the_future(tmp_path):
+    path = save(xr.Dataset({"x": 1}), tmp_path / "a.nc")
+    path.write_bytes(path.read_bytes().replace(b'"format": 1', b'"format": 9'))
+    with pytest.raises(gz.InputError, match="has format 9, this version reads 1; update grazing"):
+        load(path)
