@@ -17,7 +17,7 @@ export MPLBACKEND := Agg
 export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
 export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
 
-.PHONY: help paper test test-long check lint types layers clean
+.PHONY: help paper test test-long check lint types layers docs clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -41,6 +41,9 @@ types: .venv/ready-test ## type annotations (mypy, strict)
 
 layers: .venv/ready-test ## the direction of imports
 	$(RUN) pytest -q tests/test_layers.py
+
+docs: .venv/ready ## write docs/api.md from the documentation strings
+	.venv/bin/python docs/make_api.py
 
 clean: ## remove .venv and all caches; results stay
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist

@@ -25,7 +25,7 @@ LAYERS = (
     ("paper",),
     ("io", "testing"),
     ("grazing", "explorer"),
-    ("cite",),
+    ("citation",),
     ("cli",),
     ("__main__",),
 )

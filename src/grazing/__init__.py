@@ -44,7 +44,7 @@ _PUBLIC = {
     "orbit_diagram": "studies.orbit_diagram",
     "load": "io",
     "save": "io",
-    "cite": "cite",
+    "cite": "citation",
     "plot": "",
     "testing": "",
     "theory": "",
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from grazing import plot as plot
     from grazing import testing as testing
     from grazing import theory as theory
-    from grazing.cite import cite as cite
+    from grazing.citation import cite as cite
     from grazing.io import load as load
     from grazing.io import save as save
     from grazing.maps.discontinuity import discontinuity_map as discontinuity_map

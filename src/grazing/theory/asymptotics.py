@@ -83,7 +83,9 @@ def mu_bc_leading(N: Periods, lam: Values, l: Values) -> float | FloatArray:
     InputError
         If an argument lies outside its range.
 
-    Notes ----- Pring & Budd, proof of Proposition 3.2. The remainder for l > 0 falls only as the square root
+    Notes
+    -----
+    Pring & Budd, proof of Proposition 3.2. The remainder for l > 0 falls only as the square root
     of lam^N: this is why the windows of Fig. 3.7 approach their limit slowly, and why neighbours overlap in
     the end although ``mu_bc(N+1)`` and ``mu_pd(N)`` agree to leading order (3.1): the remainder is positive.
 

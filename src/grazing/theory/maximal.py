@@ -68,7 +68,9 @@ def maximal_orbit(N: int, lam: float, mu: float, l: float) -> FloatArray:
     OutsideForm
         If the orbit does not exist at this mu; the message names the condition that fails.
 
-    Notes ----- Pring & Budd, proof of Proposition 3.1: ``sqrt(x_N)`` is the positive root of ``s^2 + c s - C
+    Notes
+    -----
+    Pring & Budd, proof of Proposition 3.1: ``sqrt(x_N)`` is the positive root of ``s^2 + c s - C
     = 0``. The closing condition is ``x_1 = -sqrt(x_N) + mu - l``; before Fig. 3.2 the root is printed over mu
     - l as well.
 

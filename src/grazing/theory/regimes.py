@@ -43,7 +43,9 @@ def regime(lam: float) -> Regime:
     InputError
         If lam lies outside its range.
 
-    Notes ----- Pring & Budd, after Proposition 3.1, leave the two bounds open; at either of them K_N stays
+    Notes
+    -----
+    Pring & Budd, after Proposition 3.1, leave the two bounds open; at either of them K_N stays
     below its limit, so the bound belongs to the regime on its left. For 1/4 < lam < 2/3 they say that windows
     do not intersect: this fails for small N, see :func:`lam_overlap`.
 
@@ -174,7 +176,9 @@ def robust_chaos(lam: float) -> Interval:
     InputError
         If lam lies outside its range.
 
-    Notes ----- Pring & Budd, after Proposition 3.1: a continuous jump to robust chaos for lam > 2/3. The
+    Notes
+    -----
+    Pring & Budd, after Proposition 3.1: a continuous jump to robust chaos for lam > 2/3. The
     formulas prove that no orbit L^(N-1) R is stable in the interval, and no orbit whatever that is made of
     blocks L^(n-1) R with ``K_n >= 3`` only: as ``c s = K_n mu - x'`` and ``x' <= mu``, the size of its
     multiplier is the product of ``(K_n mu/x' - 1)/2 > 1``, where x' >= 0 is the end of the block that starts

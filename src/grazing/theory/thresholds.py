@@ -45,7 +45,9 @@ def l_exist(N: Periods, lam: Values) -> float | FloatArray:
     InputError
         If an argument lies outside its range.
 
-    Notes ----- From ``mu_pd < mu_bc`` of Proposition 3.1 of Pring & Budd: at the period doubling ``s = c/2``,
+    Notes
+    -----
+    From ``mu_pd < mu_bc`` of Proposition 3.1 of Pring & Budd: at the period doubling ``s = c/2``,
     and the orbit exists there if ``s^2 < mu``. For lam = 0.9 the period 5 has a window beyond 0.1796; the
     printed 0.19 is a reading of Fig. 3.6.
 

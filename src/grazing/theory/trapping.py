@@ -33,7 +33,9 @@ def trapping_interval(mu: float, l: float) -> Interval:
     OutsideForm
         If mu < 0, where every orbit tends to the fixed point ``mu/(1 - lam)``.
 
-    Notes ----- Pring & Budd, after Proposition 3.1. No further condition is needed for it to be trapping.
+    Notes
+    -----
+    Pring & Budd, after Proposition 3.1. No further condition is needed for it to be trapping.
     *Invariant*: a point x < 0 goes to ``lam x + mu``, above x and below mu; a point x >= 0 of it goes to ``mu
     - l - sqrt(x)``, between the two ends as x <= mu. *Absorbing*: every orbit enters after finitely many
     steps, because the climb through x < 0 ends in [0, mu), and from there at most one step leads in; at mu =

@@ -64,7 +64,9 @@ def window(N: int, lam: float, l: float) -> Window:
     InputError
         If an argument lies outside its range.
 
-    Notes ----- Pring & Budd, Proposition 3.1, where Omega_N is printed closed and said to be where the orbit
+    Notes
+    -----
+    Pring & Budd, Proposition 3.1, where Omega_N is printed closed and said to be where the orbit
     "exists". It is open, since the multiplier is -1 at one end and the orbit is gone at the other, and the
     orbit exists, unstable, also between graze and period doubling.
 
@@ -165,7 +167,9 @@ def windows_overlap(N: int, lam: float, l: float) -> bool:
     InputError
         If an argument lies outside its range.
 
-    Notes ----- Both edges fall as N grows, so the windows meet if and only if ``mu_pd(N) < mu_bc(N+1)``, that
+    Notes
+    -----
+    Both edges fall as N grows, so the windows meet if and only if ``mu_pd(N) < mu_bc(N+1)``, that
     is, ``C < c sqrt(mu)`` at the period doubling, where ``C = 3 c^2/4``. The windows of 1 and 2 always
     overlap. For l > 0 all windows of large enough N do: chaos between windows survives only at moderate N,
     while the discussion of Fig. 3.5 in Pring & Budd has it at small mu.

@@ -1,0 +1,57 @@
+"""Standard output and error that hold: closed, closed early, or unable to show a letter."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def prepared() -> Iterator[None]:
+    """Make stdout and stderr safe to write to: a missing one is replaced, letters they lack are escaped."""
+    before = sys.stdout, sys.stderr
+    opened = []
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            stream = open(os.devnull, "w", encoding="utf-8")
+            opened.append(stream)
+            setattr(sys, name, stream)
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+        for stream in opened:
+            stream.close()
+
+
+def flushed(code: int) -> int:
+    """Flush both streams and return the exit code: 1 if what was written could not be kept, as on a full disk.
+
+    A reader that closed the pipe (``| head``) has what it wanted: that is no failure.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except BrokenPipeError:
+            _discard(stream)
+        except OSError as error:
+            _discard(stream)
+            if stream is sys.stdout and code == 0:
+                print(f"error: cannot write to the standard output: {error.strerror}", file=sys.stderr)
+                code = 1
+    return code
+
+
+def _discard(stream: object) -> None:
+    """Send what is left in a broken stream's buffer nowhere, or the interpreter complains at exit."""
+    try:
+        target = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(target, stream.fileno())  # type: ignore[attr-defined]
+        os.close(target)
+    except (OSError, ValueError):
+        pass

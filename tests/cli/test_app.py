@@ -1,0 +1,208 @@
+"""The command line, its report replaced by a stand-in: what it parses, prints and returns."""
+
+import json
+import sys
+import types
+import typing
+import warnings
+from pathlib import Path
+
+import pytest
+
+from grazing import InputError, OutsideForm, UserCodeError, __version__
+from grazing.cli import main
+from grazing.cli.paper import paper
+from grazing.paper import FIGURES
+
+SUMMARY = {
+    "folder": "a", "figures": ["1.6"], "size": "paper", "files": ["claims.json", "figure-1.6.png", "index.html"],
+    "claims": 3, "verdicts": {"agrees": 2, "corrected": 1, "differs": 0}, "differs": [],
+}  # fmt: skip
+
+
+@pytest.fixture
+def report(monkeypatch):
+    """The stand-in; `calls` has its arguments, `raises` what it is to raise."""
+    module = types.ModuleType("grazing.paper.report")
+    module.calls, module.raises, module.warns = [], None, None
+
+    def run(**arguments):
+        module.calls.append(arguments)
+        arguments["progress"](1, 2, "Figure 1.6 λ")
+        if module.warns:
+            warnings.warn(module.warns, RuntimeWarning, stacklevel=1)
+        if module.raises is not None:
+            raise module.raises
+        return dict(SUMMARY)
+
+    module.report = run
+    monkeypatch.setitem(sys.modules, "grazing.paper.report", module)
+    monkeypatch.delenv("GRAZING_DEBUG", raising=False)
+    return module
+
+
+def asked(report):
+    (call,) = report.calls
+    return {name: value for name, value in call.items() if name != "progress"}
+
+
+# ---- what is parsed
+
+
+def test_without_options_all_figures_are_asked_for(report):
+    assert main(["paper"]) == 0
+    assert asked(report) == {"out": "out/paper", "figures": None, "size": "paper"}
+
+
+@pytest.mark.parametrize(
+    "tokens",
+    [
+        ["--figures", "1.6,3.2"],
+        ["--figures=1.6,3.2"],
+        ["--figures", "1.6", "--figures", "3.2"],
+        ["--figures", "1.6", "3.2"],
+        ["--figures", " 1.6 ,, 3.2,1.6"],
+    ],
+)
+def test_figures_can_be_named_in_every_usual_way(report, tokens):
+    assert main(["paper", *tokens, "--size", "small", "--out", "a folder/b"]) == 0
+    assert asked(report) == {"out": "a folder/b", "figures": ["1.6", "3.2"], "size": "small"}
+
+
+def test_sizes_are_those_of_the_report():
+    from grazing.paper.run import SIZES
+
+    assert typing.get_args(typing.get_type_hints(paper)["size"]) == tuple(SIZES)
+
+
+# ---- what is printed
+
+
+def test_json_is_one_object_and_progress_goes_elsewhere(report, capsys):
+    assert main(["paper", "--json"]) == 0
+    out, err = capsys.readouterr()
+    printed = json.loads(out)
+    assert printed.pop("seconds") >= 0.0
+    assert printed == SUMMARY
+    assert out.count("\n") == 1
+    assert "[1/2]" in err and "Figure 1.6" in err
+
+
+def test_the_summary_in_words(report, capsys, monkeypatch):
+    assert main(["paper", "-q"]) == 0
+    out = capsys.readouterr().out
+    assert "claims:  3 (agree: 2, corrected: 1, differ: 0)\n" in out
+    assert f"{Path('a') / 'index.html'} and 2 more files" in out
+    assert "differ:  " not in out
+    monkeypatch.setitem(SUMMARY, "differs", ["graze"])
+    assert main(["paper", "-q"]) == 0
+    assert "differ:  graze\n" in capsys.readouterr().out
+
+
+def test_quiet_shows_no_progress(report, capsys):
+    assert main(["paper", "--quiet"]) == main(["paper", "-q"]) == 0
+    out, err = capsys.readouterr()
+    assert out and not err
+
+
+def test_a_warning_is_one_line(report, capsys):
+    report.warns = "kernels go elsewhere"
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        assert main(["paper", "-q"]) == 0
+    assert capsys.readouterr().err == "warning: kernels go elsewhere\n"
+
+
+def test_help_lists_all(capsys):
+    assert main([]) == main(["--help"]) == main(["-h"]) == 0
+    assert "paper" in capsys.readouterr().out
+    assert main(["paper", "--help"]) == 0
+    out = capsys.readouterr().out
+    for word in ("--out", "--figures", "--size", "--json", "--quiet", "small", "out/paper", "Exit codes", *FIGURES):
+        assert word in out
+    assert "--no-" not in out and "--empty-" not in out
+
+
+def test_version(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"grazing {__version__}\n"
+
+
+# ---- what goes wrong
+
+
+@pytest.mark.parametrize(
+    ("tokens", "said"),
+    [
+        (["papr"], ['"papr"', 'Did you mean "paper"', "grazing --help"]),
+        (["--foo"], ['"--foo"', "grazing --help"]),
+        (["paper", "--figure", "1.6"], ["--figure", "Did you mean --figures", "grazing paper --help"]),
+        (["paper", "--sise", "small"], ["--sise", "Did you mean --size"]),
+        (["paper", "--no-json"], ["--no-json"]),
+        (["paper", "--size", "tiny"], ["tiny", "small", "paper", "large"]),
+        (["paper", "--out"], ["--out", "requires an argument"]),
+        (["paper", "1.6"], ["Unexpected argument '1.6'", "grazing paper --help"]),
+        (["paper", "--out="], ["--out is empty", "out/paper"]),
+        (["paper", "--figures", ","], ["--figures is empty", "1.6"]),
+        (["paper", "--figures"], ["--figures is empty", "1.6"]),
+        (["paper", "--json=perhaps"], ["perhaps"]),
+    ],
+)
+def test_wrong_usage_is_answered_with_what_to_do(report, capsys, tokens, said):
+    assert main(tokens) == 2
+    out, err = capsys.readouterr()
+    assert not out and not report.calls
+    assert err.startswith("error: ") and err.count("\n") == 1
+    assert all(words in err for words in said), err
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (InputError("no figure '9.9'; allowed are 1.2"), 2, "error: no figure '9.9'; allowed are 1.2\n"),
+        (OutsideForm("b <= 0"), 2, "error: b <= 0\n"),
+        (UserCodeError("the law raised"), 1, "error: the law raised\n"),
+        (OSError(28, "No space left on device"), 1, "No space left on device"),
+        (ImportError("No module named 'numba'"), 1, "numba"),
+        (MemoryError(), 1, "out of memory"),
+        (KeyboardInterrupt(), 130, "stopped: interrupted"),
+        (ZeroDivisionError("by zero"), 1, "unexpected error: ZeroDivisionError: by zero\nThis is a defect in grazing"),
+    ],
+)
+def test_an_error_becomes_a_message_and_a_code(report, capsys, error, code, said):
+    report.raises = error
+    assert main(["paper", "-q"]) == code
+    out, err = capsys.readouterr()
+    assert not out
+    assert said in err
+    assert "Traceback" not in err
+
+
+def test_a_defect_says_how_to_report_it_and_where_it_is_on_request(report, capsys, monkeypatch):
+    report.raises = ZeroDivisionError("by zero")
+    main(["paper"])
+    assert "GRAZING_DEBUG=1" in capsys.readouterr().err
+    monkeypatch.setenv("GRAZING_DEBUG", "1")
+    assert main(["paper"]) == 1
+    err = capsys.readouterr().err
+    assert "Traceback" in err and "test_app.py" in err
+
+
+# ---- with the report itself
+
+
+def test_an_unknown_figure_is_refused_and_nothing_made(tmp_path, capsys):
+    assert main(["paper", "--figures", "3.1,1.1", "--out", str(tmp_path / "out")]) == 2
+    err = capsys.readouterr().err
+    assert "'1.1'" in err and "1.2, 1.3" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_to_is_refused(tmp_path, capsys):
+    file = tmp_path / "file"
+    file.write_text("kept")
+    for out in (file, file / "below"):
+        assert main(["paper", "--figures", "3.1", "--out", str(out)]) == 2
+        err = capsys.readouterr().err
+        assert str(out) in err and "cannot write" in err
+    assert file.read_text() == "kept"
