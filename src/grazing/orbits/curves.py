@@ -1,0 +1,198 @@
+"""Impact phases followed in a parameter: every zero of the closing equation as a curve from fold to fold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from grazing.orbits.closure import TWO_PI
+from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, survey
+
+#: Roots are matched from one value to the next if none moves farther than this part of the smallest gap.
+MOVE = 0.3
+#: Part of the span at which halving stops. Nearer to a fold the zeros of G drown in rounding; the extremum does not.
+FINEST = 1e-10
+
+
+class Edge(NamedTuple):
+    """Where something ends: the value, its type, and how it was found (zero, bracket or span)."""
+
+    value: float
+    type: str
+    status: str
+    dip: int = 0
+
+
+UNKNOWN = Edge(float("nan"), "end", "span")
+
+
+@dataclass(eq=False)
+class Curve:
+    """One zero of the closing equation as a function of the parameter.
+
+    ``values`` (n,) increase; ``rows`` (n, COLUMNS) are the columns of :mod:`grazing.orbits.survey` there. The curve
+    ends at ``low`` and ``high``, which at a fold lie beyond the first and last value.
+    """
+
+    family: Family
+    low: Edge
+    values: list[float] = field(default_factory=list)
+    rows: list[NDArray[np.float64]] = field(default_factory=list)
+    high: Edge = field(default=UNKNOWN)
+
+    def at(self, value: float) -> NDArray[np.float64]:
+        """Return the row at any value on the curve; next to a fold, where the zero is lost, the nearest row."""
+        i = min(max(int(np.searchsorted(self.values, value)), 1), len(self.values) - 1)
+        j = i - 1 if abs(value - self.values[i - 1]) <= abs(value - self.values[i]) else i
+        if value == self.values[j] or not self.values[0] <= value <= self.values[-1]:
+            return self.rows[j]
+        lo, hi = self.rows[i - 1], self.rows[i]
+        share = (value - self.values[i - 1]) / (self.values[i] - self.values[i - 1])
+        guess = lo[PHASE] + share * wrapped(hi[PHASE] - lo[PHASE])
+        table, counts = survey(self.family, np.array([value]))
+        rows = table[0, : counts[0]]
+        rows = rows[rows[:, SLOPE] * lo[SLOPE] > 0.0]
+        if len(rows) == 0:
+            return self.rows[j]
+        nearest = int(np.argmin(np.abs(wrapped(rows[:, PHASE] - guess))))
+        return np.asarray(rows[nearest])
+
+
+def wrapped(phase: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Return phases reduced to [-pi, pi]."""
+    return np.asarray(phase - TWO_PI * np.round(np.asarray(phase) / TWO_PI))
+
+
+def matching(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int, int]] | None:
+    """Match the zeros at two values one to one, in cyclic order and by the sign of the slope; None if unclear.
+
+    Parameters
+    ----------
+    a, b : ndarray, shape (n, COLUMNS)
+        In increasing phase.
+    """
+    n = len(a)
+    if n != len(b):
+        return None
+    if n == 0:
+        return []
+    gap = TWO_PI
+    for rows in (a, b):
+        phases = rows[:, PHASE]
+        gap = min(gap, float(np.min(np.diff(np.append(phases, phases[0] + TWO_PI)))))
+    shift = int(np.argmin(np.abs(wrapped(b[:, PHASE] - a[0, PHASE]))))
+    after = (np.arange(n) + shift) % n
+    moved = float(np.max(np.abs(wrapped(b[after, PHASE] - a[:, PHASE]))))
+    if moved >= MOVE * gap or (b[after, SLOPE] * a[:, SLOPE] < 0.0).any():
+        return None
+    return list(zip(range(n), after.tolist(), strict=True))
+
+
+def survivors(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """Match across a bracket that can be halved no further: mutually nearest zeros with slopes of one sign."""
+    if len(a) == 0 or len(b) == 0:
+        return []
+    away = np.abs(wrapped(b[None, :, PHASE] - a[:, None, PHASE]))
+    away[a[:, None, SLOPE] * b[None, :, SLOPE] < 0.0] = np.inf
+    pairs = [(i, int(np.argmin(away[i]))) for i in range(len(a))]
+    return [(i, j) for i, j in pairs if away[i, j] < 0.01 and int(np.argmin(away[:, j])) == i]
+
+
+def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
+    """Return every zero of the closing equation over a span as curves.
+
+    Parameters
+    ----------
+    family : Family
+    values : ndarray, shape (n,)
+        Increasing. Cells are halved where zeros appear, disappear or move too far to be told apart; what can be
+        missed is a pair of zeros that is born and dies within one cell.
+    """
+    table, counts = survey(family, values)
+    nodes = [(float(value), table[i, : counts[i]]) for i, value in enumerate(values)]
+    done: list[Curve] = []
+    current = [Curve(family, Edge(nodes[0][0], "end", "span"), [nodes[0][0]], [row]) for row in nodes[0][1]]
+    todo = nodes[:0:-1]
+    here = nodes[0]
+    smallest = FINEST * float(values[-1] - values[0])
+    while todo:
+        there = todo[-1]
+        pairs = matching(here[1], there[1])
+        middle = 0.5 * (here[0] + there[0])
+        if pairs is None and here[0] < middle < there[0] and there[0] - here[0] > smallest:
+            rows, n = survey(family, np.array([middle]))
+            todo.append((middle, rows[0, : n[0]]))
+            continue
+        if pairs is None:
+            pairs = survivors(here[1], there[1])
+        after: dict[int, Curve] = {}
+        for i, j in pairs:
+            current[i].values.append(there[0])
+            current[i].rows.append(there[1][j])
+            after[j] = current[i]
+        lost = [i for i in range(len(here[1])) if i not in {i for i, _ in pairs}]
+        for i, edge in zip(lost, ends(family, here, there, lost), strict=True):
+            current[i].high = edge
+            done.append(current[i])
+        born = [j for j in range(len(there[1])) if j not in after]
+        for j, edge in zip(born, ends(family, there, here, born), strict=True):
+            after[j] = Curve(family, edge, [there[0]], [there[1][j]])
+        current = [after[j] for j in range(len(there[1]))]
+        here = todo.pop()
+    for curve in current:
+        curve.high = Edge(here[0], "end", "span")
+    return sorted([*done, *current], key=lambda curve: curve.low.value)
+
+
+Node = tuple[float, NDArray[np.float64]]
+
+
+def ends(family: Family, inside: Node, outside: Node, unmatched: list[int]) -> list[Edge]:
+    """Return where zeros that exist at ``inside`` and not at ``outside`` end: neighbours together at a fold."""
+    edges = []
+    for i in unmatched:
+        row, rows = inside[1][i], inside[1]
+        partners = [rows[j] for j in unmatched if rows[j, SLOPE] * row[SLOPE] < 0.0]
+        apart = [float(wrapped(other[PHASE] - row[PHASE])) for other in partners]
+        nearest = min(apart, key=abs, default=np.inf)
+        value = fold(family, inside[0], outside[0], row[PHASE] + 0.5 * nearest) if abs(nearest) < 0.5 else None
+        edges.append(broken(family, inside, outside[0], i) if value is None else Edge(value, "lp", "zero"))
+    return edges
+
+
+def broken(family: Family, inside: Node, outside: float, i: int) -> Edge:
+    """Return where zero i of ``inside`` ends without a fold, by halving to the last bit: as all forces vanish, say."""
+    value, rows = inside
+    row = rows[i]
+    for _ in range(100):
+        middle = 0.5 * (value + outside)
+        table, counts = survey(family, np.array([middle]))
+        pairs = dict(survivors(row[None, :], table[0, : counts[0]]))
+        if 0 in pairs:
+            value, row = middle, table[0, pairs[0]]
+        else:
+            outside = middle
+    slow = abs(row[V_MINUS]) <= 1e-6 * abs(rows[i, V_MINUS])
+    return Edge(value, "v0" if slow else "lp", "bracket")
+
+
+def fold(family: Family, inside: float, outside: float, guess: float) -> float | None:
+    """Return where an extremum of G crosses 0, between a value with two zeros and one with none; None if nowhere.
+
+    A pair of zeros closer than 1e-7 of a turn is dropped by the search, so the fold may lie a little farther out.
+    """
+
+    def height(value: float) -> float:
+        return extremum(family, value, guess)[1]
+
+    start, reach = height(inside), outside - inside
+    for _ in range(12):
+        if start * height(inside + reach) <= 0.0:
+            low, high = sorted((inside, inside + reach))
+            return float(brentq(height, low, high, xtol=1e-18 * abs(reach), rtol=1e-15, maxiter=300))
+        reach *= 8.0
+    return None

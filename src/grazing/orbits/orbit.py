@@ -1,0 +1,77 @@
+"""The orbit: what a map repeats, with its word, its multipliers and how far to trust it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.map import Map
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Orbit:
+    """A periodic orbit of a map.
+
+    Parameters
+    ----------
+    map : Map
+        The map that repeats it.
+    points : ndarray, shape (period, dim)
+        Row j + 1 is the image of row j, row 0 that of the last. Read-only.
+    word : str
+        The primitive cyclic word of the letters, in its least rotation; it names the class of the orbit.
+    period : int
+        Number of steps after which the map comes back, at least 1; a multiple of the length of the word.
+    multipliers : ndarray of complex, shape (dim,)
+        Eigenvalues of the derivative of ``period`` steps, largest modulus first. Read-only.
+    admissible : bool
+        Whether the map itself visits the points; False for a virtual orbit, which satisfies the equations of its
+        word but breaks a condition that they take for granted, such as no further impact.
+    condition : float
+        How far ``points[0]`` moves per unit error of ``period`` steps, both in the 2-norm: the spectral norm of
+        (I - J)^-1. Infinite at a fold, where two orbits meet; NaN where J is undefined.
+    residual : float
+        Largest defect of the equations that define the orbit, in their own units.
+
+    Examples
+    --------
+    >>> from grazing.orbits.one_impact import one_impact_orbits
+    >>> import grazing as gz
+    >>> orbit = one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1]
+    >>> orbit.word, orbit.period, orbit.stable, orbit.admissible
+    ('001', 3, True, True)
+    """
+
+    map: Map
+    points: NDArray[np.float64]
+    word: str
+    period: int
+    multipliers: NDArray[np.complex128]
+    admissible: bool
+    condition: float
+    residual: float
+
+    def __post_init__(self) -> None:
+        for name in ("points", "multipliers"):
+            array = np.array(getattr(self, name))
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    @property
+    def stable(self) -> bool:
+        """Whether nearby orbits come back to it: every multiplier is inside the unit circle, by more than rounding."""
+        return bool((np.abs(self.multipliers) < 1.0 - 8.0 * np.finfo(float).eps).all())
+
+    def __repr__(self) -> str:
+        said = ["stable" if self.stable else "unstable", "admissible" if self.admissible else "virtual"]
+        return f"<{type(self).__name__} {self.word}, period {self.period}, {', '.join(said)}>"
+
+
+def condition_of(J: NDArray[np.float64]) -> float:
+    """Return the spectral norm of (I - J)^-1 for the derivative J, shape (dim, dim), of one turn of an orbit."""
+    if not np.isfinite(J).all():
+        return float("nan")
+    least = float(np.linalg.svd(np.eye(len(J)) - J, compute_uv=False)[-1])
+    return 1.0 / least if least > 0.0 else float("inf")

@@ -1,0 +1,256 @@
+"""Windows: the intervals of a parameter on which a stable one-impact orbit of period N exists, with typed edges."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE
+from grazing.orbits.curves import Curve, Edge, curves
+from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, families
+from grazing.oscillator.constants import natural_size
+from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.outcome import InputError
+from grazing.parameter import unknown, whole
+
+#: What ends a window, in words.
+EDGES = {
+    "gr": "graze: a dip of the flight touches the wall",
+    "pd": "period doubling: a multiplier reaches -1",
+    "lp": "fold: a multiplier reaches +1, the impact phase loses its solution",
+    "ns": "Neimark-Sacker: complex multipliers reach the unit circle",
+    "v0": "the impact speed reaches 0",
+    "law": "the impact speed reaches the trigger",
+    "st": "sticking: a ball that the impact leaves at rest is no longer lifted off at once",
+    "end": "end of the span searched",
+}
+PIECES = {WHOLE: "whole", FIRED: "fired", PASSIVE: "passive"}
+LAST_TEST = FIRST_TEST + len(TESTS)
+
+
+def windows(
+    model: Oscillator,
+    name: str,
+    N: int | Iterable[int] = range(2, 8),
+    span: tuple[float, float] | None = None,
+    samples: int = 2000,
+) -> xr.Dataset:
+    """Return every interval of a parameter with a stable admissible one-impact orbit of period N, and why it ends.
+
+    Parameters
+    ----------
+    model : Oscillator
+        With a reset law that is affine piece by piece: newton, active or triggered.
+    name : str
+        Any parameter of the model; the others keep their values.
+    N : int or iterable of int
+        Periods of the forcing between impacts, each >= 1.
+    span : (low, high), optional
+        The values searched, within the allowed range. Default: the whole range of r; half to twice the value of
+        alpha, k, omega, V and trigger ([0, 1] for a value 0); the value plus or minus the sum of the amplitudes for
+        the offset and the amplitudes, half a period for t0, the farthest push in one period for sigma.
+    samples : int
+        Cells of the first grid, >= 2; cells are then halved where impact phases appear, disappear or run fast.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``window``, ordered by N, then low. Variables: ``N``; ``low`` and ``high``; ``low_type`` and
+        ``high_type``, one of gr pd lp ns v0 law st end (in words: attribute ``meaning``); ``low_dip`` and
+        ``high_dip``, for gr the dip that touches the wall, 1 the last before the impact, else 0; ``low_status`` and
+        ``high_status``: *zero* (of a test function, bracketed to the last bits), *bracket* (the curve could be
+        followed no further), *span*; ``piece`` of the reset law: whole, fired, passive.
+
+    Raises
+    ------
+    InputError
+        For an unknown parameter, a period that is no whole number >= 1, or a span out of range.
+    OutsideForm
+        For a reset law that is not known to be affine.
+
+    Notes
+    -----
+    An edge is a zero of a test function along a curve of impact phases (see :mod:`grazing.orbits.closure`): Jury's
+    conditions 1 + tr J + det J > 0 (pd), 1 - tr J + det J > 0 (lp), det J < 1 (ns), the impact speed (v0), its
+    distance from the trigger (law), the force on a ball left at rest (st: r = 0 and V = 0), the lowest dip of the
+    flight (gr). A further impact can appear at a graze only. What can be missed lies within one cell of the first
+    grid: a pair of folds, or two zeros of one test function that leave no extremum on the grid. Narrow windows are
+    found as long as their two edges are zeros of different test functions. Orbits that lie on the wall for a while
+    are outside: beyond st they go on with an impact, rest and release.
+
+    References
+    ----------
+    Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, Figures 1.6 and 3.2.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.orbits.windows import windows
+    >>> table = windows(gz.pinball(V=0.4), "d", N=3)
+    >>> for w in range(table.sizes["window"]):
+    ...     row = table.isel(window=w)
+    ...     print(f"{row.low:.12f} {row.low_type:s} {row.high:.12f} {row.high_type:s}")
+    0.098450444937 gr 0.123281449644 pd
+    """
+    families(model, 1)  # refuses what is no oscillator, and laws outside the form
+    if name not in model.params:
+        raise unknown(name, model.params, "the model")
+    low, high = _span(model, name, span)
+    cells = whole(samples, "samples", 2)
+    values = np.linspace(low, high, cells + 1)
+    found: list[tuple[int, Edge, Edge, str]] = []
+    for n in _periods(N):
+        for family in families(model, n, name):
+            for curve in curves(family, values):
+                found += [(n, *window, PIECES[family.law]) for window in stable_intervals(curve)]
+    found.sort(key=lambda window: (window[0], window[1].value, window[2].value))
+    return _dataset(model, name, (low, high), cells, found)
+
+
+def stable_intervals(curve: Curve) -> list[tuple[Edge, Edge]]:
+    """Return where all test functions are positive along one curve: pairs of edges."""
+    zeros = sorted(_zeros(curve), key=lambda edge: edge.value)
+    edges = [curve.low, *(edge for edge in zeros if curve.low.value < edge.value < curve.high.value), curve.high]
+    good: list[tuple[Edge, Edge]] = []
+    for low, high in pairwise(edges):
+        tests = curve.at(0.5 * (low.value + high.value))[FIRST_TEST:LAST_TEST]
+        if high.value <= low.value or not (tests > 0.0).all():
+            continue
+        if good and good[-1][1] is low:  # a zero that changes nothing: the others decide
+            good[-1] = (good[-1][0], high)
+        else:
+            good.append((low, high))
+    return good
+
+
+def _zeros(curve: Curve) -> list[Edge]:
+    """Return the zeros of all test functions between the values of a curve."""
+    found = []
+    values, rows = np.array(curve.values), np.array(curve.rows)
+    for column, kind in enumerate(TESTS, start=FIRST_TEST):
+        heights = _finite(rows[:, column])
+        for low, high in _brackets(curve, column, values, heights):
+            value = _zero(curve, column, low, high)
+            dip = int(curve.at(value)[DIP]) if column == CLEARANCE else 0
+            found.append(Edge(value, kind, "zero", dip))
+    return found
+
+
+def _finite(heights: Any) -> NDArray[np.float64]:
+    """Return test values with a flight without dips, of infinite clearance, as one of clearance 1."""
+    return np.where(np.isinf(heights), 1.0, heights)
+
+
+def _brackets(
+    curve: Curve, column: int, values: NDArray[np.float64], heights: NDArray[np.float64]
+) -> list[tuple[float, float]]:
+    """Return intervals in which one test function changes sign, extrema that dip across 0 included."""
+    positive = heights > 0.0
+    found = [(values[i], values[i + 1]) for i in np.flatnonzero(positive[1:] != positive[:-1])]
+    size = np.abs(heights)
+    alike = (positive[1:-1] == positive[:-2]) & (positive[1:-1] == positive[2:])
+    rise = np.maximum(size[:-2], size[2:]) - size[1:-1]
+    # a parabola through three values dips below the middle one by less than an eighth of the larger rise
+    inner = np.flatnonzero(alike & (size[1:-1] < np.minimum(size[:-2], size[2:])) & (size[1:-1] < 2.0 * rise))
+    for i in inner + 1:
+        sign = 1.0 if positive[i] else -1.0
+        least = minimize_scalar(
+            lambda value, sign=sign: sign * float(_finite(curve.at(value)[column])),
+            bounds=(values[i - 1], values[i + 1]),
+            method="bounded",
+            options={"xatol": 1e-9 * (values[i + 1] - values[i - 1])},
+        )
+        if least.fun < 0.0:
+            found += [(values[i - 1], float(least.x)), (float(least.x), values[i + 1])]
+    return found
+
+
+def _zero(curve: Curve, column: int, low: float, high: float) -> float:
+    """Return the zero of one test function in a bracket, to the last bits."""
+
+    def height(value: float) -> float:
+        return float(_finite(curve.at(value)[column]))
+
+    ends = height(low), height(high)
+    if ends[0] * ends[1] >= 0.0:
+        return low if abs(ends[0]) <= abs(ends[1]) else high
+    smallest = 1e-18 * (curve.values[-1] - curve.values[0])
+    return float(brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
+
+
+def _periods(N: Any) -> list[int]:
+    """Return the periods asked for, each a whole number >= 1."""
+    several = [N] if isinstance(N, (int, float, np.number, str)) else N
+    try:
+        return sorted({whole(n, "N", 1) for n in several})
+    except TypeError:
+        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(2, 8)") from None
+
+
+def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
+    """Return the span searched, checked, or the default one."""
+    parameter = describe_parameter(name)
+    if span is not None:
+        try:
+            low, high = span
+        except (TypeError, ValueError):
+            raise InputError(f"span is {span!r}; give the pair (low, high) of values of {name}") from None
+        low, high = parameter.check(low), parameter.check(high)
+        if not low < high:
+            raise InputError(f"span of {name} is ({low:g}, {high:g}); the lower end must come first")
+        return low, high
+    value = model.params[name]
+    if parameter.high < inf:
+        return parameter.low, parameter.high
+    if parameter.low == 0.0:
+        return (0.5 * value, 2.0 * value) if value > 0.0 else (0.0, 1.0)
+    f = model.forcing
+    push = float(np.hypot(f.cos, f.sin).sum()) or 1.0
+    reach = push
+    if name == "t0":
+        reach = 0.5 * model.period
+    elif name == "sigma":
+        reach = natural_size(model.alpha, model.period, push)
+    return value - reach, value + reach
+
+
+def _dataset(
+    model: Oscillator, name: str, span: tuple[float, float], samples: int, found: list[tuple[int, Edge, Edge, str]]
+) -> xr.Dataset:
+    """Return the windows as a labelled table."""
+    parameter = describe_parameter(name)
+    about = {"long_name": parameter.meaning, "symbol": parameter.symbol, "units": "1"}
+    words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
+
+    def column(values: list[Any], dtype: Any, long_name: str, **more: str) -> Any:
+        return "window", np.array(values, dtype), {"long_name": long_name, **more}
+
+    columns = {"N": column([w[0] for w in found], np.int64, "periods between impacts", units="1")}
+    for side, end in ((1, "low"), (2, "high")):
+        edges: list[Any] = [w[side] for w in found]
+        dip = "dip that touches the wall, 1 the last before the impact, 0 none"
+        columns |= {
+            end: ("window", np.array([e.value for e in edges], np.float64), about),
+            f"{end}_type": column([e.type for e in edges], "<U4", f"type of the {end} edge", meaning=words),
+            f"{end}_dip": column([e.dip for e in edges], np.int64, dip, units="1"),
+            f"{end}_status": column([e.status for e in edges], "<U8", f"how the {end} edge was found"),
+        }
+    columns["piece"] = column([w[3] for w in found], "<U8", "piece of the reset law")
+    attributes = {
+        "title": f"windows of one-impact orbits in {name}",
+        "parameter": name,
+        "model": repr(model),
+        "parameters": json.dumps(dict(model.params)),
+        "span": list(span),
+        "samples": samples,
+        "arithmetic": "strict",
+    }
+    return xr.Dataset(columns, attrs=attributes)
