@@ -1,0 +1,78 @@
+"""What an orbit settles on: its cycle, found by recurrence."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.maps.map import Map
+
+
+class Cycle(NamedTuple):
+    """The end of an orbit: points (period, dim) from the least first coordinate on, letters, period (0: none found)."""
+
+    points: NDArray[np.float64]
+    letters: tuple[int, ...]
+    period: int
+
+    @property
+    def word(self) -> str:
+        """The letters as text: digits for counts."""
+        return "".join(str(letter) for letter in self.letters)
+
+
+def settled(P: Map, start: ArrayLike, transient: int = 4000, longest: int = 64, within: float = 1e-10) -> Cycle:
+    """Return the cycle on which the orbit of a start settles.
+
+    Parameters
+    ----------
+    P : Map
+    start : array_like, shape (dim,)
+    transient : int
+        Steps thrown away.
+    longest : int
+        Longest period looked for.
+    within : float
+        How closely the orbit must come back, all along the second half of what is kept.
+
+    Returns
+    -------
+    Cycle
+    """
+    segment = P.orbit(start, transient + 2 * longest)
+    points, letters = segment.points[transient:-1], segment.letters[transient:]
+    for period in range(1, longest + 1):
+        if float(np.abs(points[period:] - points[:-period]).max()) <= within:
+            first = int(np.argmin(points[:period, 0]))
+            turn = slice(first, first + period)
+            return Cycle(points[turn], tuple(int(i) for i in letters[turn]), period)
+    return Cycle(points, tuple(int(i) for i in letters), 0)
+
+
+def words(P: Map, starts: int, transient: int, longest: int = 16, seed: int = 0, within: float = 1e-9) -> set[str]:
+    """Return the words of the cycles that random starts in the map's box settle on; ``""`` stands for no cycle."""
+    rng = np.random.default_rng(seed)
+    lanes = np.array([rng.uniform(low, high, starts) for low, high in P.box])
+    points, letters, _outcomes = P.run(lanes, transient, 2 * longest)
+    found: set[str] = set()
+    for lane in range(starts):
+        x = points[:, :, lane]
+        word = ""
+        for period in range(1, longest + 1):
+            if float(np.abs(x[period:] - x[:-period]).max()) <= within:
+                word = least_rotation(primitive("".join(str(i) for i in letters[:period, lane])))
+                break
+        found.add(word)
+    return found
+
+
+def primitive(word: str) -> str:
+    """Return the shortest word that a word repeats."""
+    return next(word[:n] for n in range(1, len(word) + 1) if word == word[:n] * (len(word) // n))
+
+
+def least_rotation(word: str) -> str:
+    """Return the first in alphabetical order of the rotations of a word."""
+    return min(word[i:] + word[:i] for i in range(len(word)))

@@ -1,0 +1,80 @@
+"""Orbit diagram: where orbits settle as one parameter varies, coloured by period."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, styled
+
+#: Points closer than this fraction of the axis are one point: below a pixel in print.
+GRAIN = 1 / 2400
+
+
+def orbit_diagram(
+    result: Any, ax: Axes | None = None, coordinate: str | None = None, *, size: float = 1.1, longest: int = 24
+) -> dict[str, Any]:
+    """Draw an orbit diagram; orbits of period N in the colour of N, all others in grey.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.orbit_diagram`.
+    ax : matplotlib Axes, optional
+        Default: a new figure two columns wide.
+    coordinate : str, optional
+        Which coordinate is shown; default: the first variable.
+    size : float
+        Diameter of a point in points.
+    longest : int
+        Longer periods are drawn in grey.
+
+    Returns
+    -------
+    dict
+        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files.
+    """
+    name, _start, _n = result[_first(result, coordinate)].dims
+    shown = _first(result, coordinate)
+    values = np.asarray(result[name].values, dtype=np.float64)
+    y = np.asarray(result[shown].values)
+    period = np.asarray(result["period"].values)
+    drawn: dict[int, Any] = {}
+    with styled():
+        ax = axes(ax, DOUBLE, 80.0)
+        for N in sorted({int(p) if 1 <= p <= longest else 0 for p in np.unique(period)}):
+            chosen = period == N if N else (period < 1) | (period > longest)
+            x, z = _thinned(values, y, chosen)
+            (drawn[N],) = ax.plot(
+                x,
+                z,
+                "o",
+                ls="none",
+                ms=size if N else 0.6 * size,
+                mew=0,
+                rasterized=True,
+                color=period_colour(N) if N else CHAOS,
+                zorder=2.0 + 1.0 / (1 + N) if N else 1.9,
+            )
+        ax.set_xlim(float(values.min()), float(values.max()))
+        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
+        ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
+    return {"points": drawn}
+
+
+def _first(result: Any, coordinate: str | None) -> str:
+    return coordinate or next(str(name) for name, variable in result.data_vars.items() if variable.ndim == 3)
+
+
+def _thinned(values: NDArray[Any], y: NDArray[Any], chosen: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the chosen points, those that fall on one another in print taken once."""
+    finite = y[np.isfinite(y)]
+    step = (float(np.ptp(finite)) or 1.0) * GRAIN if finite.size else 1.0
+    index = np.broadcast_to(np.arange(values.size)[:, None, None], y.shape)
+    kept = chosen[:, :, None] & np.isfinite(y)
+    grain = np.round(y[kept] / step).astype(np.int64)
+    _unique, which = np.unique(index[kept] * 10_000_019 + grain, return_index=True)
+    return values[index[kept][which]], y[kept][which]

@@ -1,0 +1,216 @@
+"""How figures look: sizes for print, type, a fixed colour for each period, provenance in the file; no global state."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from grazing.outcome import InputError
+
+#: Widths in millimetres: one column and two columns of a journal page.
+SINGLE, DOUBLE = 85.0, 174.0
+#: The formats that :func:`save` writes.
+FORMATS = ("png", "pdf", "svg")
+
+RC: dict[str, Any] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.labelsize": 8.5,
+    "legend.fontsize": 7.5,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "figure.dpi": 100.0,
+    "savefig.dpi": 300.0,
+    "pdf.fonttype": 42,  # TrueType: journals refuse Type 3
+    "ps.fonttype": 42,
+    "pdf.compression": 6,
+    "svg.hashsalt": "grazing",
+    "path.simplify": True,
+}
+
+#: Colour of period N is PERIODS[(N - 1) % 8]. Even and odd periods differ in lightness (CIE L* in the comment) by
+#: more than 20, so that neighbours can be told apart in grey and by readers who see fewer hues.
+PERIODS = (
+    "#1a1a1a",  # 1  L* 10  black
+    "#e69f00",  # 2  L* 70  orange
+    "#0064a4",  # 3  L* 41  blue
+    "#5cbceb",  # 4  L* 72  sky
+    "#9c2a1b",  # 5  L* 35  brick
+    "#e08fbf",  # 6  L* 68  pink
+    "#00624a",  # 7  L* 36  green
+    "#b3b53c",  # 8  L* 71  olive
+)
+CHAOS = "#8c8c8c"
+INK = "#1a1a1a"
+WALL = "#d9d9d9"
+GRAZE = "#b00020"
+
+
+def period_colour(N: int) -> str:
+    """Return the colour that period N always has; grey for N < 1: no period was found.
+
+    Parameters
+    ----------
+    N : int
+        Period.
+
+    Examples
+    --------
+    >>> from grazing.plot.style import period_colour
+    >>> period_colour(3), period_colour(11), period_colour(0)
+    ('#0064a4', '#0064a4', '#8c8c8c')
+    """
+    return PERIODS[(N - 1) % len(PERIODS)] if N >= 1 else CHAOS
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Apply the style inside a ``with`` block; matplotlib's settings are as before afterwards."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(RC)  # type: ignore[arg-type]
+        yield
+
+
+def figure(width: float = SINGLE, height: float = 62.0) -> Figure:
+    """Return an empty figure of a size in millimetres; it belongs to no window and no global list."""
+    with styled():
+        return Figure(figsize=(width / 25.4, height / 25.4), layout="constrained")
+
+
+def axes(ax: Axes | None, width: float = SINGLE, height: float = 62.0) -> Axes:
+    """Return the axes given, or those of a new figure."""
+    return ax if ax is not None else panels(width, height)[1][0]
+
+
+def panels(
+    width: float = SINGLE, height: float = 62.0, rows: int = 1, columns: int = 1, **grid: Any
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure of a size in millimetres and its panels, row by row.
+
+    Parameters
+    ----------
+    width, height : float
+        In millimetres.
+    rows, columns : int
+    **grid
+        Passed to ``Figure.subplots``, such as ``sharex=True`` or ``width_ratios=(3, 1)``.
+    """
+    with styled():
+        fig = figure(width, height)
+        return fig, list(np.ravel(fig.subplots(rows, columns, squeeze=False, **grid)))
+
+
+def software() -> str:
+    """Return the name and version that files carry."""
+    try:
+        return f"grazing {version('grazing')}"
+    except PackageNotFoundError:
+        return "grazing"
+
+
+def rendered(fig: Figure, kind: str, title: str = "", provenance: Mapping[str, Any] | None = None) -> bytes:
+    """Return a figure as the bytes of a file; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    fig : Figure
+    kind : {"png", "pdf", "svg"}
+    title : str
+        Stored in the file.
+    provenance : mapping, optional
+        How the figure came about, such as parameters and seed; stored as JSON. No time of day is stored.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        For any other kind.
+    """
+    if kind not in FORMATS:
+        raise InputError(
+            f"figure format {kind!r}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
+        )
+    origin = json.dumps(dict(provenance or {}), sort_keys=True, default=str)
+    fields: dict[str, dict[str, Any]] = {
+        "png": {"Title": title, "Software": software(), "Description": origin},
+        "pdf": {"Title": title, "Creator": software(), "Subject": origin, "CreationDate": None, "ModDate": None},
+        "svg": {"Title": title, "Creator": software(), "Description": origin, "Date": None},
+    }
+    out = BytesIO()
+    with styled():
+        fig.savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
+    return out.getvalue()
+
+
+def save(fig: Figure, path: str | Path, title: str = "", provenance: Mapping[str, Any] | None = None) -> Path:
+    """Write a figure to a PNG, PDF or SVG file, whole or not at all.
+
+    Parameters
+    ----------
+    fig : Figure
+    path : str or Path
+        Its ending chooses the format.
+    title, provenance
+        See :func:`rendered`.
+
+    Returns
+    -------
+    Path
+    """
+    path = Path(path)
+    data = rendered(fig, path.suffix.lstrip(".").lower(), title, provenance)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_bytes(data)
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise InputError(
+            f"cannot write {path}: {error.strerror}; choose a folder that exists and can be written to"
+        ) from None
+    return path
+
+
+def ink_on(colour: str) -> str:
+    """Return black or white, whichever is read better on a colour."""
+    red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return INK if 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.25 else "#ffffff"
+
+
+def label(name: str, symbol: str | None = None) -> str:
+    """Return an axis label: the symbol in mathematics, or the name as it is."""
+    return f"${symbol}$" if symbol else name

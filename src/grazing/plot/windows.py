@@ -1,0 +1,91 @@
+"""Windows of periodic orbits beside a diagram: shaded in it and named above it, overlaps visible."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
+
+from grazing.plot.style import axes, ink_on, period_colour, styled
+
+#: Height of a bar, distance of the two rows and place of the lower one, in points above the axes.
+BAR, ROW, FIRST = 9.0, 10.5, 4.0
+
+
+def windows(
+    edges: Mapping[int, tuple[float, float]],
+    ax: Axes | None = None,
+    *,
+    shade: float = 0.12,
+    names: bool = True,
+    narrowest: float = 0.03,
+    numbered: float = 0.013,
+) -> dict[str, Any]:
+    """Shade the windows of period N and name them above the axes, odd and even N in rows of their own.
+
+    Parameters
+    ----------
+    edges : mapping of int to (low, high)
+        Period and the two edges of its window; windows that are empty (low >= high) are left out.
+    ax : matplotlib Axes, optional
+        Its limits should be set before.
+    shade : float
+        Opacity of the bands in the diagram; 0 draws only the bars above it.
+    names : bool
+        Whether each bar carries its Omega_N.
+    narrowest : float
+        A bar narrower than this fraction of the axes has its number only.
+    numbered : float
+        A bar narrower than this fraction has no name at all.
+
+    Returns
+    -------
+    dict
+        ``bars``, ``bands`` and ``names``, each a mapping from N.
+    """
+    bars: dict[int, Any] = {}
+    bands: dict[int, Any] = {}
+    texts: dict[int, Any] = {}
+    with styled():
+        ax = axes(ax)
+        left, right = sorted(ax.get_xlim())
+        to_axes = ax.transScale + ax.transLimits  # also on a logarithmic axis
+        above = across(ax)
+        for N, (low, high) in sorted(edges.items()):
+            a, b = max(min(low, high), left), min(max(low, high), right)
+            if low >= high or a >= b:
+                continue
+            colour, row = period_colour(N), FIRST + ROW * (N % 2)
+            bars[N] = ax.add_patch(
+                Rectangle((a, row), b - a, BAR, transform=above, facecolor=colour, lw=0, clip_on=False, zorder=4)
+            )
+            if shade > 0.0:
+                bands[N] = ax.axvspan(a, b, color=colour, alpha=shade, lw=0, zorder=0)
+            ends = to_axes.transform([(a, 1.0), (b, 1.0)])[:, 0]
+            share = abs(float(ends[1] - ends[0]))
+            if names and share > numbered:
+                text = rf"$\Omega_{{{N}}}$" if share > narrowest else f"{N}"
+                texts[N] = ax.text(
+                    float(to_axes.inverted().transform((float(ends.mean()), 0.5))[0]),
+                    row + 0.5 * BAR - 0.3,
+                    text,
+                    transform=above,
+                    color=ink_on(colour),
+                    ha="center",
+                    va="center",
+                    fontsize=7.0,
+                    zorder=6,
+                    clip_on=False,
+                )
+    return {"bars": bars, "bands": bands, "names": texts}
+
+
+def across(ax: Axes) -> Transform:
+    """Return the transform whose x is that of the data and whose y counts points above the axes."""
+    assert ax.figure is not None
+    points = Affine2D().scale(1.0 / 72.0) + ax.figure.dpi_scale_trans
+    top = ScaledTranslation(0.0, 1.0, ax.transAxes)  # type: ignore[arg-type]  # the axes' own transform is affine
+    return blended_transform_factory(ax.transData, points + top)

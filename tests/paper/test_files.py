@@ -1,0 +1,60 @@
+import os
+import stat
+
+import pytest
+
+from grazing.outcome import InputError
+from grazing.paper import files
+
+
+def test_a_file_is_replaced_whole(tmp_path):
+    path = tmp_path / "a.txt"
+    files.write(path, "old")
+    files.write(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["a.txt"]
+    assert stat.S_IMODE(path.stat().st_mode) == 0o644
+
+
+@pytest.mark.parametrize("when", ["fsync", "replace"])
+def test_an_interruption_leaves_the_old_file(tmp_path, monkeypatch, when):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def interrupt(*_args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(*((os, "fsync") if when == "fsync" else (type(path), "replace")), interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        files.write(path, "new, and much longer")
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_what_a_killed_run_left_is_removed(tmp_path):
+    (tmp_path / ".a.txt.123.part").write_text("half")
+    (tmp_path / "kept.txt").write_text("kept")
+    files.folder(tmp_path)
+    assert os.listdir(tmp_path) == ["kept.txt"]
+
+
+def test_a_folder_is_made_with_its_parents(tmp_path):
+    assert files.folder(tmp_path / "a" / "b").is_dir()
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(tmp_path):
+    path = tmp_path / "a"
+    path.write_text("mine")
+    with pytest.raises(InputError, match=r"cannot write to '.*a': .*; a folder that can be made .* is allowed"):
+        files.folder(path)
+    assert path.read_text() == "mine"
+
+
+def test_a_disk_error_is_said(tmp_path, monkeypatch):
+    def full(*_args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        files.write(tmp_path / "a", "text")
+    assert os.listdir(tmp_path) == []

@@ -1,0 +1,146 @@
+"""Figures hold the data they were given; nothing global changes; files are the same each time."""
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+
+from grazing import plot
+from grazing.maps.discontinuity import zdm_points
+from grazing.maps.gap import gap_map
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.oscillator.model import pinball
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError
+from grazing.plot.style import CHAOS, PERIODS, ink_on
+
+
+def diagram():
+    x = np.array([[[0.1, 0.2, 0.1, 0.2], [0.5, 0.7, 0.6, 0.9]], [[0.3, 0.3, 0.3, 0.3], [0.3, 0.3, 0.3, 0.3]]])
+    data = {"x": (("mu", "start", "n"), x), "period": (("mu", "start"), np.array([[2, -1], [1, 1]]))}
+    result = xr.Dataset(data, coords={"mu": [0.0, 1.0]})
+    result["mu"].attrs["symbol"] = r"\mu"
+    return result
+
+
+def test_a_trajectory_breaks_at_impacts():
+    result = trajectory(pinball(d=0.12), (0.1, 0.0), until=20.0)
+    drawn = plot.trajectory(result, strobe=[(0.1, 0.0)])
+    assert len(drawn["impacts"]) == result.sizes["impact"] == 3
+    assert np.isnan(drawn["flights"].get_xdata()).sum() == 3
+    line = drawn["impacts"][0]
+    assert list(line.get_ydata()) == [result["v_minus"].values[0], result["v_plus"].values[0]]
+    assert drawn["strobe"].get_xdata().tolist() == [0.1]
+
+
+def test_a_graph_jumps_where_the_letter_changes():
+    graph = plot.graph_of(gap_map(0.8, 0.5, 1.0), np.linspace(-1.0, 1.0, 101))
+    pieces = plot.map_graph(graph, label="map")["pieces"]
+    assert len(pieces) == 2
+    assert pieces[0].get_xdata()[-1] < 0.0 <= pieces[1].get_xdata()[0]
+    assert pieces[0].get_ydata().tolist() == pytest.approx((0.8 * pieces[0].get_xdata() + 0.5).tolist())
+
+
+def test_a_graph_of_a_plane_map_fixes_the_other_coordinate():
+    P = stroboscopic_map(pinball())
+    graph = plot.graph_of(P, [0.05, 0.1], "u", v=-0.1)
+    assert np.allclose(graph.images[1], P((0.1, -0.1))[0])
+    assert plot.map_graph(graph, coordinate="v")["pieces"][0].get_ydata()[-1] == graph.images[-1, 1]
+
+
+def test_a_cobweb_closes():
+    points = [-1.0060750571225354, -0.3048600456980284, 0.2561119634415773]
+    drawn = plot.cobweb(gap_map(0.8, 0.5, 1.0), points)
+    path = np.column_stack([drawn["steps"].get_xdata(), drawn["steps"].get_ydata()])
+    assert np.array_equal(path[0], [points[0], points[0]])
+    assert path[-1, 1] == points[0]
+    assert drawn["points"].get_xdata().tolist() == points
+
+
+def test_a_cobweb_needs_one_coordinate():
+    with pytest.raises(InputError, match="stroboscopic map has coordinates u, v; a cobweb needs a map with one"):
+        plot.cobweb(stroboscopic_map(pinball()), [(0.1, 0.0)])
+
+
+def test_an_orbit_diagram_has_one_colour_for_each_period():
+    points = plot.orbit_diagram(diagram())["points"]
+    assert set(points) == {0, 1, 2}
+    assert points[2].get_color() == PERIODS[1]
+    assert points[0].get_color() == CHAOS
+    assert sorted(points[2].get_ydata().tolist()) == [0.1, 0.2]  # repeated points are drawn once
+    assert points[1].get_xdata().tolist() == [1.0]
+    assert sorted(points[0].get_ydata().tolist()) == [0.5, 0.6, 0.7, 0.9]
+    assert all(line.get_rasterized() for line in points.values())
+    assert points[1].axes.get_xlabel() == r"$\mu$"
+
+
+def test_windows_are_named_shaded_and_kept_apart():
+    _fig, (ax,) = plot.panels()
+    drawn = plot.windows({1: (0.5, 1.0), 2: (0.3, 0.6), 3: (0.4, 0.2), 4: (2.0, 3.0)}, ax)
+    assert set(drawn["bars"]) == set(drawn["bands"]) == {1, 2}
+    assert drawn["names"][2].get_text() == r"$\Omega_{2}$"
+    assert drawn["bars"][1].get_y() > drawn["bars"][2].get_y()
+    assert drawn["bars"][2].get_width() == pytest.approx(0.3)
+
+
+def test_a_clipped_window_keeps_its_inner_edge():
+    _fig, (ax,) = plot.panels()
+    bar = plot.windows({1: (0.5, 9.0)}, ax, shade=0.0, names=False)["bars"][1]
+    assert (bar.get_x(), bar.get_width()) == (0.5, 0.5)
+
+
+def test_the_zero_time_map_has_velocity_across():
+    four = zdm_points(pinball(d=0.12), (0.02, -0.3))
+    drawn = plot.zdm(four)
+    assert drawn["points"].get_xdata().tolist() == four.points[:, 1].tolist()
+    assert drawn["points"].get_ydata().tolist() == four.points[:, 0].tolist()
+    assert drawn["fall"].get_ydata()[-1] == pytest.approx(0.0, abs=1e-15)
+    assert drawn["back"].get_ydata()[-1] == pytest.approx(four.points[3, 0], abs=1e-15)
+
+
+def lightness(colour):
+    red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
+    y = float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
+    return 116 * y ** (1 / 3) - 16 if y > 0.008856 else 903.3 * y
+
+
+def test_neighbouring_periods_differ_in_grey():
+    values = [lightness(colour) for colour in PERIODS]
+    for one, other in zip(values, [*values[1:], values[0]], strict=True):
+        assert abs(one - other) > 20.0
+    assert plot.period_colour(9) == PERIODS[0]
+    assert plot.period_colour(0) == plot.period_colour(-1) == CHAOS
+    assert (ink_on(PERIODS[0]), ink_on(PERIODS[1])) == ("#ffffff", "#1a1a1a")
+
+
+def test_no_global_setting_changes():
+    before = dict(matplotlib.rcParams)
+    plot.orbit_diagram(diagram())
+    assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_the_same_figure_gives_the_same_bytes(kind):
+    files = [plot.rendered(plot.orbit_diagram(diagram())["points"][1].figure, kind, "t", {"seed": 0}) for _ in range(2)]
+    assert files[0] == files[1]
+
+
+def test_provenance_is_in_the_file():
+    fig = plot.orbit_diagram(diagram())["points"][1].figure
+    png = plot.rendered(fig, "png", "a title", {"lam": 0.5})
+    assert b"a title" in png
+    assert b'{"lam": 0.5}' in png
+    pdf = plot.rendered(fig, "pdf", "a title", {"lam": 0.5})
+    assert b"CreationDate" not in pdf
+    assert b"/Type3" not in pdf
+
+
+def test_saving(tmp_path):
+    fig = plot.orbit_diagram(diagram())["points"][1].figure
+    assert plot.save(fig, tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+    with pytest.raises(InputError, match="figure format 'jpg'; allowed are png, pdf, svg"):
+        plot.save(fig, tmp_path / "a.jpg")
+    with pytest.raises(InputError, match=r"cannot write .*choose a folder that exists"):
+        plot.save(fig, tmp_path / "none" / "a.png")
