@@ -35,6 +35,7 @@ check: lint types layers ## lint, types and import direction together
 
 lint: .venv/ready-test ## style and common mistakes (ruff)
 	$(RUN) ruff check .
+	$(RUN) ruff format --check .
 
 types: .venv/ready-test ## type annotations (mypy, strict)
 	$(RUN) mypy

@@ -44,7 +44,7 @@ class Flight:
         p, f, mp = model.params, model.forcing, mpmath.mpf
         m, self.model, self.T = model.harmonics, model, 2 * mpmath.pi / mp(model.forcing.omega)
         A = mpmath.zeros(3 + 2 * m)  # y, v, 1, cos 1, sin 1, ...
-        A[0, 1], A[1, 0], A[1, 1] = 1, -mp(model.k) ** 2, -mp(model.alpha)
+        A[0, 1], A[1, 0], A[1, 1] = 1, -(mp(model.k) ** 2), -mp(model.alpha)
         A[1, 2] = mp(f.offset) - mp(model.k) ** 2 * mp(model.sigma)
         for j in range(m):
             W, i = (j + 1) * mp(f.omega), 3 + 2 * j

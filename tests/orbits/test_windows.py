@@ -152,7 +152,7 @@ def test_the_map_stays_inside_the_window_and_leaves_beyond_its_edges(N):
     e = 1e-3 * (high - low)
     for d in (low + e, 0.5 * (low + high), high - e):
         (orbit,) = stable(gz.pinball(), "d", d, N)
-        settled = orbit.map.iterate(orbit.points[0] + 1e-7, 20 * N)[:: N][-1]
+        settled = orbit.map.iterate(orbit.points[0] + 1e-7, 20 * N)[::N][-1]
         assert np.abs(orbit.map.iterate(orbit.points[0], 20 * N)[::N] - orbit.points[0]).max() < 1e-12
         assert np.abs(settled - orbit.points[0]).max() < 3e-7
     (doubled,) = [o for o in one_impact_orbits(gz.pinball(d=high + e), N) if o.admissible]

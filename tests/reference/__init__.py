@@ -102,9 +102,7 @@ def _strobe(row: list[Any]) -> StoredStrobe:
 def load_orbits() -> list[StoredOrbit]:
     """The stored orbits of the named problems."""
     return [
-        StoredOrbit(
-            e["problem"], float.fromhex(e["u"]), float.fromhex(e["v"]), [_strobe(r) for r in e["rows"]]
-        )
+        StoredOrbit(e["problem"], float.fromhex(e["u"]), float.fromhex(e["v"]), [_strobe(r) for r in e["rows"]])
         for e in load("orbits")["entries"]
     ]
 

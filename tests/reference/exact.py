@@ -255,9 +255,7 @@ def _polish(p: arb_poly, slope: arb_poly, a: arb, b: arb, digits: int) -> arb:
 class _Orbit:
     """The state of one orbit, moved on by one period at a time."""
 
-    def __init__(
-        self, problem: Problem, u: Number, v: Number, start: Number, digits: int, jacobian: bool
-    ) -> None:
+    def __init__(self, problem: Problem, u: Number, v: Number, start: Number, digits: int, jacobian: bool) -> None:
         self.problem, self.digits, self.jacobian = problem, digits, jacobian
         self.taylor = _taylor(problem, ctx.dps)
         self.start = arb(start)
@@ -389,9 +387,7 @@ def advance(
         return [orbit.period() for _ in range(periods)]
 
 
-def free_flight(
-    problem: Problem, t: Number, u: Number, v: Number, dt: Number, digits: int = 40
-) -> tuple[arb, arb]:
+def free_flight(problem: Problem, t: Number, u: Number, v: Number, dt: Number, digits: int = 40) -> tuple[arb, arb]:
     """The state a time dt (of either sign) after the state (u, v) at t, with no obstacle in the way."""
     with ctx.workdps(digits + GUARD):
         taylor = _taylor(problem, ctx.dps)

@@ -34,9 +34,7 @@ def test_coefficient_of_the_remainder(lam, l):
     assert doubling == pytest.approx((1 + 3 / (4 * l * lam)) * lam**n, rel=1e-3)
     collision = theory.mu_bc(n, lam, l) / theory.mu_bc_leading(n, lam, l) - 1
     assert collision == pytest.approx(math.sqrt((1 - lam) / l) * lam ** ((n - 2) / 2), rel=0.03)
-    assert theory.mu_pd(n, lam, 0.0) / theory.mu_pd_leading(n, lam, 0.0) - 1 == pytest.approx(
-        lam**n, rel=1e-3
-    )
+    assert theory.mu_pd(n, lam, 0.0) / theory.mu_pd_leading(n, lam, 0.0) - 1 == pytest.approx(lam**n, rel=1e-3)
     assert theory.mu_bc(n, lam, 0.0) / theory.mu_bc_leading(n, lam, 0.0) - 1 == pytest.approx(
         2 * lam ** (n - 1), rel=1e-3
     )
@@ -53,9 +51,7 @@ def test_width_ratio_tends_to_lam_slowly_and_to_its_square_without_a_gap(lam, l,
 
 
 def test_width_ratio_needs_two_finite_windows():
-    with pytest.raises(
-        OutsideForm, match=r"no width ratio at lam = 0.9, l = 0.0: the window of N = 4 is empty"
-    ):
+    with pytest.raises(OutsideForm, match=r"no width ratio at lam = 0.9, l = 0.0: the window of N = 4 is empty"):
         theory.width_ratio(3, 0.9, 0.0)
     with pytest.raises(OutsideForm, match="the window of N = 1 is infinitely wide"):
         theory.width_ratio(1, 0.9, 0.4)

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import GAPS, LAMS, exact, gap_map, iterate, pass_of_word, product_of_slopes
 
 from grazing import theory
 from grazing.outcome import OutsideForm
+from tests.theory.naive import GAPS, LAMS, exact, gap_map, iterate, pass_of_word, product_of_slopes
 
 PERIODS = st.integers(1, 10)
 CASES = [
@@ -60,9 +60,7 @@ def test_against_a_root_of_two_passes_at_high_precision(N, lam, l, share):
         a, m, gap = exact(lam, mu, l)
         twice = lambda x: pass_of_word(pass_of_word(x, N, a, m, gap), N, a, m, gap)  # noqa: E731
         for x in (points[N - 1], points[2 * N - 1]):
-            truth = mpmath.findroot(
-                lambda y: twice(y) - y, exact(x * (1 - 1e-6), x * (1 + 1e-6)), solver="anderson"
-            )
+            truth = mpmath.findroot(lambda y: twice(y) - y, exact(x * (1 - 1e-6), x * (1 + 1e-6)), solver="anderson")
             assert x == pytest.approx(float(truth), rel=1e-11)
             turn = mpmath.diff(twice, truth)
             assert theory.doubled_multiplier(N, lam, mu, l) == pytest.approx(float(turn), rel=1e-10)
@@ -109,7 +107,5 @@ def test_it_lives_inside_the_window_and_only_where_there_is_one(N, lam, l):
 
 def test_without_a_window_there_is_none():
     assert theory.doubled_interval(4, 0.9, 0.0).empty
-    with pytest.raises(
-        OutsideForm, match=r"no doubled orbit at N = 4, lam = 0.9, l = 0.0: the window of N is empty"
-    ):
+    with pytest.raises(OutsideForm, match=r"no doubled orbit at N = 4, lam = 0.9, l = 0.0: the window of N is empty"):
         theory.doubled_orbit(4, 0.9, 0.15, 0.0)

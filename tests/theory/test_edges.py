@@ -5,16 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import GAPS, LAMS, PERIODS, exact, pass_of_word
 
 from grazing import theory
+from tests.theory.naive import GAPS, LAMS, PERIODS, exact, pass_of_word
 
-CASES = [
-    (N, lam, l)
-    for N in (1, 2, 3, 7, 15)
-    for lam in (0.05, 0.34, 0.6, 0.9, 0.99)
-    for l in (0.0, 0.05, 1.0, 20.0)
-]
+CASES = [(N, lam, l) for N in (1, 2, 3, 7, 15) for lam in (0.05, 0.34, 0.6, 0.9, 0.99) for l in (0.0, 0.05, 1.0, 20.0)]
 
 
 @settings(deadline=None)

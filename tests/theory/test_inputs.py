@@ -31,9 +31,7 @@ def test_a_period_that_is_no_positive_integer_is_refused(function, N):
     lambda lam: theory.windows_overlap(2, lam, 0.1),
 ])  # fmt: skip
 def test_a_lam_outside_the_open_unit_interval_is_refused(call, lam):
-    with pytest.raises(
-        InputError, match=r"lam = .* is not allowed; lam must be a finite number with 0 < lam < 1"
-    ):
+    with pytest.raises(InputError, match=r"lam = .* is not allowed; lam must be a finite number with 0 < lam < 1"):
         call(lam)
 
 

@@ -18,9 +18,7 @@ def test_a_closed_interval_keeps_them():
     assert 2.0000001 not in Interval(-1.0, 2.0, closed=True)
 
 
-@pytest.mark.parametrize(
-    "interval", [Interval(1.0, 1.0), Interval(2.0, 1.0), Interval(2.0, 1.0, closed=True)]
-)
+@pytest.mark.parametrize("interval", [Interval(1.0, 1.0), Interval(2.0, 1.0), Interval(2.0, 1.0, closed=True)])
 def test_empty(interval):
     assert interval.empty and interval.width == 0.0
     assert 1.5 not in interval and 1.0 not in interval

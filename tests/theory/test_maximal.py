@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import GAPS, LAMS, PERIODS, gap_map, product_of_slopes, true_right_point, word
 
 from grazing import theory
 from grazing.outcome import OutsideForm
+from tests.theory.naive import GAPS, LAMS, PERIODS, gap_map, product_of_slopes, true_right_point, word
 
 SHARES = st.floats(0.01, 0.99)
 

@@ -50,8 +50,6 @@ def test_it_rests_on_numpy_and_the_outcomes_alone():
 def test_importing_it_loads_neither_scipy_nor_numba():
     code = "import sys, grazing.theory; sys.exit(bool({'scipy', 'numba', 'xarray'} & set(sys.modules)))"
     assert (
-        subprocess.run(
-            [sys.executable, "-c", code], env={"PYTHONPATH": ":".join(sys.path)}, check=False
-        ).returncode
+        subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": ":".join(sys.path)}, check=False).returncode
         == 0
     )

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import gap_map, product_of_slopes
 
 from grazing import theory
 from grazing.outcome import InputError, OutsideForm
 from grazing.theory import Regime
+from tests.theory.naive import gap_map, product_of_slopes
 
 
 def sum_to(N, lam):
@@ -72,9 +72,7 @@ def test_last_window_is_the_last(lam):
         assert a**N > 3 * a - 2 >= a ** (N + 1)
 
 
-@pytest.mark.parametrize(
-    ("lam", "N"), [(0.9, 3), (0.8, 4), (0.75, 4), (0.72, 5), (0.7, 6), (0.68, 8), (0.67, 11)]
-)
+@pytest.mark.parametrize(("lam", "N"), [(0.9, 3), (0.8, 4), (0.75, 4), (0.72, 5), (0.7, 6), (0.68, 8), (0.67, 11)])
 def test_robust_chaos_ends_at_the_last_window(lam, N):
     assert theory.last_window(lam) == N
     low, high = theory.robust_chaos(lam)

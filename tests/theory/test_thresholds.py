@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import LAMS
 
 from grazing import theory
+from tests.theory.naive import LAMS
 
 
 def test_values_of_the_figures():

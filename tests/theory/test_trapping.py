@@ -3,10 +3,10 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.theory.naive import GAPS, LAMS, gap_map, iterate
 
 from grazing import theory
 from grazing.outcome import OutsideForm
+from tests.theory.naive import GAPS, LAMS, gap_map, iterate
 
 OFFSETS = st.just(0.0) | st.floats(1e-6, 50.0)
 
@@ -69,9 +69,7 @@ def test_beyond_that_every_orbit_tends_to_period_1(lam, l):
 
 
 def test_below_zero_there_is_none():
-    with pytest.raises(
-        OutsideForm, match=r"no trapping interval at mu = -0.1; it needs mu >= 0: .* mu/\(1 - lam\)"
-    ):
+    with pytest.raises(OutsideForm, match=r"no trapping interval at mu = -0.1; it needs mu >= 0: .* mu/\(1 - lam\)"):
         theory.trapping_interval(-0.1, 0.5)
     for x in (-9.0, 0.0, 5.0):
         assert iterate(x, 400, 0.8, -0.1, 0.5) == pytest.approx(-0.5, rel=1e-12)

@@ -3,9 +3,9 @@ from itertools import pairwise
 
 import pytest
 from hypothesis import assume, given, settings
-from tests.theory.naive import GAPS, LAMS, PERIODS, iterate, product_of_slopes, true_right_point, word
 
 from grazing import theory
+from tests.theory.naive import GAPS, LAMS, PERIODS, iterate, product_of_slopes, true_right_point, word
 
 CASES = [
     (1, 0.5, 0.0), (1, 0.9, 0.8), (2, 0.5, 0.0), (3, 0.9, 0.0), (3, 0.5, 0.1), (4, 0.9, 0.4),

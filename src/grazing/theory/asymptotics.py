@@ -139,7 +139,5 @@ def width_ratio(N: int, lam: float, l: float) -> float:
     for w in (here, following):
         if w.stability.empty or w.N == 1:
             reason = "infinitely wide" if w.N == 1 else "empty"
-            raise OutsideForm(
-                f"no width ratio at lam = {lam!r}, l = {l!r}: the window of N = {w.N} is {reason}"
-            )
+            raise OutsideForm(f"no width ratio at lam = {lam!r}, l = {l!r}: the window of N = {w.N} is {reason}")
     return following.stability.width / here.stability.width

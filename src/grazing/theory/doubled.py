@@ -145,9 +145,7 @@ def _roots(b: Block) -> tuple[float, float]:
     """Return the smaller and the greater root of the positive points, or say why there is no orbit."""
     low, high = doubled_interval(b.N, b.lam, b.l)
     if low >= high:
-        raise OutsideForm(
-            f"no doubled orbit at N = {b.N}, lam = {b.lam!r}, l = {b.l!r}: the window of N is empty"
-        )
+        raise OutsideForm(f"no doubled orbit at N = {b.N}, lam = {b.lam!r}, l = {b.l!r}: the window of N is empty")
     none = f"no doubled orbit of period 2N = {2 * b.N} at lam = {b.lam!r}, mu = {b.mu!r}, l = {b.l!r}"
     if 4 * b.C <= 3 * b.c**2:
         raise OutsideForm(f"{none}: two different positive points need mu > mu_pd = {low!r}")
@@ -155,7 +153,5 @@ def _roots(b: Block) -> tuple[float, float]:
         raise OutsideForm(f"{none}: its smaller positive point needs mu below its graze, {high!r}")
     great = (b.c + math.sqrt(4 * b.C - 3 * b.c**2)) / 2
     if b.N > 1 and great**2 >= b.mu:
-        raise OutsideForm(
-            f"{none}: its greatest negative point needs mu below its border collision, {high!r}"
-        )
+        raise OutsideForm(f"{none}: its greatest negative point needs mu below its border collision, {high!r}")
     return (b.c**2 - b.C) / great, great
