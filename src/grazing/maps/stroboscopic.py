@@ -142,7 +142,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     >>> P = gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4))
     >>> orbit = P.orbit((0.1, 0.0), 60)
     >>> orbit.letters[-6:].tolist()
-    [0, 1, 0, 0, 1, 0]
+    [1, 0, 0, 1, 0, 0]
     """
     law = model.reset
     span = 4.0 * model.period * model.period

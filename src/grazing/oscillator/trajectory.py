@@ -174,7 +174,7 @@ def trajectory(
     >>> import grazing as gz
     >>> tr = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
     >>> tr.sizes["impact"], str(tr.trust.item())
-    (2, 'certified')
+    (3, 'certified')
     """
     import xarray as xr
 
