@@ -94,7 +94,7 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, w
 def test_a_folder_that_is_not_one(tmp_path):
     """A file stands where the folder should be: unwritable for everybody, the superuser included."""
     (tmp_path / "file").write_text("mine")
-    with pytest.raises(gz.InputError, match="there is no folder .*file; make it first"):
+    with pytest.raises(gz.InputError, match=r"there is no folder .*file; make it first"):
         save(everything(), tmp_path / "file" / "a.nc")
     assert (tmp_path / "file").read_text() == "mine"
 

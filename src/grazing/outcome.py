@@ -27,9 +27,10 @@ DIVERGED: Final = 32
 BAD_LAW: Final = 64
 TOO_MANY_IMPACTS: Final = 128
 INSIDE_WALL: Final = 256
+TOO_MANY_SWINGS: Final = 512
 
 #: Bits after which a step has no next state: the orbit ends there.
-FATAL: Final = NO_IMPACT | DIVERGED | BAD_LAW | TOO_MANY_IMPACTS | INSIDE_WALL
+FATAL: Final = NO_IMPACT | DIVERGED | BAD_LAW | TOO_MANY_IMPACTS | INSIDE_WALL | TOO_MANY_SWINGS
 
 
 class Outcome(IntFlag):
@@ -52,6 +53,7 @@ class Outcome(IntFlag):
     bad_law = BAD_LAW
     too_many_impacts = TOO_MANY_IMPACTS
     inside_wall = INSIDE_WALL
+    too_many_swings = TOO_MANY_SWINGS
 
 
 class Trust(Enum):
@@ -79,8 +81,8 @@ _ADVICE = {
         "nothing to do: the ball then sticks until released",
     ),
     Outcome.no_impact: (
-        "no further impact within the budget of periods",
-        "use the stroboscopic map, or raise the budget",
+        "no further impact within 1000 periods",
+        "use the stroboscopic map, which needs no impact",
     ),
     Outcome.diverged: ("the orbit left the region of interest", "look at the starting box and the parameters"),
     Outcome.bad_law: (
@@ -88,8 +90,12 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more impacts in one period than the budget allows",
-        "raise max_impacts, or choose r < 1 or V > 0",
+        "more than 10,000 impacts in one period",
+        "choose r < 1 or a larger V; the law may need a declared contraction",
+    ),
+    Outcome.too_many_swings: (
+        "more than 100,000 swings of the free ball in one period of the forcing",
+        "the time scales are too far apart for exact work: raise omega or alpha, or lower k",
     ),
     Outcome.inside_wall: ("the state lies inside the wall, u < sigma", "start with u >= sigma"),
 }

@@ -29,7 +29,7 @@ def test_the_two_jumps_of_figure_2_2():
 def test_beyond_the_later_jump_the_maps_agree_exactly():
     P, Z = gz.stroboscopic_map(FIGURE_2_2), gz.discontinuity_map(FIGURE_2_2)
     for u in (0.0396, 0.045, 0.06):
-        assert Z((u, -0.23))[0] == pytest.approx(P((u, -0.23))[0], abs=1e-16)
+        assert Z((u, -0.23))[0] == pytest.approx(P((u, -0.23))[0], abs=4e-16)
     between = 0.039  # one of them has an impact: they differ by the whole jump
     assert np.abs(Z((between, -0.23))[0] - P((between, -0.23))[0]).max() > 0.02
 

@@ -91,3 +91,24 @@ def test_pressed_for_ever_never_leaves():
 def test_velocity_into_the_wall_is_refused():
     with pytest.raises(gz.InputError, match=r"v_plus = -0.1 points into the wall; give the velocity after an impact"):
         gz.impact_map(gz.pinball())((0.0, -0.1))
+
+
+def test_a_release_exactly_at_the_strobe():
+    """F = sin t turns at t = 0: the ball lies up to the strobe and is released there."""
+    forcing = gz.Forcing(omega=1.0, cos=(0.0,), sin=(1.0,))
+    m = gz.Oscillator(alpha=0.5, k=1.0, forcing=forcing, reset=gz.newton(r=0.2))
+    (tau, w), strobes = gz.impact_map(m)((4.0, 0.01))
+    assert (tau, w, strobes) == (0.0, 0.0, 1)
+
+
+def test_the_phase_stays_below_the_period():
+    m = gz.Oscillator(
+        alpha=0.0, k=0.0, forcing=gz.Forcing(omega=math.pi, offset=-1.0, cos=(0.0,)), reset=gz.newton(1.0)
+    )
+    assert m.period == 2.0
+    (tau, w), strobes = gz.impact_map(m)((0.0, 1.0))
+    assert (tau, w, strobes) == (0.0, 1.0, 1)
+
+
+def test_the_jacobian_is_undefined_for_a_kick_from_rest():
+    assert np.isnan(gz.impact_map(gz.pinball(d=-1.5, V=0.3)).jacobian((0.0, 0.0))).all()

@@ -168,3 +168,19 @@ def test_repr_is_short():
         repr(gz.normal_form(S, "d"))
         == "<NormalForm d=0.13096186935 at the graze: lam=0.336482, l=0.649353, b=0.149973>"
     )
+
+
+def rooted(v, p):
+    return 0.5 * p.c * math.sqrt(-v)
+
+
+def soft(v, p):
+    return -p.e * v / (1.0 - p.c * v) + (p.K if v <= 0.0 else 0.0)
+
+
+def test_a_law_that_is_not_linear_near_zero_speed_is_refused():
+    forcing = gz.Forcing(omega=2.2, offset=0.12)
+    with pytest.raises(gz.OutsideForm, match="the reset law rooted is not linear near zero speed"):
+        gz.normal_form(gz.Oscillator(3.0, 1.0, forcing, gz.reset(rooted, c=0.5)), "offset")
+    nf = gz.normal_form(gz.Oscillator(3.0, 1.0, forcing, gz.reset(soft, e=0.8, c=0.5, K=0.2)), "offset")
+    assert (nf.r, nf.V) == (pytest.approx(0.8, abs=1e-5), 0.2)

@@ -8,9 +8,19 @@ import pytest
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.maps.stroboscopic import MAX_IMPACTS
-from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, FATAL, GRAZE, INSIDE_WALL, STUCK, TOO_MANY_IMPACTS
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    CHATTER,
+    FATAL,
+    GRAZE,
+    INSIDE_WALL,
+    STUCK,
+    TOO_MANY_IMPACTS,
+    TOO_MANY_SWINGS,
+)
 from tests.models import MODELS, model_of, packed
-from tests.reference import PROBLEMS, load_dips, load_orbits
+from tests.reference import PROBLEMS, Problem, active, advance, load_dips, load_orbits, trigger
 
 ORBITS, DIPS = load_orbits(), load_dips()
 
@@ -224,3 +234,82 @@ def test_work_per_period_is_counted(monkeypatch):
     assert min(counts[0]) == 3
     assert max(counts[0]) <= 10
     assert max(counts[1]) <= 20
+
+
+# ---- decisions that are close, and extremes
+
+
+def test_zeros_of_high_order_do_not_hide_others():
+    """F = (1 - cos)^2 (cos - 0.3) has a quartic zero, whose rounding noise must not use up the places of the others."""
+    q = np.polynomial.polynomial.polymul([1.0, -2.0, 1.0], [-0.3, 1.0])
+    mean, *cos = np.polynomial.chebyshev.poly2cheb(q)
+    for t0 in np.linspace(0.0, 6.2, 40):
+        for sign in (1.0, -1.0):
+            problem = Problem(0.5, 1.0, 1.0, t0, sign * mean, tuple(sign * x for x in cos), law=active(0.8, 0.4))
+            exact = advance(problem, 0.3, 0.1, 1, jacobian=True)[0]
+            segment = gz.stroboscopic_map(model_of(problem)).orbit((0.3, 0.1), 1)
+            assert segment.letters[0] == len(exact.impacts)
+            error = max(abs(float(exact.u) - segment.points[1, 0]), abs(float(exact.v) - segment.points[1, 1]))
+            assert error <= 1e-12 * float(exact.factor)
+
+
+def test_a_decision_after_a_slow_impact_knows_its_error():
+    law = active(0.5, 0.2689932407576071)
+    problem = Problem(0.3, 5.874891519215663, 1.954939723854336, 0.9089794132507695, 2.3, law=law)
+    segment = gz.stroboscopic_map(model_of(problem)).orbit((0.0922824657411291, -0.2241925416786858), 1)
+    assert segment.outcomes[0] & AMBIGUOUS
+
+
+def test_an_impact_at_the_trigger_speed_is_ambiguous():
+    law = trigger(0.8, 0.4, 0.27829748540636534)
+    problem = Problem(3.0, 1.0, 2.2, 0.10880780956697578, 0.006967415105215757, law=law)
+    P = gz.stroboscopic_map(model_of(problem))
+    start = (0.1120386337877902, 0.12909475671487403)
+    assert P.orbit(start, 1).outcomes[0] & AMBIGUOUS
+    assert np.isnan(P.jacobian(start)).all()
+    for shift in (-1e-6, 1e-6):
+        assert not P.replace(trigger=0.27829748540636534 + shift).orbit(start, 1).outcomes[0] & AMBIGUOUS
+
+
+def test_a_graze_beside_the_end_of_a_piece_is_ambiguous():
+    problem = Problem(0.05, 3.0, 0.8, 0.0, 2.3, law=active(0.5, 0.3))
+    P = gz.stroboscopic_map(model_of(problem))
+    assert P.orbit((0.7159046944715916, -0.2317763617397376), 1).outcomes[0] & AMBIGUOUS
+
+
+@pytest.mark.parametrize("t0", [1e3, 1e6, 1e9, -1e9])
+def test_a_large_time_shift_costs_no_digits(t0):
+    problem = Problem(3.0, 1.0, 2.2, t0, 0.12, law=active(0.8, 0.4))
+    exact = advance(problem, 0.1, -0.1, 1)[0]
+    point, _ = gz.stroboscopic_map(model_of(problem))((0.1, -0.1))
+    assert point == pytest.approx([float(exact.u), float(exact.v)], abs=1e-14)
+
+
+@pytest.mark.parametrize("omega", [1e-7, 1e-60])
+def test_time_scales_too_far_apart_end_by_name(omega):
+    P = gz.stroboscopic_map(gz.pinball(alpha=0.0, k=1.0, d=-0.1, sigma=-5.0, omega=omega))
+    point, letter, outcome = one_period(P, (0.1, 0.0))
+    assert (letter, outcome) == (0, TOO_MANY_SWINGS)
+    assert np.isnan(point).all()
+    Q = gz.impact_map(P_model(omega))
+    assert Q.orbit((0.0, 0.5), 1).outcomes[0] == TOO_MANY_SWINGS
+    with pytest.raises(gz.InputError, match="more than 100,000 swings of the free ball in one period of the forcing"):
+        gz.trajectory(P_model(omega), (0.1, 0.0), until=1.0)
+
+
+def P_model(omega):
+    return gz.pinball(alpha=0.0, k=1.0, d=-0.1, sigma=-5.0, omega=omega)
+
+
+def test_overflow_is_not_blamed_on_the_law():
+    P = gz.stroboscopic_map(gz.pinball(alpha=1e90, k=1e90, d=1e280))
+    _, _, outcome = one_period(P, (1e300, -1e300))
+    assert not outcome & BAD_LAW
+
+
+@pytest.mark.parametrize("state", [(0.0, 0.0), (1.0, -2.0)])
+def test_the_jacobian_is_undefined_at_a_touch(state):
+    """At rest on the wall, and at an exact graze."""
+    P, _ = graze_state()
+    assert np.isnan(P.jacobian(state)).all()
+    assert np.isfinite(P.jacobian((1.0, 0.5))).all()

@@ -55,9 +55,20 @@ def test_forcing_fills_up_the_shorter_list():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: gz.pinball(alpha=-1.0), r"alpha = -1; allowed is alpha >= 0, finite \(linear damping coefficient\)"),
+        (
+            lambda: gz.pinball(alpha=-1.0),
+            r"alpha = -1; allowed is alpha >= 0, finite \(linear damping coefficient\)",
+        ),
         (lambda: gz.pinball(k=math.inf), r"k = inf is not finite"),
-        (lambda: gz.pinball(omega=0.0), r"omega = 0; allowed is omega > 0, finite \(frequency of the forcing\)"),
+        (
+            lambda: gz.pinball(omega=0.0),
+            r"omega = 0; allowed is omega > 0, finite \(frequency of the forcing\)",
+        ),
+        (
+            lambda: gz.pinball(omega=1e-163),
+            r"omega = 1e-163; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow",
+        ),
+        (lambda: gz.pinball(alpha=1e160), r"alpha = 1e\+160; allowed is alpha <= 1e100"),
         (lambda: gz.pinball(d=math.nan), r"d = nan is not finite"),
         (lambda: gz.pinball(V=-0.4), r"V = -0.4; allowed is V >= 0"),
         (lambda: gz.pinball(t0=None), r"t0 = None is not a real number"),

@@ -120,5 +120,17 @@ def test_bad_input_is_answered_in_words(arguments, words):
 
 def test_unbounded_work_ends_in_words():
     m = hopping(g=1.0, r=1.0)
-    with pytest.raises(gz.InputError, match=r"more than 200000 flights up to t = .*choose r < 1 or V > 0"):
+    with pytest.raises(gz.InputError, match=r"more than 200000 impacts up to t = .*choose an earlier end"):
         gz.trajectory(m, (0.0, 1e-5), until=100.0)
+
+
+@pytest.mark.parametrize(("d", "until"), [(-0.2, 5.0), (0.12, 5.7), (0.3, 100.0)])
+def test_times_never_go_back_and_end_where_they_should(d, until):
+    flown = gz.trajectory(gz.pinball(V=0.0, r=0.3, d=d), (0.1, 0.0), until=until)
+    assert np.diff(flown.t.values).min() >= 0.0
+    assert flown.t.values[-1] == until
+
+
+def test_a_trajectory_too_long_to_hold_is_refused_before_it_is_flown():
+    with pytest.raises(gz.InputError, match=r"7e\+07 points are more than 2e\+07; choose an earlier end"):
+        gz.trajectory(gz.pinball(d=3.0), (0.1, 0.0), until=1e6)

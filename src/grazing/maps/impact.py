@@ -9,10 +9,10 @@ from typing import Any
 
 from grazing.maps.map import Map
 from grazing.oscillator.constants import constants_of, forcing
-from grazing.oscillator.contact import FLIES, LIES, departure_of, next_contact
+from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import BAD_LAW, NO_IMPACT, OK, InputError
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
 #: Periods without an impact after which the step gives up by name.
 MAX_PERIODS = 1000
@@ -24,41 +24,46 @@ def return_of(
     law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
 ) -> Callable[..., Any]:
     """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for one reset law."""
-    departure = departure_of(law, contraction)
+    departure = departure_of(law, slope, contraction)
 
     def tangent(state: Any, c: Any) -> Any:
         tau, w = state
         lost = (nan, nan, nan, nan)
         if not (0.0 <= w < INFINITY and abs(tau) < INFINITY):
             return (nan, nan), 0, (OK if w != w or tau != tau else BAD_LAW), lost
-        t = tau - c.T * (tau // c.T)
-        start, launch = t, w
-        i, y, v, strobes, outcome, smooth = 0, 0.0, w, 0, OK, True
-        rests = w == 0.0
+        if c.T > MAX_SWINGS * c.piece:
+            return (nan, nan), 0, TOO_MANY_SWINGS, lost
+        start = tau - c.T * (tau // c.T)
+        ball = placed(start, 0.0, w, 0)
+        strobes, outcome = 0, OK
+        rests, lying, smooth = w == 0.0, False, w > 0.0
         while strobes <= MAX_PERIODS:
+            hit = rests
             if not rests:
-                hit, t, y, v, i, flags = next_contact(t, y, v, i, c)
+                hit, ball, flags = next_contact(ball, c)
                 outcome |= flags
-            if rests or hit:
-                arrived = v
-                kind, t, v, i, flags = departure(t, arrived, i, INFINITY, c)
+            if hit:
+                arrived = ball.v
+                kind, ball, flags = departure(ball, INFINITY, c)
                 outcome |= flags
-                if flags & BAD_LAW:
+                if flags & (BAD_LAW | DIVERGED):
                     return (nan, nan), strobes, outcome, lost
-                y = 0.0
+                # a ball at rest that lifts off at once is a release only if it lay: else it is our own start
+                if kind != LIES and (not rests or lying or kind != FLIES):
+                    t, at = ball.t, strobes
+                    if t >= c.T:
+                        t, at = 0.0, strobes + 1
+                    J = (0.0, 0.0, 0.0, 0.0) if lying or kind != FLIES else lost
+                    if kind == FLIES and smooth and not outcome & (GRAZE | AMBIGUOUS):
+                        J = derivative(start, w, ball.t + strobes * c.T, arrived, slope(arrived, c.p), c)
+                    return (t, ball.v), at, outcome, J
                 smooth = smooth and kind == FLIES
-                # a ball released at rest, or lifted off at once, has made no impact of its own yet
-                if kind != LIES and (not rests or kind != FLIES):
-                    J = (
-                        derivative(start, launch, t + strobes * c.T, arrived, slope(arrived, c.p), c)
-                        if smooth
-                        else (0.0, 0.0, 0.0, 0.0)
-                    )
-                    return (t, v), strobes, outcome, J
+                lying = lying or kind == LIES
                 rests = False
-            if t >= c.T:
-                t, i, strobes = 0.0, 0, strobes + 1
-                rests = y == 0.0 and v == 0.0
+            if ball.t >= c.T:
+                strobes += 1
+                rests = ball.y == 0.0 and ball.v == 0.0
+                ball = wrapped(ball, c)
         return (nan, nan), strobes, outcome | NO_IMPACT, lost
 
     return tangent

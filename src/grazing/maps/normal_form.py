@@ -296,8 +296,14 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     if A <= 1e-12 * c.size:
         raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
     a, b, e21, d = modes(c.T, c)
-    r = -at.reset.slope(-1e-9, c.p)
+    r = -at.reset.slope(0.0, c.p)
     V = at.reset.law(0.0, c.p)
+    at_speed = at.reset.law(-1e-3, c.p)
+    if not abs(at_speed - V - 1e-3 * r) <= 1e-4 * (1.0 + V):
+        raise OutsideForm(
+            f"the reset law {at.reset.name} is not linear near zero speed (v_plus = {V:g} at rest, {at_speed:g} at "
+            f"v_minus = -0.001, slope {-r:g}): outside the normal form"
+        )
     stretch = 1.0 + r
     if b == 0.0:
         raise OutsideForm("b = 0: the square root drops out, outside the normal form")

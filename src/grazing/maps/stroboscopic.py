@@ -8,10 +8,21 @@ from typing import Any
 
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.oscillator.constants import Constants, constants_of, forcing, section_phase
-from grazing.oscillator.contact import FLIES, LIES, departure_of, next_contact
+from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import BAD_LAW, CHATTER, INSIDE_WALL, OK, TOO_MANY_IMPACTS, InputError
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    CHATTER,
+    DIVERGED,
+    GRAZE,
+    INSIDE_WALL,
+    OK,
+    TOO_MANY_IMPACTS,
+    TOO_MANY_SWINGS,
+    InputError,
+)
 
 #: Impacts in one period after which the step gives up by name.
 MAX_IMPACTS = 10_000
@@ -51,49 +62,55 @@ def period_of(
     The letter is the number of impacts, or says that chatter was completed or that the ball lay throughout. An
     impact exactly at the end counts; the state returned is the one after it.
     """
-    departure = departure_of(law, contraction)
+    departure = departure_of(law, slope, contraction)
 
     def period(state: Any, c: Any) -> Any:
         u, v = state
-        J = (1.0, 0.0, 0.0, 1.0)
+        J, lost = (1.0, 0.0, 0.0, 1.0), (NAN, NAN, NAN, NAN)
         y = u - c.sigma
         if not y >= 0.0 or not abs(v) < INFINITY:
-            return (NAN, NAN), 0, (INSIDE_WALL if y < 0.0 else OK), (NAN, NAN, NAN, NAN)
-        t, i, impacts, chattered, outcome = 0.0, 0, 0, False, OK
+            return (NAN, NAN), 0, (INSIDE_WALL if y < 0.0 else OK), lost
+        if c.T > MAX_SWINGS * c.piece:
+            return (NAN, NAN), 0, TOO_MANY_SWINGS, lost
+        ball = placed(0.0, y, v, 0)
+        impacts, outcome = 0, OK
         contact = y == 0.0 and v <= 0.0
-        lay = False
+        smooth, chattered, lay = True, False, False
         while True:
             if contact:
-                arrived = v
-                kind, t, v, i, flags = departure(t, arrived, i, INFINITY, c)
+                arrived = ball.v
+                kind, ball, flags = departure(ball, INFINITY, c)
                 outcome |= flags
-                if flags & BAD_LAW:
-                    return (NAN, NAN), impacts, outcome, (NAN, NAN, NAN, NAN)
-                y = 0.0
+                if flags & (BAD_LAW | DIVERGED):
+                    return (NAN, NAN), impacts, outcome, lost
                 chattered = chattered or (flags & CHATTER) != 0
-                if arrived < 0.0 or v > 0.0:
+                if arrived < 0.0 or ball.v > 0.0:
                     impacts += 1
                 if with_tangent:
                     if kind != FLIES:
                         J = (0.0, 0.0, 0.0, 0.0)
-                    elif arrived < 0.0 or v > 0.0:
-                        J = product(saltation(t, arrived, v, slope(arrived, c.p), c), J)
+                    elif arrived < 0.0:
+                        J = product(saltation(ball.t, arrived, ball.v, slope(arrived, c.p), c), J)
+                    else:  # a touch, or a kick from rest: nearby orbits do something else
+                        smooth = False
                 if kind == LIES:
                     lay = impacts == 0
                     break
                 if impacts > MAX_IMPACTS:
-                    return (NAN, NAN), impacts, outcome | TOO_MANY_IMPACTS, (NAN, NAN, NAN, NAN)
-                if t >= c.T:
+                    return (NAN, NAN), impacts, outcome | TOO_MANY_IMPACTS, lost
+                if ball.t >= c.T:
                     break
-            left = t
-            contact, t, y, v, i, flags = next_contact(t, y, v, i, c)
+            left = ball.t
+            contact, ball, flags = next_contact(ball, c)
             outcome |= flags
             if with_tangent:
-                J = product(modes(t - left, c), J)
+                J = product(modes(ball.t - left, c), J)
             if not contact:
                 break
+        if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
+            J = lost
         letter = CHATTER_LETTER if chattered else (STUCK_LETTER if lay else impacts)
-        return (y + c.sigma, v), letter, outcome, J
+        return (ball.y + c.sigma, ball.v), letter, outcome, J
 
     return period
 
@@ -145,8 +162,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     [1, 0, 0, 1, 0, 0]
     """
     law = model.reset
-    span = 4.0 * model.period * model.period
-    width = min(1.0, span)
+    width = max(min(1.0, 4.0 * model.period**2), 1e-6 * abs(model.sigma))  # what the forcing can do in one period
 
     def again(values: dict[str, Any]) -> Map:
         return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])

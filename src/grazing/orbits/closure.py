@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from grazing.kernel.elementary import exp, sincos
 from grazing.kernel.primitives import replaced
 from grazing.oscillator.constants import Constants, forcing
-from grazing.oscillator.contact import next_contact, window_of, window_sign
+from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
 from grazing.oscillator.flight import anchored, divided2, divided3, flight, modes
 from grazing.oscillator.windows import free_distance, series, window_edges
 
@@ -253,12 +253,12 @@ def first_contact(tau: float, w: float, N: int, c: Constants) -> float:
 
     0 for a ball that leaves with w = 0 while the forcing presses it on the wall: it sticks.
     """
-    t, y, v, i = tau, 0.0, w, window_of(tau, 0, c)
-    if w == 0.0 and window_sign(i, c) < 0.0:
+    ball = placed(tau, 0.0, w, window_of(tau, 0, c))
+    if w == 0.0 and window_sign(ball.i, c) < 0.0:
         return 0.0
     for period in range(N + 2):
-        hit, t, y, v, i, _flags = next_contact(t, y, v, i, c)
+        hit, ball, _flags = next_contact(ball, c)
         if hit:
-            return period * c.T + t - tau
-        t, i = 0.0, 0
+            return period * c.T + ball.t - tau
+        ball = placed(0.0, ball.y, ball.v, 0)
     return float("inf")

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import pi, sqrt
+from math import floor, pi, sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.primitives import replaced
 from grazing.oscillator.windows import series, window_edges
+
+TWO_PI = 2.0 * pi
+# 2 pi in pieces of 23 bits and a rest, so that products with whole numbers below 2^30 are exact.
+TWO_PI_1 = float.fromhex("0x1.921fb4p+2")
+TWO_PI_2 = float.fromhex("0x1.4442dp-22")
+TWO_PI_3 = float.fromhex("0x1.846988p-46")
+TWO_PI_4 = float.fromhex("0x1.8cc51701b839ap-70")
 
 #: Parameters in front of the harmonics cos1, sin1, cos2, ...; pinball calls the offset d.
 HEAD = ("alpha", "k", "omega", "t0", "offset")
@@ -35,7 +42,8 @@ class Constants(NamedTuple):
     hs: tuple[float, ...]
     steady: bool  # whether the steady response is small enough to be subtracted without loss
     rate: float  # fastest rate of the flight; flights shorter than a fraction of 1/rate use the Duhamel form
-    size: float  # bound on the forced part, for error bounds
+    size: float  # bound on what the forced part adds up: steady response, or Duhamel's integral over a period
+    force: float  # bound on |F|
     bend: float  # bound on |F''|
     piece: float  # longest piece of a window on which the lemma holds
     edges: tuple[float, ...]  # window edges in [0, T]: 0, zeros of F, T, T, ...
@@ -52,6 +60,29 @@ def roots(alpha: float, k: float) -> tuple[float, float, float, float]:
         return q2, spread, -half, -half
     l2 = -half - spread
     return q2, spread, k * k / l2, l2
+
+
+def angle(omega: float, t: float) -> float:
+    """Return omega t modulo 2 pi in [-pi, pi], to rounding for any |omega t| < 1e15.
+
+    The product is split exactly (Dekker) and 2 pi is carried in four pieces: t0 = 1e9 costs no digit.
+    """
+    sign, t = (-1.0, -t) if t < 0.0 else (1.0, t)
+    x = omega * t
+    if not x > 3.0:
+        return sign * x
+    split = 134217729.0  # 2^27 + 1
+    a, b = split * omega, split * t
+    omega_high, t_high = a - (a - omega), b - (b - t)
+    omega_low, t_low = omega - omega_high, t - t_high
+    low = ((omega_high * t_high - x) + omega_high * t_low + omega_low * t_high) + omega_low * t_low
+    n = floor(x / TWO_PI + 0.5)
+    n_high = floor(n / 1048576.0) * 1048576.0  # 2^20: each product below is exact up to n = 2^50
+    n_low = n - n_high
+    x = (x - n_high * TWO_PI_1) - n_low * TWO_PI_1
+    x = (x - n_high * TWO_PI_2) - n_low * TWO_PI_2
+    x = (x - n_high * TWO_PI_3) - n_low * TWO_PI_3
+    return sign * ((x + low) - n * TWO_PI_4)
 
 
 def natural_size(alpha: float, T: float, force: float) -> float:
@@ -92,8 +123,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         k2 = p.k * p.k
         q2, spread, l1, l2 = roots(p.alpha, p.k)
         T = 2.0 * pi / p.omega
-        turns = (p.t0 + phase(p)) / T
-        theta = 2.0 * pi * (turns - round(turns))
+        theta = angle(p.omega, p.t0) + angle(p.omega, phase(p))
         F0 = p[head - 1] - k2 * p.sigma
         cos, sin, hc, hs = none, none, none, none
         force, bend, moving = abs(F0), 0.0, 0.0
@@ -120,12 +150,12 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         natural = natural_size(p.alpha, T, force)
         steady = steady and response <= max_ratio * natural
         rate = max(p.alpha, p.k, moving)
-        size = max(response, natural) if steady else natural * harmonics
+        size = response if steady else natural * harmonics
         piece = 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
         edges, first = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges)
         return Constants(
             p.alpha, k2, q2, l1, l2, spread, p.omega, theta, T, p.sigma, F0, cos, sin, Y0, hc, hs,
-            steady, rate, size, bend, piece, edges, first, p,
+            steady, rate, size, force, bend, piece, edges, first, p,
         )  # fmt: skip
 
     return prepare

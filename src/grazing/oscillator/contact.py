@@ -12,16 +12,85 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from math import sqrt, tan
-from typing import Any
+from typing import Any, NamedTuple
 
 from grazing.oscillator.constants import Constants, forcing
-from grazing.oscillator.flight import Anchor, anchored, flight, noise
-from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, GRAZE, OK, STUCK
+from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise
+from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, GRAZE, OK, STUCK
 
 #: What a contact ends in: the ball flies on, lies until the strobe, or is released by the forcing within the period.
 FLIES, LIES, RELEASED = 0, 1, 2
+#: Pieces of an under-damped flight in one period beyond which a step gives up by name.
+MAX_SWINGS = 100_000
 INFINITY = float("inf")
 NAN = float("nan")
+
+
+class Launch(NamedTuple):
+    """The last departure from the wall: time, velocity, acceleration; and how wrong time and velocity may be.
+
+    Errors are those made since the start of the step. A slow impact magnifies what came before it, and every later
+    decision must know. In time and velocity of departure they grow as orbits part, no faster.
+    """
+
+    t: float
+    w: float
+    lift: float
+    late: float
+    off: float
+
+
+class Ball(NamedTuple):
+    """Where the ball is: local time, y = u - sigma, velocity, window; errors of this flight; the last departure."""
+
+    t: float
+    y: float
+    v: float
+    i: int
+    error_y: float
+    error_v: float
+    launch: Launch
+
+
+NO_LAUNCH = Launch(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def placed(t: float, y: float, v: float, i: int) -> Ball:
+    """Return a ball whose state is exact."""
+    return Ball(t, y, v, i, 0.0, 0.0, NO_LAUNCH)
+
+
+def wrapped(ball: Ball, c: Constants) -> Ball:
+    """Return the ball at the end of a period as the same ball at the beginning of the next."""
+    old = ball.launch
+    launch = Launch(old.t - c.T, old.w, old.lift, old.late, old.off)
+    return Ball(0.0, ball.y, ball.v, 0, ball.error_y, ball.error_v, launch)
+
+
+def carried(t: float, launch: Launch, c: Constants) -> float:
+    """Return how far y at time t may be off because of the errors of the departure."""
+    if launch.late == 0.0 and launch.off == 0.0:
+        return 0.0
+    E11, E12, _E21, _E22 = modes(t - launch.t, c)
+    return abs(E11 * launch.w + E12 * launch.lift) * launch.late + abs(E12) * launch.off
+
+
+def next_launch(ball: Ball, w: float, g: float, c: Constants) -> Launch:
+    """Return the departure after an impact with v < 0 that leaves with w, and the errors it brings; g = law'(v).
+
+    The errors of the departure before it go through the Jacobian of the impact map, those of rounding are added.
+    """
+    F, _dF = forcing(ball.t, c)
+    v, old = ball.v, ball.launch
+    fall, lift = F - c.alpha * v, F - c.alpha * w
+    late = ball.error_y / abs(v)
+    off = abs(g) * (ball.error_v + abs(fall) * late)
+    if old.late > 0.0 or old.off > 0.0:
+        E11, E12, E21, E22 = modes(ball.t - old.t, c)
+        y_tau, v_tau = -(E11 * old.w + E12 * old.lift), -(E21 * old.w + E22 * old.lift)
+        late += abs(y_tau / v) * old.late + abs(E12 / v) * old.off
+        off += abs(g * (v_tau - fall * y_tau / v)) * old.late + abs(g * (E22 - fall * E12 / v)) * old.off
+    return Launch(ball.t, w, lift, late, off)
 
 
 def window_sign(i: int, c: Constants) -> float:
@@ -38,7 +107,7 @@ def window_of(t: float, i: int, c: Constants) -> int:
 
 def descent(a: Anchor, lo: float, hi: float, s: float, c: Constants) -> tuple[float, float]:
     """Return the time and velocity of the only zero of y in (lo, hi], where y(lo) >= 0 > y(hi); s is a first guess."""
-    settled = noise(hi, a, c) / 64.0
+    settled = noise(hi, a, c)[0] / 64.0
     if a.y == 0.0:  # a hop from the wall: settle relative to its own height
         settled = min(settled, 2e-16 * abs(a.v) * s)
     for _ in range(100):
@@ -98,60 +167,69 @@ def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
 
 
 def piece_hit(
-    a: Anchor, length: float, sign: float, end: float, c: Constants
-) -> tuple[bool, float, float, float, float, int]:
-    """Follow one piece of a window: (hit, time, velocity) of its impact, else (y, v) at its end, and flags."""
-    yb, vb = flight(length, a, c)
-    flags = AMBIGUOUS if end >= c.T and abs(yb) <= noise(length, a, c) and vb < 0.0 else OK
-    if sign < 0.0:
-        if yb >= 0.0:
-            return False, length, vb, yb, vb, flags
-        F, _dF = forcing(a.t, c)
-        pull = c.alpha * a.v - F
-        guess = 2.0 * a.v / pull if a.y == 0.0 and pull > 0.0 else 0.5 * length
-        s, v = descent(a, 0.0, length, guess if guess < length else 0.5 * length, c)
-        return True, s, v, yb, vb, flags
-    if a.v - slope_of_phi(0.0, length, c) * a.y >= 0.0:
-        return False, length, vb, max(yb, 0.0), vb, OK
-    if yb < 0.0:
-        s, v = descent(a, 0.0, length, 0.5 * length, c)
-        return True, s, v, yb, vb, flags
-    if vb - slope_of_phi(length, length, c) * yb < 0.0:
-        return False, length, vb, yb, vb, flags
-    low, y_low = lowest(a, length, c)
-    close = abs(y_low) <= noise(low, a, c)
-    flags = (AMBIGUOUS | GRAZE) if close else OK
-    if y_low >= 0.0:
-        return False, length, vb, yb, vb, flags
-    s, v = descent(a, 0.0, low, 0.5 * low, c)
-    return True, s, v, yb, vb, flags
-
-
-def next_contact(t: float, y: float, v: float, i: int, c: Constants) -> tuple[bool, float, float, float, int, int]:
-    """Fly from (t, y, v) in window i to the first impact, or to the end of the period.
+    a: Anchor, length: float, sign: float, launch: Launch, c: Constants
+) -> tuple[bool, float, float, float, int]:
+    """Follow one piece of a window.
 
     Returns
     -------
     hit : bool
-    t, y, v : float
-        Where the flight ends: at an impact y = 0 and v is the incoming velocity, else t = T.
-    i : int
-        The window at t.
+    s, y, v : float
+        Time from the anchor and state, at the impact or at the end of the piece.
+    flags : int
+    """
+    yb, vb = flight(length, a, c)
+    end = a.t + length
+    close = abs(yb) <= noise(length, a, c)[0] + carried(end, launch, c)
+    flags = AMBIGUOUS if close and end >= c.T and vb < 0.0 else OK
+    if sign < 0.0:
+        if yb >= 0.0:
+            return False, length, yb, vb, flags
+        F, _dF = forcing(a.t, c)
+        pull = c.alpha * a.v - F
+        guess = 2.0 * a.v / pull if a.y == 0.0 and pull > 0.0 else 0.5 * length
+        s, v = descent(a, 0.0, length, guess if guess < length else 0.5 * length, c)
+        return True, s, 0.0, v, flags
+    if a.v - slope_of_phi(0.0, length, c) * a.y >= 0.0:
+        return False, length, max(yb, 0.0), vb, OK
+    if close:  # the lowest point may lie beside the end: either side may be the true one
+        flags = AMBIGUOUS
+    if yb < 0.0:
+        s, v = descent(a, 0.0, length, 0.5 * length, c)
+        return True, s, 0.0, v, flags
+    if vb - slope_of_phi(length, length, c) * yb < 0.0:
+        return False, length, yb, vb, flags
+    low, y_low = lowest(a, length, c)
+    close = abs(y_low) <= noise(low, a, c)[0] + carried(a.t + low, launch, c)
+    flags = (AMBIGUOUS | GRAZE) if close else OK
+    if y_low >= 0.0:
+        return False, length, yb, vb, flags
+    s, v = descent(a, 0.0, low, 0.5 * low, c)
+    return True, s, 0.0, v, flags
+
+
+def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int]:
+    """Fly to the first impact, or to the end of the period.
+
+    Returns
+    -------
+    hit : bool
+    ball : Ball
+        At the impact, with y = 0 and the incoming velocity, else at t = T.
     flags : int
     """
     flags = OK
-    while t < c.T:
-        i = window_of(t, i, c)
-        end = min(c.edges[i + 1], t + c.piece)
-        a = anchored(t, y, v, c)
-        hit, s, v_hit, yb, vb, said = piece_hit(a, end - t, window_sign(i, c), end, c)
+    while ball.t < c.T:
+        i = window_of(ball.t, ball.i, c)
+        end = min(c.edges[i + 1], ball.t + c.piece)
+        a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
+        hit, s, y, v, said = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
         flags |= said
-        if hit:
-            return True, min(t + s, c.T), 0.0, v_hit, i, flags
-        t, y, v = end, yb, vb
-        if y == 0.0 and v < 0.0:  # an impact exactly at the edge
-            return True, t, y, v, i, flags
-    return False, c.T, y, v, i, flags
+        error_y, error_v = noise(s, a, c)
+        ball = Ball(min(ball.t + s, c.T) if hit else end, y, v, i, error_y, error_v, ball.launch)
+        if hit or (y == 0.0 and v < 0.0):  # the second is an impact exactly at the edge
+            return True, ball, flags
+    return False, ball, flags
 
 
 def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float, c: Constants) -> bool:
@@ -163,7 +241,7 @@ def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float
     F, _dF = forcing(t, c)
     if ratio >= 1.0 or F >= 0.0:
         return False
-    e = 4.0 * w / (-F * (1.0 - ratio))
+    e = max(4.0 * w / (-F * (1.0 - ratio)), 1e-16 * c.T)
     while t + e <= end:
         Fe, _dFe = forcing(t + e, c)
         slack = 0.125 * c.bend * e * e
@@ -178,48 +256,60 @@ def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float
 
 
 @lru_cache(maxsize=256)
-def departure_of(law: Callable[..., float], contraction: Callable[..., Any]) -> Callable[..., Any]:
+def departure_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
     """Return the contact rule for a reset law.
 
     Parameters
     ----------
-    law : callable
-        ``law(v_minus, p) -> v_plus``.
+    law, slope : callable
+        ``law(v_minus, p) -> v_plus`` and its derivative in v_minus.
     contraction : callable
         ``contraction(p) -> (ratio, speed)``: v_plus <= ratio |v_minus| for |v_minus| <= speed.
 
     Returns
     -------
     callable
-        ``departure(t, v, i, patience, c) -> (kind, t, w, i, flags)`` for a contact at t in window i with incoming
-        v <= 0. ``kind`` is FLIES (from t with velocity w), LIES (until T) or RELEASED (flies from t with w = 0).
-        Chatter is completed in closed form once the ball leaves slower than ``patience``.
+        ``departure(ball, patience, c) -> (kind, ball, flags)`` for a contact with v <= 0. ``kind`` is FLIES (on, with
+        the ball's velocity), LIES (until T) or RELEASED (flies from the ball's time with v = 0). Chatter is completed
+        in closed form once the ball leaves slower than ``patience``. A law that jumps within the error of the
+        impact's velocity makes the step ambiguous.
     """
 
-    def departure(t: float, v: float, i: int, patience: float, c: Constants) -> tuple[int, float, float, int, int]:
-        i = window_of(t, i, c)
+    def departure(ball: Ball, patience: float, c: Constants) -> tuple[int, Ball, int]:
+        t, v = ball.t, ball.v
+        i = window_of(t, ball.i, c)
         pressed = window_sign(i, c) < 0.0
-        flags = OK
+        if not v > -INFINITY:
+            return FLIES, placed(t, NAN, NAN, i), DIVERGED
         if v == 0.0 and not pressed:
-            return FLIES, t, 0.0, i, flags
+            return FLIES, placed(t, 0.0, 0.0, i), OK
         w = law(v, c.p)
-        if not 0.0 <= w < INFINITY:
-            return FLIES, t, NAN, i, BAD_LAW
         if w == 0.0 and pressed and v < 0.0:
             w = law(0.0, c.p)
-            if not 0.0 <= w < INFINITY:
-                return FLIES, t, NAN, i, BAD_LAW
+        if not 0.0 <= w < INFINITY:
+            return FLIES, placed(t, 0.0, w, i), BAD_LAW
+        flags = OK
+        launch = NO_LAUNCH
+        if v < 0.0:
+            g = slope(v, c.p)
+            launch = next_launch(ball, w, g, c)
+            dv = launch.off / abs(g) if g != 0.0 else ball.error_v
+            jump = abs(law(min(v + dv, 0.0), c.p) - law(v - dv, c.p))
+            if jump > 4.0 * abs(g) * dv + 1e-12 * (w - v):
+                flags |= AMBIGUOUS
         if not pressed:
-            return FLIES, t, w, i, flags
+            return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
         end = c.edges[i + 1]
         if w > 0.0:
             ratio, speed = contraction(c.p)
             if w > patience or not chatter_completes(t, w, end, ratio, speed, c):
-                return FLIES, t, w, i, flags
+                return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
             flags |= CHATTER
         flags |= STUCK
         if end >= c.T:
-            return LIES, c.T, 0.0, i, flags
-        return RELEASED, end, 0.0, i + 1, flags
+            return LIES, placed(c.T, 0.0, 0.0, i), flags
+        return RELEASED, placed(end, 0.0, 0.0, i + 1), flags
 
     return departure

@@ -18,21 +18,23 @@ SHORT = 0.25
 
 
 class Anchor(NamedTuple):
-    """Where a flight starts: local time, y = u - sigma, v, and the same less the steady response."""
+    """Where a flight starts: local time, y = u - sigma, v, both less the steady response, their error bounds."""
 
     t: float
     y: float
     v: float
     h0: float
     h1: float
+    error_y: float
+    error_v: float
 
 
-def anchored(t: float, y: float, v: float, c: Constants) -> Anchor:
-    """Return the anchor of a flight that starts at (t, y, v)."""
+def anchored(t: float, y: float, v: float, c: Constants, error_y: float = 0.0, error_v: float = 0.0) -> Anchor:
+    """Return the anchor of a flight that starts at (t, y, v), known up to the given errors."""
     if not c.steady:
-        return Anchor(t, y, v, y, v)
+        return Anchor(t, y, v, y, v, error_y, error_v)
     Y, dY = steady_response(t, c)
-    return Anchor(t, y, v, y - Y, v - dY)
+    return Anchor(t, y, v, y - Y, v - dY, error_y, error_v)
 
 
 def modes(s: float, c: Constants) -> tuple[float, float, float, float]:
@@ -131,7 +133,19 @@ def flight(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
     return E11 * a.y + E12 * a.v + y, E21 * a.y + E22 * a.v + v
 
 
-def noise(s: float, a: Anchor, c: Constants) -> float:
-    """Return a bound on the rounding error of y from :func:`flight`, tested against ball arithmetic."""
-    reach = min(s, 1.0 / c.spread) if c.spread > 0.0 else s
-    return 1.2e-15 * (abs(a.h0) + abs(a.h1) * reach + c.size)
+def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
+    """Return bounds on the errors of (y, v) from :func:`flight`: rounding, and what the anchor brought along.
+
+    Tested against ball arithmetic in ``tests/oscillator/test_flight.py``.
+    """
+    reach = min(s, 1.0 / c.spread) if c.spread > 0.0 else s  # |E12| <= reach, |E11| and |E22| <= grown
+    grown = 1.0 + 0.5 * c.alpha * reach if c.q2 <= 0.0 else 1.0
+    if c.steady and s * c.rate > SHORT:
+        rounding = 1.2e-15 * (abs(a.h0) + abs(a.h1) * reach + c.size)
+        hurried = 0.0
+    else:
+        rounding = 1.2e-15 * (abs(a.y) + abs(a.v) * reach + min(c.size, 0.5 * c.force * s * s))
+        hurried = c.force * s
+    y = rounding + grown * a.error_y + reach * a.error_v
+    v = 4.0 * c.rate * rounding + 1e-15 * (abs(a.v) + hurried) + c.k2 * reach * a.error_y + grown * a.error_v
+    return y, v

@@ -69,6 +69,8 @@ class Forcing:
     def __post_init__(self) -> None:
         for name in ("omega", "t0", "offset"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
+        if not 1e-100 <= self.omega <= 1e100:
+            raise InputError(f"omega = {self.omega:g}; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow")
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
@@ -127,6 +129,11 @@ class Oscillator:
     def __post_init__(self) -> None:
         for name in ("alpha", "k", "sigma"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
+        for name in ("alpha", "k"):
+            if getattr(self, name) > 1e100:
+                raise InputError(
+                    f"{name} = {getattr(self, name):g}; allowed is {name} <= 1e100: beyond, numbers overflow"
+                )
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {self.forcing!r}; give a gz.Forcing(omega=..., ...)")
         if not isinstance(self.reset, Reset):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import ceil
+from math import ceil, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,11 +12,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.contact import FLIES, departure_of, next_contact
+from grazing.oscillator.constants import constants_of, roots, section_phase
+from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, TOO_MANY_IMPACTS, InputError, Trust, UserCodeError, describe
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    CHATTER,
+    DIVERGED,
+    TOO_MANY_SWINGS,
+    InputError,
+    Trust,
+    UserCodeError,
+    describe,
+)
 from grazing.parameter import parameter_tuple, real, whole
 
 if TYPE_CHECKING:
@@ -25,60 +35,66 @@ if TYPE_CHECKING:
 #: Chatter is followed impact by impact down to this fraction of its first speed, then completed in closed form.
 PATIENCE = 1e-6
 CAPACITY = 4096
-INFINITY = float("inf")
+#: A trajectory lists every impact and samples every period; beyond these it is refused by name.
+MAX_IMPACTS = 200_000
+MAX_POINTS = 20_000_000
 # columns of a leg
 PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG = range(9)
 
 
 @lru_cache(maxsize=64)
 def recorder_of(
-    law: Callable[..., float], contraction: Callable[..., Any], prepare: Callable[..., Any], kind: type
+    law: Callable[..., float],
+    slope: Callable[..., float],
+    contraction: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
 ) -> Callable[..., int]:
     """Compile ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, y, v, window, fastest, in the air) and is moved along, so the call can be repeated.
     A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
-    impact.
+    impact. As in the stroboscopic map, the state at each strobe is the one that the next decisions are right for.
     """
-    departure = departure_of(law, contraction)
+    departure = departure_of(law, slope, contraction)
     unpack = unpacker(kind)
 
     def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
         c = prepare(unpack(row))
-        n, t, y, v, i = int(state[0]), state[1], state[2], state[3], int(state[4])
-        fastest, grounded = state[5], state[6] == 0.0
+        n, fastest, grounded = int(state[0]), state[5], state[6] == 0.0
+        ball = placed(state[1], state[2], state[3], int(state[4]))
         count = 0
-        while count + 2 < legs.shape[0] and n * c.T + t < until:
-            start, y0, v0, flags = t, y, v, 0
-            hit = grounded and y == 0.0 and v <= 0.0
-            if not hit:
-                hit, t, y, v, i, flags = next_contact(t, y, v, i, c)
+        while count + 2 < legs.shape[0] and n * c.T + ball.t < until:
             leg = legs[count]
-            leg[0], leg[1], leg[2], leg[3], leg[4] = n, start, y0, v0, t
-            leg[5], leg[6] = np.nan, np.nan
+            leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
+            leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
             count += 1
+            hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
+            if not hit:
+                hit, ball, flags = next_contact(ball, c)
+            leg[4] = ball.t
             if hit:
-                arrived, landed = v, t
-                kind, t, v, i, said = departure(t, arrived, i, patience * fastest, c)
+                arrived = ball.v
+                how, ball, said = departure(ball, patience * fastest, c)
                 flags |= said
-                y = 0.0
-                if arrived < 0.0 or v > 0.0:
-                    leg[5], leg[6] = arrived, v
-                fastest = max(fastest, v) if kind == FLIES else 0.0
-                if said & BAD_LAW:
-                    leg[7], leg[8] = flags, v
+                if arrived < 0.0 or ball.v > 0.0:
+                    leg[5], leg[6] = arrived, ball.v
+                fastest = max(fastest, ball.v) if how == FLIES else 0.0
+                if said & (BAD_LAW | DIVERGED):
+                    leg[7], leg[8] = flags, ball.v
                     break
-                if kind != FLIES:
+                if how != FLIES:
                     rest = legs[count]
-                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, landed, 0.0, 0.0, t
+                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, leg[4], 0.0, 0.0, ball.t
                     rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
                     count += 1
-            leg[7], leg[8] = flags, 0.0
-            if t >= c.T:
-                n, t, i, fastest = n + 1, 0.0, 0, 0.0
-            grounded = t == 0.0  # only at a strobe can the ball be on the wall with its contact still to come
-        state[0], state[1], state[2], state[3], state[4], state[5] = n, t, y, v, i, fastest
-        state[6] = 0.0 if grounded else 1.0
+            leg[7] = flags
+            if ball.t >= c.T:
+                n, fastest = n + 1, 0.0
+                ball = placed(0.0, ball.y, ball.v, 0)
+            grounded = ball.t == 0.0  # only at a strobe can the ball be on the wall with its contact still to come
+        state[0], state[1], state[2], state[3], state[4] = n, ball.t, ball.y, ball.v, ball.i
+        state[5], state[6] = fastest, 0.0 if grounded else 1.0
         return count
 
     return compiled(record)
@@ -112,15 +128,14 @@ def flown_legs(
     law = model.reset
     kind, row = parameters_of(model, start)
     prepare = constants_of(model.harmonics, section_phase)
-    record = recorder_of(law.law, law.contraction, prepare, kind)
+    record = recorder_of(law.law, law.slope, law.contraction, prepare, kind)
     now = np.array([0.0, 0.0, state[0] - model.sigma, state[1], 0.0, 0.0, 0.0])
     tables = []
-    total = 0
+    impacts = 0
     while now[0] * model.period + now[1] < until - start:
         legs = np.zeros((CAPACITY, 9))
         count = call(record, row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
         tables.append(legs[:count])
-        total += count
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
             raise UserCodeError(
@@ -128,10 +143,11 @@ def flown_legs(
                 f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "
                 "allowed is a finite v_plus >= 0, away from the wall"
             )
-        if total > limit:
+        impacts += int(np.count_nonzero(~np.isnan(legs[:count, V_MINUS])))
+        if impacts > limit:
             raise InputError(
-                f"more than {limit} flights up to t = {start + now[0] * model.period + now[1]:g}: "
-                f"{describe(TOO_MANY_IMPACTS)}"
+                f"more than {limit} impacts up to t = {start + now[0] * model.period + now[1]:g}; "
+                "choose an earlier end, r < 1 or a larger V"
             )
     return np.concatenate(tables)
 
@@ -184,10 +200,10 @@ def trajectory(
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
     u, v = _start(state, model)
-    limit = 200_000
-    legs = flown_legs(model, (u, v), start, until, limit)
+    _refuse_too_much(model, (until - start) / model.period * samples)
+    legs = flown_legs(model, (u, v), start, until, MAX_IMPACTS)
     times, us, vs = _sampled(model, legs, start, until, samples)
-    ends = start + legs[:, PERIOD] * model.period + legs[:, END]
+    ends = np.array([_instants(leg, start, model.period)[1] for leg in legs])
     hits = ~np.isnan(legs[:, V_MINUS]) & (ends <= until)
     flags = int(np.bitwise_or.reduce(legs[:, FLAGS].astype(int)))
     trust = Trust.ambiguous if flags & AMBIGUOUS else Trust.certified
@@ -211,6 +227,17 @@ def trajectory(
     return result
 
 
+def _refuse_too_much(model: Oscillator, points: float) -> None:
+    if points > MAX_POINTS:
+        raise InputError(
+            f"{points:.3g} points are more than {MAX_POINTS:.3g}; choose an earlier end or fewer samples per period, "
+            "or iterate the stroboscopic map"
+        )
+    q2, spread, _l1, _l2 = roots(model.alpha, model.k)
+    if q2 < 0.0 and model.period * spread > MAX_SWINGS * pi:
+        raise InputError(describe(TOO_MANY_SWINGS))
+
+
 def _start(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
     values = np.asarray(state, dtype=object).ravel().tolist()
     if len(values) != 2:
@@ -221,6 +248,12 @@ def _start(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
     return u, v
 
 
+def _instants(leg: NDArray[np.float64], start: float, period: float) -> tuple[float, float]:
+    """Return the times at which a leg begins and ends; the end of a period is the beginning of the next."""
+    origin, following = start + leg[PERIOD] * period, start + (leg[PERIOD] + 1.0) * period
+    return min(origin + leg[START], following), following if leg[END] >= period else min(origin + leg[END], following)
+
+
 def _sampled(
     model: Oscillator, legs: NDArray[np.float64], start: float, until: float, samples: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -229,10 +262,11 @@ def _sampled(
     sample = sampler_of(constants_of(model.harmonics, section_phase), kind)
     times, us, vs = [], [], []
     for leg in legs:
-        origin = start + leg[PERIOD] * model.period
-        length = min(leg[END], until - origin) - leg[START]
-        if length < 0.0:
+        begins, ends = _instants(leg, start, model.period)
+        ends = min(ends, until)
+        if begins > ends:
             continue
+        length = leg[END] - leg[START] if ends < until else min(until - begins, leg[END] - leg[START])
         s = np.linspace(0.0, length, max(2, ceil(samples * length / model.period) + 1))
         u, v = np.full_like(s, model.sigma), np.zeros_like(s)
         if leg[LEG] == 0.0:
@@ -240,7 +274,8 @@ def _sampled(
             u[0], v[0] = leg[Y] + model.sigma, leg[V]
             if not np.isnan(leg[V_MINUS]) and length == leg[END] - leg[START]:
                 u[-1], v[-1] = model.sigma, leg[V_MINUS]
-        times.append(origin + leg[START] + s)
+        times.append(np.minimum(begins + s, ends))
+        times[-1][-1] = ends
         us.append(u)
         vs.append(v)
     return np.concatenate(times), np.concatenate(us), np.concatenate(vs)

@@ -95,17 +95,22 @@ def window_edges(
     for i in range(1, len(no_edges)):
         edges = replaced(edges, i, T)
     smallest = 1e-7 * T
+    floor = abs(F0)  # below 1e-15 of this a sign means nothing: the last one that did is kept
+    for j in range(len(cos)):
+        floor += (abs(cos[j]) + abs(sin[j])) * (j + 1)
+    floor *= 1e-15
     t, count, first = 0.0, 0, 0.0
     F, dF = series(t, F0, cos, sin, omega, theta)
-    sign = 1.0 if F > 0.0 else (-1.0 if F < 0.0 else 0.0)
+    sign = 1.0 if F > floor else (-1.0 if F < -floor else 0.0)
+    decided, F_decided = t, F
     while t < T:
         free = free_distance(F, dF, bend)
         monotone = 0.9 * abs(dF) / bend if bend > 0.0 else T
         end = min(T, t + max(0.9 * free, monotone, smallest))
         new, dnew = series(end, F0, cos, sin, omega, theta)
-        new_sign = 1.0 if new > 0.0 else (-1.0 if new < 0.0 else sign)
+        new_sign = 1.0 if new > floor else (-1.0 if new < -floor else sign)
         if sign != 0.0 and new_sign != sign and count < len(no_edges) - 2:
-            zero = simple_zero(t, end, F, F0, cos, sin, omega, theta)
+            zero = simple_zero(decided, end, F_decided, F0, cos, sin, omega, theta)
             if 0.0 < zero < T:
                 count += 1
                 edges = replaced(edges, count, zero)
@@ -114,5 +119,7 @@ def window_edges(
             else:  # F(0) or F(T) itself is the zero: it separates nothing inside the period
                 sign = new_sign
         sign = new_sign
+        if abs(new) > floor:
+            decided, F_decided = end, new
         t, F, dF = end, new, dnew
     return edges, (first if count > 0 else sign)
