@@ -37,12 +37,30 @@ def compute(run: Run) -> dict[str, Any]:
     count = max(6, run.size.starts)
     d = np.array([nf.parameter(float(m)) for m in mu])
     flow = (
-        orbit_diagram(stroboscopic_map(nf.model), "d", d, starts=count, transient=200, keep=40, arithmetic="strict")
+        orbit_diagram(
+            stroboscopic_map(nf.model),
+            "d",
+            d,
+            starts=count,
+            transient=200,
+            keep=40,
+            arithmetic="strict",
+            progress=run.watch,
+        )
         .assign_coords(d=mu)
         .rename({"d": "mu"})
     )
     maps = [
-        orbit_diagram(gap_map(lam, LOW, l), "mu", mu, starts=count, transient=2000, keep=64, arithmetic="strict")
+        orbit_diagram(
+            gap_map(lam, LOW, l),
+            "mu",
+            mu,
+            starts=count,
+            transient=2000,
+            keep=64,
+            arithmetic="strict",
+            progress=run.watch,
+        )
         for lam, l in ((nf.lam, nf.l), (0.34, 0.21))
     ]
     exact = {N: (float(nf.mu(high)), float(nf.mu(low))) for N, (low, high) in run.windows(0.4).items()}

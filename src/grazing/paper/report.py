@@ -91,6 +91,7 @@ def report(
                 files += drawn(place, pending[done], done, size)
                 tell(f"Figure {pending[done]}")
         except BaseException:
+            run.stop()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     claims: list[Claim] = []

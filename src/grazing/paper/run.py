@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from importlib import import_module
-from threading import Lock
+from threading import Event, Lock
 from types import ModuleType
 from typing import Any, NamedTuple, TypeVar
 
@@ -51,6 +52,16 @@ class Run:
         self._done: dict[str, Any] = {}
         self._locks: dict[str, Lock] = {}
         self._lock = Lock()
+        self._stopped = Event()
+
+    def stop(self) -> None:
+        """Ask diagrams that are being computed in other threads to end at their next value."""
+        self._stopped.set()
+
+    def watch(self, done: int, total: int) -> None:
+        """Progress of a diagram: raises CancelledError once the run has been asked to stop."""
+        if self._stopped.is_set():
+            raise CancelledError
 
     def once(self, name: str, compute: Callable[[], T]) -> T:
         """Return what ``compute`` gives, computed at most once under a name; safe in several threads."""
@@ -101,7 +112,7 @@ class Run:
         grid = np.linspace(low, high, max(8, round(values * self.size.values)))
         lanes = max(4, round(starts * self.size.starts))
         return orbit_diagram(
-            P, name, grid, starts=lanes, transient=transient, keep=keep, seed=0, threads=None, arithmetic="strict"
+            P, name, grid, starts=lanes, transient=transient, keep=keep, arithmetic="strict", progress=self.watch
         )
 
 
