@@ -41,7 +41,7 @@ def draw(data: dict[str, Any]) -> Figure:
     note(
         ax,
         f"period {cycle.period}, {flight.sizes['impact']} impact\n$v^- = {before:.4f}$\n$v^+ = {after:.4f}$",
-        0.52,
+        0.455,
         0.5,
         ha="center",
         va="center",
