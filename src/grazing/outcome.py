@@ -94,7 +94,7 @@ _ADVICE = {
         "choose r < 1 or a larger V; the law may need a declared contraction",
     ),
     Outcome.too_many_swings: (
-        "more than 100,000 swings of the free ball in one period of the forcing",
+        "more than 47,000 swings of the free ball in one period of the forcing",
         "the time scales are too far apart for exact work: raise omega or alpha, or lower k",
     ),
     Outcome.inside_wall: ("the state lies inside the wall, u < sigma", "start with u >= sigma"),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
+from keyword import iskeyword
 from typing import Any
 
 from grazing.outcome import InputError
@@ -65,6 +66,36 @@ class Parameter:
 def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
     return namedtuple("Parameters", names)
+
+
+def checked_params(params: Any) -> dict[str, float]:
+    """Return parameters as an ordered dict of finite floats, or raise InputError; names must work as attributes."""
+    if not isinstance(params, Mapping):
+        raise InputError(f"params is {params!r}; give a mapping of names to numbers, such as {{'a': 1.9}}")
+    for name in params:
+        if not (isinstance(name, str) and name.isidentifier() and not iskeyword(name) and not name.startswith("_")):
+            raise InputError(
+                f"parameter name {name!r}; allowed is a Python name without a leading underscore, no keyword"
+            )
+    return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
+
+
+def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
+    """Return a box as pairs of floats, one per coordinate, or raise InputError."""
+    wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
+    try:
+        pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise InputError(f"box is {box!r}; {wanted}") from None
+    if len(pairs) != len(coordinates):
+        raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
+    checked = []
+    for (low, high), name in zip(pairs, coordinates, strict=True):
+        ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
+        if not ends[0] < ends[1]:
+            raise InputError(f"box of {name} is ({low:g}, {high:g}); the lower end must come first")
+        checked.append(ends)
+    return tuple(checked)
 
 
 def real(value: Any, name: str, allowed: str) -> float:

@@ -98,6 +98,13 @@ def test_without_damping_the_full_form_gains_orders():
     assert max(measured_order(m, "lowest")) < 1.2
 
 
+@pytest.mark.parametrize("order", ["lowest", "full", "corrected"])
+def test_images_below_the_wall_have_a_time_to_the_wall_in_the_past(order):
+    Z = gz.discontinuity_map(gz.pinball(), order=order)
+    state = np.array([-0.01, -0.2])
+    assert Z.jacobian(state) == pytest.approx(Z._differences(state), abs=1e-7)
+
+
 def test_acceleration_may_vanish_or_be_negative():
     for d in (-1.0, -1.5):  # F(0) = 0 and F(0) < 0
         m = gz.pinball(d=d, alpha=1e-9, k=1e-9)

@@ -32,6 +32,8 @@ def test_one_step(lam, mu, l, x):
 def test_the_edge_itself_takes_r_and_its_slope_is_infinite():
     G = gz.gap_map(lam=0.5, mu=0.3, l=0.2)
     assert G((0.0,))[1] == 1
+    assert G.orbit((0.0,), 1).outcomes[0] == gz.Outcome.ambiguous  # the flow has no impact there
+    assert G.orbit((1e-300,), 1).outcomes[0] == 0
     assert G((0.0,))[0][0] == pytest.approx(0.1, abs=1e-16)
     assert G.jacobian((0.0,))[0, 0] == -math.inf
     assert G.jacobian((-0.2,))[0, 0] == 0.5

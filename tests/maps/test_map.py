@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.outcome import DIVERGED
+from grazing.outcome import DIVERGED, NO_IMPACT
 from tests.models import MODELS
 
 
@@ -82,7 +82,8 @@ def test_jacobian_from_differences_is_good_to_nine_digits():
 def test_escape_ends_an_orbit_as_diverged():
     P = make_logistic(escape=2.0).replace(a=5.0)
     segment = P.orbit((0.5,), 4)  # 1.25, then -1.5625, then -20.0
-    assert segment.outcomes.tolist() == [0, 0, DIVERGED, DIVERGED]
+    assert segment.outcomes.tolist() == [0, 0, DIVERGED, 0]
+    assert np.isnan(segment.points[3:]).all()
     assert make_logistic().replace(a=5.0).orbit((0.5,), 30).outcomes[-1] & DIVERGED  # overflow without a bound
 
 
@@ -113,6 +114,17 @@ def test_fast_arithmetic_agrees_before_chaos():
     assert np.allclose(strict, fast, rtol=0.0, atol=1e-14)
 
 
+def ends(state, p):
+    return (2.0 * state[0],), 0, (NO_IMPACT if state[0] > p.a else 0)
+
+
+def test_a_fatal_outcome_of_a_users_step_ends_the_orbit():
+    segment = gz.Map(ends, {"a": 3.0}).orbit((1.0,), 5)
+    assert segment.points[:3, 0].tolist() == [1.0, 2.0, 4.0]
+    assert np.isnan(segment.points[3:]).all()
+    assert segment.outcomes.tolist() == [0, 0, NO_IMPACT, 0, 0]
+
+
 def raises(state, p):
     return (p.nothing,)
 
@@ -120,6 +132,14 @@ def raises(state, p):
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
+        (
+            lambda: gz.Map(logistic, {"a": 1.0}, box=(0.0, 1.0)),
+            gz.InputError,
+            r"box is \(0.0, 1.0\); give one \(low, high\)",
+        ),
+        (lambda: gz.Map(logistic, {"class": 1.0}), gz.InputError, r"parameter name 'class'; allowed is a Python name"),
+        (lambda: gz.Map(logistic, {"_a": 1.0}), gz.InputError, r"parameter name '_a'; allowed is a Python name"),
+        (lambda: gz.Map(logistic, None), gz.InputError, r"params is None; give a mapping of names to numbers"),
         (lambda: make_logistic().replace(b=1.0), gz.InputError, r"unknown parameter 'b' of logistic.* Allowed are: a"),
         (lambda: make_logistic().replace(a=math.nan), gz.InputError, r"a = nan is not finite"),
         (lambda: make_logistic()((0.1, 0.2)), gz.InputError, r"state has shape \(2,\); logistic needs \(1,\): x"),
@@ -135,7 +155,7 @@ def raises(state, p):
         (
             lambda: gz.Map(logistic, params={"a": 1.0}, coordinates=("x", "y"), box=((0.0, 1.0),)),
             gz.InputError,
-            r"box has 1 intervals for 2 coordinates",
+            r"box is \(\(0.0, 1.0\),\); give one \(low, high\) each for x, y",
         ),
         (
             lambda: gz.Map(raises, params={"a": 1.0}),

@@ -293,7 +293,7 @@ def test_time_scales_too_far_apart_end_by_name(omega):
     assert np.isnan(point).all()
     Q = gz.impact_map(P_model(omega))
     assert Q.orbit((0.0, 0.5), 1).outcomes[0] == TOO_MANY_SWINGS
-    with pytest.raises(gz.InputError, match="more than 100,000 swings of the free ball in one period of the forcing"):
+    with pytest.raises(gz.InputError, match="more than 47,000 swings of the free ball in one period of the forcing"):
         gz.trajectory(P_model(omega), (0.1, 0.0), until=1.0)
 
 

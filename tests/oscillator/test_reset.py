@@ -80,6 +80,11 @@ def test_fingerprint_knows_the_law_and_not_its_numbers():
             lambda: gz.reset(cubic, contraction=(1.0, 1.0), e=1.0, c=0.0),
             r"contraction is \(1.0, 1.0\); allowed is 0 <= ratio < 1",
         ),
+        (
+            lambda: gz.reset(cubic, contraction=0.5, e=1.0, c=0.0),
+            r"contraction is 0.5; give \(ratio, speed\) or a function",
+        ),
+        (lambda: gz.reset(cubic, **{"lambda": 1.0}), r"parameter name 'lambda'; allowed is a Python name"),
         (lambda: gz.reset(cubic, e=math.inf, c=0.0), r"e = inf is not finite"),
     ],
 )

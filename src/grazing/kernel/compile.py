@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import stat
 import tempfile
 import threading
 import warnings
@@ -19,6 +20,8 @@ from functools import cache
 from pathlib import Path
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
 from typing import Any
+
+import numpy as np
 
 from grazing.kernel.primitives import PRIMITIVES
 from grazing.outcome import InputError, UserCodeError
@@ -45,7 +48,8 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callab
     Parameters
     ----------
     function : callable
-        A plain Python function; functions it names, globally or in its closure, are compiled with it.
+        A plain Python function; functions it names, globally or in its closure, are compiled with it. Values that
+        it names are frozen at the first compilation of a process: pass what varies as a parameter.
     arithmetic : {"strict", "fast"}
         Whether ``a*b + c`` must be two rounded operations (strict) or may be contracted to one (fast).
 
@@ -139,7 +143,9 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     for cell in function.__closure__ or ():
         value = cell.cell_contents
         cells.append(CellType(replace(value) if _is_kernel(value) else value))
-    return FunctionType(function.__code__, names, function.__name__, function.__defaults__, tuple(cells))
+    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, tuple(cells))
+    copy.__kwdefaults__ = function.__kwdefaults__
+    return copy
 
 
 # ---- the hash of everything a kernel is made of
@@ -174,6 +180,7 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
             [(name, _content(value.__globals__[name], below)) for name in names],
             [_content(cell.cell_contents, below) for cell in value.__closure__ or ()],
             [_content(default, below) for default in value.__defaults__ or ()],
+            sorted((name, _content(default, below)) for name, default in (value.__kwdefaults__ or {}).items()),
         )
     if isinstance(value, tuple) and not hasattr(value, "_fields"):
         return [_content(item, above) for item in value]
@@ -181,7 +188,16 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
         return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
     if isinstance(value, float):
         return value.hex() if math.isfinite(value) else repr(value)
-    return (type(value).__name__, repr(value))
+    if isinstance(value, np.ndarray):
+        return (
+            "array",
+            value.dtype.str,
+            value.shape,
+            hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(),
+        )
+    if value is None or isinstance(value, (int, complex, str, bytes)):
+        return (type(value).__name__, repr(value))
+    return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
 
 
 def _code_content(code: CodeType) -> Any:
@@ -201,8 +217,7 @@ def cache_folder() -> Path:
         wanted.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=wanted).close()
     except OSError:
-        fallback = Path(tempfile.gettempdir()) / f"grazing-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-        fallback.mkdir(mode=0o700, exist_ok=True)
+        fallback = _private_folder()
         warnings.warn(
             f"compiled kernels cannot be kept in {wanted}; they go to {fallback}. Set GRAZING_CACHE to choose",
             RuntimeWarning,
@@ -210,6 +225,21 @@ def cache_folder() -> Path:
         )
         return fallback
     return wanted
+
+
+def _private_folder() -> Path:
+    """Return a temporary folder that nobody else can write to: what lies in it will be executed."""
+    user = os.getuid() if hasattr(os, "getuid") else None
+    folder = Path(tempfile.gettempdir()) / f"grazing-{'user' if user is None else user}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        ours = user is None or (found.st_uid == user and not found.st_mode & 0o077)
+        if ours and stat.S_ISDIR(found.st_mode) and os.access(folder, os.W_OK):
+            return folder
+    except OSError:
+        folder = Path(tempfile.gettempdir())  # the next line says what is wrong with it
+    return Path(tempfile.mkdtemp(prefix="grazing-"))
 
 
 def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None:

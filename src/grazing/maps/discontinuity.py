@@ -19,7 +19,8 @@ from grazing.maps.stroboscopic import above_wall, product
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import OK, InputError, OutsideForm
+from grazing.oscillator.trajectory import checked_state
+from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
 from grazing.parameter import parameter_tuple
 
 ORDERS = ("lowest", "full", "corrected")
@@ -31,12 +32,12 @@ def time_to_wall(y: float, v: float, A: float) -> tuple[float, float]:
     The paper's delta = (-v - sqrt(x))/A, written so that A may vanish or be negative.
     """
     root = sqrt(max(v * v - 2.0 * A * y, 0.0))
-    return (2.0 * y / (root - v) if y > 0.0 else 0.0), root
+    return 2.0 * y / (root - v), root
 
 
 @lru_cache(maxsize=256)
 def correction_of(law: Callable[..., float], slope: Callable[..., float], order: str) -> Callable[..., Any]:
-    """Return ``correction(y, v, c) -> ((y3, v3), letter, J)``, the zero-time map at local time 0."""
+    """Return ``correction(y, v, c) -> ((y3, v3), letter, outcome, J)``, the zero-time map at local time 0."""
     full = order != "lowest"
     drag = 1.0 if order == "corrected" else 0.0
 
@@ -45,7 +46,8 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], order:
         A = F - c.alpha * v - c.k2 * y
         x = v * v - 2.0 * A * y
         if not (v < 0.0 and x >= 0.0):
-            return (y, v), 0, (1.0, 0.0, 0.0, 1.0)
+            return (y, v), 0, OK, (1.0, 0.0, 0.0, 1.0)
+        border = AMBIGUOUS if x == 0.0 else OK
         delta, root = time_to_wall(y, v, A)
         V2 = law(-root, c.p)
         g = slope(-root, c.p)
@@ -53,7 +55,7 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], order:
         A_y, A_v = -c.k2, -c.alpha
         root_y, root_v = -(A + y * A_y) / root, (v - y * A_v) / root
         if not full:  # (2.3) with delta A = -v - sqrt(x); the position as it is
-            return (y, V2 + v + root), 1, (1.0, 0.0, (1.0 - g) * root_y, 1.0 + (1.0 - g) * root_v)
+            return (y, V2 + v + root), 1, border, (1.0, 0.0, (1.0 - g) * root_y, 1.0 + (1.0 - g) * root_v)
         # (2.2), (2.3): back to the start with the acceleration B, which an impact changes by -alpha (V2 - V1)
         B = A - drag * c.alpha * (V2 + root)
         B_y = A_y - drag * c.alpha * (1.0 - g) * root_y
@@ -67,7 +69,7 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], order:
             -g * root_y - B * d_y - delta * B_y,
             -g * root_v - B * d_v - delta * B_v,
         )
-        return (B * half - delta * V2, V2 - delta * B), 1, J
+        return (B * half - delta * V2, V2 - delta * B), 1, border, J
 
     return correction
 
@@ -81,11 +83,11 @@ def local_map_of(
 
     def tangent(state: Any, c: Any) -> Any:
         u, v = state
-        (y, v), letter, J = correction(u - c.sigma, v, c)
+        (y, v), letter, outcome, J = correction(u - c.sigma, v, c)
         if flown:
             y, v = flight(c.T, anchored(0.0, y, v, c), c)
             J = product(modes(c.T, c), J)
-        return (y + c.sigma, v), letter, OK, J
+        return (y + c.sigma, v), letter, outcome, J
 
     def step(state: Any, c: Any) -> Any:
         new, letter, outcome, _J = tangent(state, c)
@@ -115,7 +117,8 @@ def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0
     Notes
     -----
     (2.5) is P_T alone, not P_T after the zero-time map as printed. The acceleration after an active impact differs
-    from the one before by -alpha (v_plus - v_minus), which (2.2)/(2.3) neglect. For V > 0 and alpha > 0 the error of
+    from the one before by -alpha (v_plus - v_minus), which (2.2)/(2.3) neglect. Take impacts whose speed is of the
+    order of the time to the wall, as they are near a graze. For V > 0 and alpha > 0 the error of
     *lowest* and *full* is therefore of first order in the time to the wall, in u and in v; *corrected* is of second
     order. For V = 0 all three are of second order (measured in ``tests/maps/test_discontinuity.py``).
 
@@ -178,6 +181,7 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         tangent=tangent,
         name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",
         check=above_wall if not flown else None,
+        exact=law.exact_slope,
         source=again,
     )
 
@@ -218,8 +222,7 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     >>> float(four.points[1, 0]), round(float(four.points[2, 1] + 0.8 * four.points[1, 1]), 12)
     (0.0, 0.4)
     """
-    u, v = (float(x) for x in np.asarray(state, dtype=np.float64))
-    above_wall((u, v), model.params)
+    u, v = checked_state(state, model)
     params = {**model.params, "phase": describe_parameter("phase").check(phase)}
     p = parameter_tuple(tuple(params))(*params.values())
     c = constants_of(model.harmonics, section_phase)(p)

@@ -6,14 +6,15 @@ from math import sqrt
 from typing import Any
 
 from grazing.maps.map import Map
+from grazing.outcome import AMBIGUOUS, OK
 
 
 def gap_step(state: Any, p: Any) -> Any:
-    """Apply (2.6) once: letter 0 (L) for x < 0, 1 (R) for x >= 0."""
+    """Apply (2.6) once: letter 0 (L) for x < 0, 1 (R) for x >= 0; ambiguous on the border, where the flow has no impact."""
     (x,) = state
     left = p.lam * x + p.mu
     right = p.mu - p.l - sqrt(max(x, 0.0))
-    return (left if x < 0.0 else right,), (0 if x < 0.0 else 1), 0
+    return (left if x < 0.0 else right,), (0 if x < 0.0 else 1), (AMBIGUOUS if x == 0.0 else OK)
 
 
 def gap_tangent(state: Any, p: Any) -> Any:

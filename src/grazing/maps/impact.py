@@ -135,5 +135,6 @@ def impact_map(model: Oscillator) -> Map:
         tangent=return_of(law.law, law.slope, law.contraction),
         name="impact map",
         check=leaves_wall,
+        exact=law.exact_slope,
         source=lambda values: impact_map(model.replace(**values)),
     )

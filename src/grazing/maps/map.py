@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call
 from grazing.kernel.lanes import runner, tangent_runner
+from grazing.kernel.primitives import replaced
 from grazing.outcome import DIVERGED, FATAL, InputError, UserCodeError
-from grazing.parameter import parameter_tuple, real, updated, whole
+from grazing.parameter import checked_box, checked_params, parameter_tuple, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
 STUCK_LETTER = -2
+NAN = float("nan")
 
 
 class Segment(NamedTuple):
@@ -59,6 +61,9 @@ class Map:
         A coordinate beyond it ends the orbit with outcome *diverged*.
     check : callable, optional
         ``check(state, params)`` raises InputError for a start that is not allowed.
+    exact : bool
+        Whether ``tangent`` is exact; False, as for a reset law whose slope is a difference, marks what rests on it
+        *numerical*.
     source : callable, optional
         ``source(params) -> Map`` makes the map again from the model behind it, which checks ranges.
 
@@ -93,22 +98,14 @@ class Map:
     name: str | None = None
     escape: float = math.inf
     check: Callable[..., None] | None = None
+    exact: bool = True
     source: Callable[..., Map] | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        params = {
-            str(name): real(value, str(name), "a finite number is allowed") for name, value in self.params.items()
-        }
-        box = tuple((real(low, "box", "finite ends"), real(high, "box", "finite ends")) for low, high in self.box)
+        params = checked_params(self.params)
         coordinates = tuple(self.coordinates)
-        if len(box) != len(coordinates):
-            raise InputError(
-                f"box has {len(box)} intervals for {len(coordinates)} coordinates; give one (low, high) each"
-            )
-        for (low, high), coordinate in zip(box, coordinates, strict=True):
-            if not low < high:
-                raise InputError(f"box of {coordinate} is ({low:g}, {high:g}); the lower end must come first")
+        box = checked_box(self.box, coordinates)
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "box", box)
         object.__setattr__(self, "coordinates", coordinates)
@@ -263,37 +260,36 @@ def _normalised(P: Map) -> Callable[..., Any]:
             f"the step of {P.name} returned {result!r}; allowed are a tuple of {dimension} number(s), "
             "or (state, letter), or (state, letter, outcome)"
         )
-    if form == 3 and escape == math.inf:
-        return step
     if form == 1:
 
         def bare(state: Any, c: Any) -> Any:
             return step(state, c), 0, 0
 
-        full: Callable[..., Any] = bare
-    elif form == 2:
+        return _ending(bare, escape)
+    if form == 2:
 
         def lettered(state: Any, c: Any) -> Any:
             new, letter = step(state, c)
             return new, letter, 0
 
-        full = lettered
-    else:
-        full = step
-    return full if escape == math.inf else _escaping(full, escape)
+        return _ending(lettered, escape)
+    return _ending(step, escape)
 
 
-def _escaping(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
-    """Wrap a step so that a state beyond ``escape`` ends the orbit."""
+def _ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
+    """Wrap a step so that an orbit ends, in NaN, beyond ``escape`` or with a fatal outcome."""
 
-    def bounded(state: Any, c: Any) -> Any:
+    def ending(state: Any, c: Any) -> Any:
         new, letter, outcome = step(state, c)
         for x in new:
-            if not abs(x) <= escape:
+            if abs(x) > escape:
                 outcome = outcome | DIVERGED
+        if outcome & FATAL:
+            for i in range(len(new)):
+                new = replaced(new, i, NAN)
         return new, letter, outcome
 
-    return bounded
+    return ending
 
 
 def _form(result: object, dimension: int) -> int:

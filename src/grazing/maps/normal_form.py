@@ -17,7 +17,7 @@ from grazing.oscillator.constants import Constants, constants_of, forcing, stead
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.oscillator.windows import window_edges
-from grazing.outcome import OK, InputError, OutsideForm
+from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
 from grazing.parameter import parameter_tuple, unknown
 
 
@@ -186,7 +186,9 @@ class NormalForm:
         raise OutsideForm(f"no value of {self.name} near the graze {self.graze:g} gives μ = {mu:g}")
 
     def gap_map(self, value: float | None = None) -> Map:
-        """Return the gap map (2.6) at a parameter value (default: the graze).
+        """Return the gap map (2.6) at a parameter value (default: the graze), for λ of either sign.
+
+        The theory of Section 3 needs 0 < λ < 1; for other λ the functions of :mod:`grazing.theory` refuse by name.
 
         Raises
         ------
@@ -251,7 +253,8 @@ def xy_step(state: Any, p: Any) -> Any:
     """Apply the two-dimensional square-root map once: letter 0 (L) for x < 0, 1 (R) for x >= 0."""
     x, y = state
     hit = p.root * sqrt(max(x, 0.0)) + p.jump
-    return (p.lam * x + y + p.rho - (0.0 if x < 0.0 else hit), -p.det * x), (0 if x < 0.0 else 1), OK
+    outcome = AMBIGUOUS if x == 0.0 else OK
+    return (p.lam * x + y + p.rho - (0.0 if x < 0.0 else hit), -p.det * x), (0 if x < 0.0 else 1), outcome
 
 
 def normal_form(model: Oscillator, name: str) -> NormalForm:

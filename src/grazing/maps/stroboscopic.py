@@ -176,5 +176,6 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         tangent=period_of(law.law, law.slope, law.contraction, True),
         name="stroboscopic map",
         check=above_wall,
+        exact=law.exact_slope,
         source=again,
     )

@@ -53,7 +53,7 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     if law.law not in (newton_law, active_law, triggered_law):
         raise OutsideForm(
             f"one-impact orbits have a closed form for reset laws that are affine piece by piece (newton, active, "
-            f"triggered), which {law.name} is not known to be; find its orbits on the map, with gz.periodic_orbits"
+            f"triggered), which {law.name} is not known to be; find its orbits on the map, with gz.orbit_diagram"
         )
     flight = {key: value for key, value in model.params.items() if key not in law.params}
     rules = {"r": 0.0, "V": 0.0, "trigger": 0.0, **law.params}

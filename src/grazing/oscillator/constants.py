@@ -85,6 +85,11 @@ def angle(omega: float, t: float) -> float:
     return sign * ((x + low) - n * TWO_PI_4)
 
 
+def piece_of(q2: float, spread: float, T: float) -> float:
+    """Return the longest piece of a window on which the lemma holds: under half a turn of the free ball."""
+    return 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
+
+
 def natural_size(alpha: float, T: float, force: float) -> float:
     """Return how far a force can push the free ball in one period."""
     far = 0.5 * T * T
@@ -151,7 +156,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         steady = steady and response <= max_ratio * natural
         rate = max(p.alpha, p.k, moving)
         size = response if steady else natural * harmonics
-        piece = 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
+        piece = piece_of(q2, spread, T)
         edges, first = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges)
         return Constants(
             p.alpha, k2, q2, l1, l2, spread, p.omega, theta, T, p.sigma, F0, cos, sin, Y0, hc, hs,

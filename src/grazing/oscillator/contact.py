@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import sqrt, tan
+from math import sqrt
 from typing import Any, NamedTuple
 
+from grazing.kernel.elementary import sincos
 from grazing.oscillator.constants import Constants, forcing
 from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, GRAZE, OK, STUCK
@@ -75,8 +76,8 @@ def carried(t: float, launch: Launch, c: Constants) -> float:
     return abs(E11 * launch.w + E12 * launch.lift) * launch.late + abs(E12) * launch.off
 
 
-def next_launch(ball: Ball, w: float, g: float, c: Constants) -> Launch:
-    """Return the departure after an impact with v < 0 that leaves with w, and the errors it brings; g = law'(v).
+def next_launch(ball: Ball, w: float, g: float, c: Constants) -> tuple[Launch, float]:
+    """Return the departure after an impact with v < 0 that leaves with w, and the error of v; g = law'(v).
 
     The errors of the departure before it go through the Jacobian of the impact map, those of rounding are added.
     """
@@ -84,13 +85,13 @@ def next_launch(ball: Ball, w: float, g: float, c: Constants) -> Launch:
     v, old = ball.v, ball.launch
     fall, lift = F - c.alpha * v, F - c.alpha * w
     late = ball.error_y / abs(v)
-    off = abs(g) * (ball.error_v + abs(fall) * late)
+    unsure = ball.error_v + abs(fall) * late
     if old.late > 0.0 or old.off > 0.0:
         E11, E12, E21, E22 = modes(ball.t - old.t, c)
         y_tau, v_tau = -(E11 * old.w + E12 * old.lift), -(E21 * old.w + E22 * old.lift)
         late += abs(y_tau / v) * old.late + abs(E12 / v) * old.off
-        off += abs(g * (v_tau - fall * y_tau / v)) * old.late + abs(g * (E22 - fall * E12 / v)) * old.off
-    return Launch(ball.t, w, lift, late, off)
+        unsure += abs(v_tau - fall * y_tau / v) * old.late + abs(E22 - fall * E12 / v) * old.off
+    return Launch(ball.t, w, lift, late, abs(g) * unsure), unsure
 
 
 def window_sign(i: int, c: Constants) -> float:
@@ -134,7 +135,8 @@ def slope_of_phi(s: float, length: float, c: Constants) -> float:
     """Return phi'/phi of the comparison solution on a piece of this length, s from its start."""
     if c.q2 >= 0.0:
         return c.l2
-    return c.l2 - c.spread * tan(c.spread * (s - 0.5 * length))
+    sine, cosine = sincos(c.spread * (s - 0.5 * length))
+    return c.l2 - c.spread * sine / cosine
 
 
 def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
@@ -294,8 +296,7 @@ def departure_of(
         launch = NO_LAUNCH
         if v < 0.0:
             g = slope(v, c.p)
-            launch = next_launch(ball, w, g, c)
-            dv = launch.off / abs(g) if g != 0.0 else ball.error_v
+            launch, dv = next_launch(ball, w, g, c)
             jump = abs(law(min(v + dv, 0.0), c.p) - law(v - dv, c.p))
             if jump > 4.0 * abs(g) * dv + 1e-12 * (w - v):
                 flags |= AMBIGUOUS

@@ -63,6 +63,11 @@ def exp_complex(z: complex) -> complex:
     return complex(size * cosine, size * sine)
 
 
+def square(z: complex) -> float:
+    """Return |z|^2; abs would call the C library, whose last digit differs between machines."""
+    return z.real * z.real + z.imag * z.imag
+
+
 def divided2(a: complex, b: complex, s: float) -> complex:
     """Return the divided difference exp[a, b](s) = (e^{as} - e^{bs})/(a - b), continued to a = b."""
     w = 0.5 * (a - b) * s
@@ -77,8 +82,8 @@ def divided2(a: complex, b: complex, s: float) -> complex:
 
 def divided3(a: complex, b: complex, c: complex, s: float) -> complex:
     """Return the divided difference exp[a, b, c](s), continued to coinciding nodes."""
-    ab, bc, ac = abs(a - b), abs(b - c), abs(a - c)
-    if max(ab, bc, ac) * s < 1.0:
+    ab, bc, ac = square(a - b), square(b - c), square(a - c)
+    if max(ab, bc, ac) * s * s < 1.0:
         # Taylor series about the mean node: s^2 e^{ms} sum_n h_n/(n+2)!, h_n the complete symmetric polynomials
         m = (a + b + c) / 3.0
         x, y, w = (a - m) * s, (b - m) * s, (c - m) * s

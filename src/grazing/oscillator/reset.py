@@ -11,7 +11,7 @@ from typing import Any
 
 from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError
-from grazing.parameter import Parameter, parameter_tuple, real
+from grazing.parameter import Parameter, checked_params, parameter_tuple
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
 V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
@@ -115,10 +115,10 @@ class Reset:
 
 
 def _checked(params: Mapping[str, Any]) -> Mapping[str, float]:
-    good = {}
-    for name, value in params.items():
-        known = KNOWN.get(name)
-        good[name] = known.check(value) if known else real(value, name, "allowed is any finite number")
+    good = checked_params(params)
+    for name, known in KNOWN.items():
+        if name in good:
+            known.check(good[name])
     return MappingProxyType(good)
 
 
@@ -225,7 +225,10 @@ def reset(
     elif callable(contraction):
         known = contraction
     else:
-        ratio, speed = contraction
+        try:
+            ratio, speed = (float(x) for x in contraction)
+        except (TypeError, ValueError):
+            raise InputError(f"contraction is {contraction!r}; give (ratio, speed) or a function of p") from None
         if not (0.0 <= ratio < 1.0 and speed > 0.0):
             raise InputError(f"contraction is ({ratio}, {speed}); allowed is 0 <= ratio < 1 and speed > 0")
         known = constant_contraction(float(ratio), float(speed))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import ceil, pi
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.oscillator.constants import constants_of, roots, section_phase
+from grazing.oscillator.constants import constants_of, piece_of, roots, section_phase
 from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
@@ -176,7 +176,7 @@ def trajectory(
     -------
     xarray.Dataset
         ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``trust``, one word:
-        *certified* or *ambiguous*. Chatter is listed down to 1e-6 of its first speed and then completed.
+        *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or *ambiguous*. Chatter is listed down to 1e-6 of its first speed and then completed.
 
     Raises
     ------
@@ -199,7 +199,7 @@ def trajectory(
     samples = whole(samples, "samples", 2)
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
-    u, v = _start(state, model)
+    u, v = checked_state(state, model)
     _refuse_too_much(model, (until - start) / model.period * samples)
     legs = flown_legs(model, (u, v), start, until, MAX_IMPACTS)
     times, us, vs = _sampled(model, legs, start, until, samples)
@@ -234,11 +234,12 @@ def _refuse_too_much(model: Oscillator, points: float) -> None:
             "or iterate the stroboscopic map"
         )
     q2, spread, _l1, _l2 = roots(model.alpha, model.k)
-    if q2 < 0.0 and model.period * spread > MAX_SWINGS * pi:
+    if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
         raise InputError(describe(TOO_MANY_SWINGS))
 
 
-def _start(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
+def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
+    """Return (u, v) as floats, or raise InputError: two finite numbers, not inside the wall."""
     values = np.asarray(state, dtype=object).ravel().tolist()
     if len(values) != 2:
         raise InputError(f"state is {state!r}; give two numbers (u, v)")

@@ -91,7 +91,7 @@ def classify(
         x, s = (points, letters) if everything else (points[:, :, alive], letters[:, alive])
         scales = _scales(x, tolerance)
         period[alive] = _settled(P, x, s, scales, _recurrence(x, s, scales.tolerance))
-    trust = np.full(n, NUMERICAL if P.tangent is None else CERTIFIED, np.int8)
+    trust = np.full(n, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)
     trust[(outcomes & AMBIGUOUS) != 0] = AMBIGUOUS_TRUST
     return Classified(period, _words(letters, period, P.letters), trust)
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.outcome import InputError
-from grazing.parameter import real, whole
+from grazing.parameter import checked_box as checked_box
+from grazing.parameter import whole
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST = np.uint64(0xBF58476D1CE4E5B9)
@@ -89,24 +90,6 @@ def checked_seed(seed: object) -> int:
     if number >= 2**64:
         raise InputError(f"seed = {number}; allowed is a whole number below 2^64")
     return number
-
-
-def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
-    """Return a box as pairs of floats, one per coordinate, or raise InputError."""
-    wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
-    try:
-        pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
-        raise InputError(f"box is {box!r}; {wanted}") from None
-    if len(pairs) != len(coordinates):
-        raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
-    checked = []
-    for (low, high), name in zip(pairs, coordinates, strict=True):
-        ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
-        if not ends[0] < ends[1]:
-            raise InputError(f"box of {name} is ({low:g}, {high:g}); the lower end must come first")
-        checked.append(ends)
-    return tuple(checked)
 
 
 def checked_starts(starts: ArrayLike, coordinates: Sequence[str]) -> int | NDArray[np.float64]:
