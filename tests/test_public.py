@@ -58,3 +58,24 @@ def test_outcomes_are_described():
         if flag:
             assert gz.describe(flag).startswith(f"{flag.name}: ")
     assert gz.describe(gz.Outcome.graze | gz.Outcome.stuck).count(": ") >= 2
+    assert gz.describe([1, 4, 0]) == gz.describe(5)
+    for wrong in ("ok", 1.5, -1, 4096):
+        with pytest.raises(gz.InputError, match="outcome is"):
+            gz.describe(wrong)
+
+
+@pytest.mark.parametrize(
+    "use", [gz.stroboscopic_map, gz.impact_map, gz.discontinuity_map, gz.zdm, gz.testing.check_model]
+)
+def test_what_needs_a_model_says_so(use):
+    with pytest.raises(gz.InputError, match=r"model is <Map gap map.*give an oscillator, such as gz.pinball"):
+        use(gz.gap_map(0.5, 0.1, 0.2))
+
+
+def test_more_of_what_needs_a_model_or_a_map():
+    with pytest.raises(gz.InputError, match="model is 'd'; give an oscillator"):
+        gz.normal_form("d", gz.pinball())
+    with pytest.raises(gz.InputError, match=r"model is .*; give an oscillator"):
+        gz.trajectory(gz.gap_map(0.5, 0.1, 0.2), (0.1, 0.0))
+    with pytest.raises(gz.InputError, match=r"P is <Oscillator.*give a map"):
+        gz.testing.check_map(gz.pinball())

@@ -11,6 +11,8 @@ at once, before any kernel runs, with one of the exceptions below::
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Iterable
 from enum import Enum, IntFlag
 from typing import Final
 
@@ -101,13 +103,13 @@ _ADVICE = {
 }
 
 
-def describe(outcome: int) -> str:
+def describe(outcome: int | Iterable[int]) -> str:
     """Say in words what an outcome means and what to do about it.
 
     Parameters
     ----------
-    outcome : int
-        Bits of :class:`Outcome`.
+    outcome : int or array_like of int
+        Bits of :class:`Outcome`; of several outcomes, such as those of an orbit, all bits together.
 
     Returns
     -------
@@ -120,6 +122,15 @@ def describe(outcome: int) -> str:
     >>> describe(0)
     'ok'
     """
+    try:
+        bits = 0
+        for one in outcome if isinstance(outcome, Iterable) and not isinstance(outcome, str) else [outcome]:
+            bits |= operator.index(one)
+    except TypeError:
+        raise InputError(f"outcome is {outcome!r}; give the integer, or integers, that a map returned") from None
+    if not 0 <= bits < 2 * max(Outcome):
+        raise InputError(f"outcome is {bits}; allowed are sums of the flags of gz.Outcome")
+    outcome = bits
     said = [f"{flag.name}: {what}; {advice}" for flag, (what, advice) in _ADVICE.items() if outcome & flag]
     return ". ".join(said) or "ok"
 

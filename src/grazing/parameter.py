@@ -65,7 +65,12 @@ class Parameter:
 @lru_cache(maxsize=256)
 def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
-    return namedtuple("Parameters", names)
+    return namedtuple("Parameters", names or ("none",))  # compiled code cannot hold a tuple of nothing
+
+
+def parameters(params: Mapping[str, float]) -> Any:
+    """Return the named tuple of these parameters, as a kernel gets it."""
+    return parameter_tuple(tuple(params))(*(params.values() or (0.0,)))
 
 
 def checked_params(params: Any) -> dict[str, float]:
@@ -74,9 +79,7 @@ def checked_params(params: Any) -> dict[str, float]:
         raise InputError(f"params is {params!r}; give a mapping of names to numbers, such as {{'a': 1.9}}")
     for name in params:
         if not (isinstance(name, str) and name.isidentifier() and not iskeyword(name) and not name.startswith("_")):
-            raise InputError(
-                f"parameter name {name!r}; allowed is a Python name without a leading underscore, no keyword"
-            )
+            raise InputError(f"parameter name {name!r}; allowed is a Python name, no keyword, no leading _")
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 

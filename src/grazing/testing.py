@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from grazing.maps.impact import impact_map
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reset import checked_velocity
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, STUCK
-from grazing.parameter import parameter_tuple
+from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, STUCK, InputError
+from grazing.parameter import parameters
 
 #: Outcomes at which a map need not be smooth.
 _ROUGH = FATAL | AMBIGUOUS | GRAZE | STUCK
@@ -49,6 +49,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     >>> import grazing as gz
     >>> gz.testing.check_map(gz.gap_map(lam=0.5, mu=0.1, l=0.2))
     """
+    if not isinstance(P, Map):
+        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
     starts = _starts(P, states, seed)
     _check_bits(P, starts, steps)
     _check_lanes(P, starts, steps)
@@ -86,6 +88,7 @@ def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: in
     >>> import grazing as gz
     >>> gz.testing.check_model(gz.pinball(d=0.1), states=3)
     """
+    checked_model(model)
     P, Q = stroboscopic_map(model), impact_map(model)
     check_map(P, states, min(periods, 6), seed)
     check_map(Q, states, 3, seed)
@@ -116,7 +119,7 @@ def _equal(a: NDArray[Any], b: NDArray[Any]) -> bool:
 
 
 def _check_bits(P: Map, starts: NDArray[np.float64], steps: int) -> None:
-    p = parameter_tuple(tuple(P.params))(*P.params.values())
+    p = parameters(P.params)
     c = P.prepare(p) if P.prepare is not None else p
     for start in starts:
         orbit = P.orbit(start, steps)

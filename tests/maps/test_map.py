@@ -82,7 +82,7 @@ def test_jacobian_from_differences_is_good_to_nine_digits():
 def test_escape_ends_an_orbit_as_diverged():
     P = make_logistic(escape=2.0).replace(a=5.0)
     segment = P.orbit((0.5,), 4)  # 1.25, then -1.5625, then -20.0
-    assert segment.outcomes.tolist() == [0, 0, DIVERGED, 0]
+    assert segment.outcomes.tolist() == [0, 0, DIVERGED, DIVERGED]
     assert np.isnan(segment.points[3:]).all()
     assert make_logistic().replace(a=5.0).orbit((0.5,), 30).outcomes[-1] & DIVERGED  # overflow without a bound
 
@@ -122,7 +122,20 @@ def test_a_fatal_outcome_of_a_users_step_ends_the_orbit():
     segment = gz.Map(ends, {"a": 3.0}).orbit((1.0,), 5)
     assert segment.points[:3, 0].tolist() == [1.0, 2.0, 4.0]
     assert np.isnan(segment.points[3:]).all()
-    assert segment.outcomes.tolist() == [0, 0, NO_IMPACT, 0, 0]
+    assert segment.outcomes.tolist() == [0, 0, NO_IMPACT, DIVERGED, DIVERGED]
+
+
+def test_infinity_is_not_ok():
+    P = gz.Map(lambda s, p: (p.a / (s[0] - 1.0),), {"a": 0.5}, box=((0.0, 0.5),))
+    segment = P.orbit((1.0,), 2)
+    assert segment.outcomes.tolist() == [DIVERGED, DIVERGED]
+    assert np.isnan(segment.points[1:]).all()
+
+
+def test_a_map_may_have_no_parameters():
+    P = gz.Map(lambda s, p: (0.5 * s[0],), {})
+    assert P.iterate((1.0,), 2)[:, 0].tolist() == [1.0, 0.5, 0.25]
+    gz.testing.check_map(P)
 
 
 def raises(state, p):
@@ -155,7 +168,7 @@ def raises(state, p):
         (
             lambda: gz.Map(logistic, params={"a": 1.0}, coordinates=("x", "y"), box=((0.0, 1.0),)),
             gz.InputError,
-            r"box is \(\(0.0, 1.0\),\); give one \(low, high\) each for x, y",
+            r"box has 1 intervals for 2 coordinates; give one \(low, high\) for each of x, y",
         ),
         (
             lambda: gz.Map(raises, params={"a": 1.0}),

@@ -82,8 +82,14 @@ def test_fingerprint_knows_the_law_and_not_its_numbers():
         ),
         (
             lambda: gz.reset(cubic, contraction=0.5, e=1.0, c=0.0),
-            r"contraction is 0.5; give \(ratio, speed\) or a function",
+            r"contraction is 0.5; give \(ratio, speed\)",
         ),
+        (
+            lambda: gz.reset(lambda v, p: 0.3, contraction=(0.8, 1.0)),
+            r"contraction says v_plus <= 0.8 \|v_minus\| for speeds up to 1, but the law gives 0.3 for v_minus = 0",
+        ),
+        (lambda: gz.newton(r=0.5)(0.5), r"v_minus = 0.5 points away from the wall; give v_minus <= 0"),
+        (lambda: gz.newton(r=0.5)("a"), r"v_minus = 'a' is not a real number"),
         (lambda: gz.reset(cubic, **{"lambda": 1.0}), r"parameter name 'lambda'; allowed is a Python name"),
         (lambda: gz.reset(cubic, e=math.inf, c=0.0), r"e = inf is not finite"),
     ],

@@ -99,9 +99,16 @@ def test_given_starts():
     result = orbit_diagram(GAP, "mu", [0.1, 0.2], starts=starts, transient=0, keep=1, arithmetic="strict")
     assert result.x[:, :, 0].values.tolist() == [[0.1 - 0.25, 0.1 - 0.1 - 0.5], [0.2 - 0.25, 0.2 - 0.1 - 0.5]]
     assert starts.tolist() == [[-0.5], [0.25]]
-    inside = orbit_diagram(BALL, "d", [0.12], starts=[[-1.0, 0.0], [0.1, 0.0]])
-    assert inside.period.values.tolist() == [[-2, 3]]
-    assert inside.outcome.values[0, 0] & gz.Outcome.inside_wall
+    with pytest.raises(gz.InputError, match="the ball starts inside the wall: u = -1, sigma = 0"):
+        orbit_diagram(BALL, "d", [0.12], starts=[[0.1, 0.0], [-1.0, 0.0]])
+
+
+def test_a_law_with_a_slope_by_differences_is_numerical():
+    law = gz.reset(lambda v, p: -p.e * v + 0.4, e=0.8)
+    model = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=2.2, offset=0.12), law)
+    result = orbit_diagram(gz.stroboscopic_map(model), "offset", [0.12], starts=3)
+    assert (result.trust == 1).all()
+    assert (result.period == 3).all()
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # overflow, which plain Python mentions

@@ -18,10 +18,10 @@ from grazing.maps.map import Map
 from grazing.maps.stroboscopic import above_wall, product
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.oscillator.trajectory import checked_state
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
-from grazing.parameter import parameter_tuple
+from grazing.parameter import parameters
 
 ORDERS = ("lowest", "full", "corrected")
 
@@ -163,6 +163,7 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
 
 
 def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
+    checked_model(model)
     if order not in ORDERS:
         raise InputError(f"order is {order!r}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'")
     law = model.reset
@@ -224,7 +225,7 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     """
     u, v = checked_state(state, model)
     params = {**model.params, "phase": describe_parameter("phase").check(phase)}
-    p = parameter_tuple(tuple(params))(*params.values())
+    p = parameters(params)
     c = constants_of(model.harmonics, section_phase)(p)
     y = u - model.sigma
     A = forcing(0.0, c)[0] - c.alpha * v - c.k2 * y

@@ -10,7 +10,7 @@ from grazing.outcome import AMBIGUOUS, OK
 
 
 def gap_step(state: Any, p: Any) -> Any:
-    """Apply (2.6) once: letter 0 (L) for x < 0, 1 (R) for x >= 0; ambiguous on the border, where the flow has no impact."""
+    """Apply (2.6) once: letter 0 (L) for x < 0, 1 (R) for x >= 0; ambiguous at 0, where the flow has none."""
     (x,) = state
     left = p.lam * x + p.mu
     right = p.mu - p.l - sqrt(max(x, 0.0))

@@ -11,7 +11,7 @@ from grazing.maps.map import Map
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
 from grazing.oscillator.flight import modes
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
 #: Periods without an impact after which the step gives up by name.
@@ -125,6 +125,7 @@ def impact_map(model: Oscillator) -> Map:
     >>> bool(abs(orbit[-1] - orbit[-2]).max() < 1e-12)
     True
     """
+    checked_model(model)
     law = model.reset
     return Map(
         return_step_of(law.law, law.slope, law.contraction),

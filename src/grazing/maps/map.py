@@ -21,6 +21,7 @@ from grazing.parameter import checked_box, checked_params, parameter_tuple, upda
 CHATTER_LETTER = -1
 STUCK_LETTER = -2
 NAN = float("nan")
+INFINITY = float("inf")
 
 
 class Segment(NamedTuple):
@@ -239,7 +240,7 @@ class Map:
         return start
 
     def _packed(self) -> tuple[type, NDArray[np.float64]]:
-        return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()), dtype=np.float64)
+        return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()) or [0.0], dtype=np.float64)
 
 
 def _normalised(P: Map) -> Callable[..., Any]:
@@ -282,7 +283,7 @@ def _ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
     def ending(state: Any, c: Any) -> Any:
         new, letter, outcome = step(state, c)
         for x in new:
-            if abs(x) > escape:
+            if abs(x) > escape or not abs(x) < INFINITY:
                 outcome = outcome | DIVERGED
         if outcome & FATAL:
             for i in range(len(new)):

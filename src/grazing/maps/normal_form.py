@@ -15,16 +15,15 @@ from grazing.maps.gap import gap_map
 from grazing.maps.map import Map
 from grazing.oscillator.constants import Constants, constants_of, forcing, steady_response
 from grazing.oscillator.flight import modes
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.oscillator.windows import window_edges
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
-from grazing.parameter import parameter_tuple, unknown
+from grazing.parameter import parameters, unknown
 
 
 def constants(model: Oscillator) -> Constants:
     """Return the constants of a model at local time t = 0, in plain Python."""
-    kind = parameter_tuple(tuple(model.params))
-    return constants_of(model.harmonics)(kind(*model.params.values()))  # type: ignore[no-any-return]
+    return constants_of(model.harmonics)(parameters(model.params))  # type: ignore[no-any-return]
 
 
 def steady_minimum(model: Oscillator) -> tuple[float, float]:
@@ -150,7 +149,8 @@ class NormalForm:
 
     def __repr__(self) -> str:
         where = f"{self.name}={self.graze:.12g}"
-        return f"<NormalForm {where} at the graze: lam={self.lam:.6g}, l={self.l:.6g}, b={self.b:.6g}>"
+        neglected = "" if self.det < 0.01 else f", det={self.det:.2g}, which the gap map neglects"
+        return f"<NormalForm {where} at the graze: lam={self.lam:.6g}, l={self.l + 0.0:.6g}, b={self.b:.6g}{neglected}>"
 
     def mu(self, value: ArrayLike) -> Any:
         """Return μ for values of the parameter: -(height of the steady response) det(I - exp(BT))/(2 A b^2 (1+r)^2).
@@ -290,6 +290,7 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     >>> round(nf.graze, 12), round(nf.lam, 6), round(nf.l, 6), round(nf.acceleration, 6)
     (0.13096186935, 0.336482, 0.649353, 0.633855)
     """
+    checked_model(model)
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)

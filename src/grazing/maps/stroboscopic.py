@@ -10,7 +10,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.oscillator.constants import Constants, constants_of, forcing, section_phase
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import modes
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -33,7 +33,7 @@ NAN = float("nan")
 def saltation(t: float, v: float, w: float, slope: float, c: Constants) -> tuple[float, float, float, float]:
     """Return the saltation matrix of an impact at t with velocities v < 0 and w; undefined (NaN) at v = 0.
 
-    numerics: S = [[w/v, 0], [(a_plus - g' a_minus)/v, g']] with a = F - alpha v; det S = g' w/v.
+    S = [[w/v, 0], [(a_plus - g' a_minus)/v, g']] with a = F - alpha v; det S = g' w/v.
     """
     if v == 0.0:
         return NAN, NAN, NAN, NAN
@@ -161,6 +161,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     >>> orbit.letters[-6:].tolist()
     [1, 0, 0, 1, 0, 0]
     """
+    checked_model(model)
     law = model.reset
     width = max(min(1.0, 4.0 * model.period**2), 1e-6 * abs(model.sigma))  # what the forcing can do in one period
 

@@ -173,6 +173,7 @@ class Oscillator:
             Names of :attr:`params`.
         """
         new = updated(self.params, changes, "the model")
+        new[self.offset_name] = describe_parameter(self.offset_name).check(new[self.offset_name])
         forcing = Forcing(
             omega=new["omega"],
             t0=new["t0"],
@@ -186,6 +187,12 @@ class Oscillator:
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:g}" for name, value in self._flight_params().items())
         return f"<Oscillator {values}, {self.reset!r}>"
+
+
+def checked_model(model: Any) -> None:
+    """Raise InputError for anything that is not an oscillator."""
+    if not isinstance(model, Oscillator):
+        raise InputError(f"model is {model!r}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
 
 
 def pinball(

@@ -11,7 +11,7 @@ from typing import Any
 
 from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError
-from grazing.parameter import Parameter, checked_params, parameter_tuple
+from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
 V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
@@ -115,11 +115,10 @@ class Reset:
 
 
 def _checked(params: Mapping[str, Any]) -> Mapping[str, float]:
-    good = checked_params(params)
-    for name, known in KNOWN.items():
-        if name in good:
-            known.check(good[name])
-    return MappingProxyType(good)
+    for name, value in params.items():
+        if name in KNOWN:
+            KNOWN[name].check(value)
+    return MappingProxyType(checked_params(params))
 
 
 def newton(r: float) -> Reset:
@@ -234,14 +233,24 @@ def reset(
         known = constant_contraction(float(ratio), float(speed))
     name = getattr(law, "__name__", "law")
     made = Reset(law, _checked(params), difference_of(law), known, exact_slope=False, name=name)
+    p = parameters(made.params)
+    ratio, speed = known(p)
     for v in (0.0, -1e-3, -0.1, -1.0):
-        made(v)
+        w = made(v)
+        if ratio < 1.0 and -v <= speed and w > ratio * -v:
+            raise InputError(
+                f"contraction says v_plus <= {ratio:g} |v_minus| for speeds up to {speed:g}, "
+                f"but the law gives {w:g} for v_minus = {v:g}; correct one of them"
+            )
     return made
 
 
 def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:
     """Apply a law in plain Python and say what is wrong with its answer, if anything."""
-    p = parameter_tuple(tuple(params))(*params.values())
+    v_minus = real(v_minus, "v_minus", "give a velocity towards the wall, v_minus <= 0")
+    if v_minus > 0.0:
+        raise InputError(f"v_minus = {v_minus:g} points away from the wall; give v_minus <= 0")
+    p = parameters(params)
     try:
         v_plus = made.law(v_minus, p)
     except Exception as error:

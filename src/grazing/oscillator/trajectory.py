@@ -15,7 +15,7 @@ from grazing.kernel.lanes import unpacker
 from grazing.oscillator.constants import constants_of, piece_of, roots, section_phase
 from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -176,7 +176,8 @@ def trajectory(
     -------
     xarray.Dataset
         ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``trust``, one word:
-        *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or *ambiguous*. Chatter is listed down to 1e-6 of its first speed and then completed.
+        *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or *ambiguous*. Chatter is
+        listed down to 1e-6 of its first speed and then completed.
 
     Raises
     ------
@@ -194,6 +195,7 @@ def trajectory(
     """
     import xarray as xr
 
+    checked_model(model)
     start = real(start, "start", "a finite time is allowed")
     until = real(until, "until", "a finite time is allowed")
     samples = whole(samples, "samples", 2)

@@ -157,7 +157,12 @@ def _checked(
     )
     size = len(grid) * plan.lanes * (plan.keep * (8 * P.dimension + 4) + 64)
     refuse_too_large(size, f"values ({len(grid)}), starts ({plan.lanes}) or keep ({plan.keep})")
-    return plan._replace(maps=[P.replace(**{name: value}) for value in grid.tolist()])
+    maps = [P.replace(**{name: value}) for value in grid.tolist()]
+    if P.check is not None and not isinstance(plan.starts, int):
+        for at in maps:
+            for start in plan.starts:
+                P.check(start, at.params)
+    return plan._replace(maps=maps)
 
 
 def _checked_values(name: str, values: ArrayLike) -> Floats:
