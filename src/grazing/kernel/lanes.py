@@ -78,15 +78,19 @@ def runner(
         keep = points.shape[0]
         last = outcomes.shape[0] - 1
         x = np.empty((len(zero), BLOCK))  # a block of its own: contiguous, so the loops below vectorise
+        folded = np.empty(BLOCK, np.int64)
         for start in range(0, n, BLOCK):
             width = min(BLOCK, n - start)
             for j in range(width):
                 put(x, j, column(lanes, start + j, zero))
+                folded[j] = 0
             for _ in range(transient):
                 for j in range(width):
                     state, _letter, outcome = step(column(x, j, zero), c)
                     put(x, j, state)
-                    outcomes[0, start + j] |= outcome
+                    folded[j] |= outcome
+            for j in range(width):
+                outcomes[0, start + j] |= folded[j]
             for i in range(keep):
                 record = min(i, last)
                 for j in range(width):

@@ -63,4 +63,5 @@ def gap_map(lam: float, mu: float, l: float) -> Map:
         letters="LR",
         tangent=gap_tangent,
         name="gap map",
+        source=lambda values: gap_map(**values),
     )
