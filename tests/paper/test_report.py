@@ -75,6 +75,40 @@ def test_a_selection_draws_and_claims_what_belongs_to_it(tmp_path):
     assert "1 of 13 figures" in (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("name", ["1.2", "1.5"])
+def test_a_portrait_alone_has_its_claims(tmp_path, name):
+    result = report(tmp_path, figures=name, size="small")
+    assert result["differs"] == []
+    records = json.loads((tmp_path / "claims.json").read_text(encoding="utf-8"))
+    assert {f"{name}-period", f"{name}-impacts"} <= {record["id"] for record in records}
+    other = {"1.2": "1.5", "1.5": "1.2"}[name]
+    assert not any(record["id"].startswith(other) for record in records)
+
+
+def test_every_figure_alone_has_claims():
+    assert all(list(chosen_groups((name,))) for name in FIGURES)
+
+
+def test_a_selection_without_claims_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr("grazing.paper.report.chosen_groups", lambda names: [])
+    result = report(tmp_path, figures="3.1", size="small")
+    assert result["claims"] == 0
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.count("No claims belong to these figures.") == 2
+    assert "with their claims" not in page
+
+
+def test_verdicts_are_counted_in_a_sentence():
+    from grazing.paper.page import summary
+
+    records = [{"verdict": verdict} for verdict in ("agrees", "agrees", "corrected")]
+    said = summary(FIGURES, records)
+    assert re.sub("<[^>]+>", "", said) == "3 claims, each computed in this run: 2 agree, 1 corrected, 0 differ."
+    assert 'class="verdict differs"' not in said
+    said = summary(FIGURES, [{"verdict": "differs"}])
+    assert 'class="verdict differs">1 differs' in said
+
+
 def test_every_group_belongs_to_figures_of_the_paper():
     from importlib import import_module
 

@@ -89,6 +89,22 @@ def test_a_clipped_window_keeps_its_inner_edge():
     assert (bar.get_x(), bar.get_width()) == (0.5, 0.5)
 
 
+def test_windows_of_a_dataset():
+    columns = {"N": [2, 1, 1], "low": [0.3, 0.5, 0.05], "high": [0.6, 1.0, 0.1]}
+    table = xr.Dataset({name: ("window", values) for name, values in columns.items()})
+    _fig, (ax,) = plot.panels()
+    drawn = plot.windows(table, ax)
+    assert set(drawn["bars"]) == {1, 2}
+    assert drawn["bars"][1].get_x() == 0.5
+    assert len(ax.patches) == 6  # both windows of period 1
+
+
+@pytest.mark.parametrize("edges", [{1: 0.5}, [(1, 0.2, 0.3)], {"a": (0.1, 0.2)}, xr.Dataset({"N": ("window", [1])})])
+def test_windows_refuse_another_shape(edges):
+    with pytest.raises(InputError, match=r"allowed are the xarray.Dataset .*N, low, high.* a mapping from N"):
+        plot.windows(edges)
+
+
 def test_the_zero_time_map_has_velocity_across():
     four = zdm_points(pinball(d=0.12), (0.02, -0.3))
     drawn = plot.zdm(four)
@@ -144,3 +160,19 @@ def test_saving(tmp_path):
         plot.save(fig, tmp_path / "a.jpg")
     with pytest.raises(InputError, match=r"cannot write .*choose a folder that exists"):
         plot.save(fig, tmp_path / "none" / "a.png")
+
+
+def test_saving_what_a_function_returned(tmp_path):
+    P, points = gap_map(0.8, 0.5, 1.0), [-1.0060750571225354, -0.3048600456980284, 0.2561119634415773]
+    everything = [
+        plot.cobweb(P, points),
+        plot.map_graph(plot.graph_of(P, [-1.0, 0.5])),
+        plot.orbit_diagram(diagram()),
+        plot.trajectory(trajectory(pinball(d=0.12), (0.1, 0.0), until=5.0)),
+        plot.windows({1: (0.5, 0.2)}),
+        plot.zdm(zdm_points(pinball(d=0.12), (0.02, -0.3))),
+    ]
+    for i, drawn in enumerate(everything):
+        assert plot.save(drawn, tmp_path / f"{i}.png").read_bytes()[:4] == b"\x89PNG"
+    with pytest.raises(InputError, match="a dict without a figure cannot be written; allowed are a matplotlib Figure"):
+        plot.save({"bars": {}}, tmp_path / "none.png")

@@ -31,7 +31,7 @@ def large_periods(run: Run) -> Iterator[Claim]:
     """Check Proposition 3.2."""
     yield claim(
         "prop2-i",
-        "Proposition 3.2 (i)",
+        "reference",
         "l = 0, λ > 2/3: no stable maximal orbit for large N; last N with a window at λ = 0.7, 0.8, 0.9",
         [6, 4, 3],
         [last_window(lam) for lam in (0.7, 0.8, 0.9)],

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.discontinuity import zdm
 from grazing.maps.normal_form import constants
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import pinball
 from grazing.paper.claims import Claim, claim
+from grazing.paper.exact_zdm import flown
 from grazing.paper.figure_2_2 import V0
 from grazing.paper.run import Run
 
@@ -122,7 +124,7 @@ def closeness(run: Run) -> Iterator[Claim]:
     yield claim(
         "2.5-composed",
         "(2.5)",
-        "P_T ∘ P_ZDM, with the zero-time map of (2.4), is P_T where no impact occurs",
+        "P_T ∘ P_ZDM, with the zero-time map of (2.4), is P_T at the border, where its root vanishes: defect in u(T)",
         0,
         composed(run),
         tolerance=1e-9,
@@ -141,9 +143,12 @@ def square_root(u: NDArray[np.float64], image: NDArray[np.float64], graze: float
 
 
 def composed(run: Run) -> float:
-    """Return how far P_T after a kick of V is from P_T, in u(T): what (2.5) would say where the root vanishes."""
-    model = run.figure("2.2")["model"]
-    return float(abs(modes(model.period, constants(model))[1] * model.params["V"]))
+    """Return how far P_T after the zero-time map of (2.4) is from P_T, in u(T), where its root vanishes."""
+    data = run.figure("2.2")
+    model, start = data["model"], (float(np.nextafter(data["local"], 0.0)), V0)
+    kicked = zdm(model, order="lowest")(start)[0]
+    after, free = (flown(model, 0.0, (float(u), float(v)), model.period) for u, v in (kicked, start))
+    return abs(after[0] - free[0])
 
 
 def jump_in_V(run: Run) -> Iterator[Claim]:

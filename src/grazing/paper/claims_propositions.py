@@ -12,7 +12,7 @@ from grazing.maps.gap import gap_map
 from grazing.paper.claims import Claim, claim
 from grazing.paper.run import Run
 from grazing.theory.doubled import doubled_interval, doubled_multiplier, doubled_orbit
-from grazing.theory.edges import mu_pd
+from grazing.theory.edges import mu_bc, mu_pd
 from grazing.theory.windows import stability_interval
 
 
@@ -123,6 +123,16 @@ def edges(run: Run) -> Iterator[Claim]:
     )
 
 
+def closed_bc(N: int, lam: float, l: float) -> float | None:
+    """Return μ_BC,N from the closed form of Proposition 3.1 as it stands, None where it divides by zero."""
+    top = lam ** (N - 2)
+    sum_ = (1.0 - lam ** (N - 1)) / (1.0 - lam)
+    try:
+        return float((top + math.sqrt(top * top + 4.0 * top * l * sum_)) ** 2 / (4.0 * sum_**2))
+    except ZeroDivisionError:
+        return None
+
+
 def first_window(run: Run) -> Iterator[Claim]:
     """Check Proposition 3.1 for N = 1."""
     yield claim(
@@ -133,13 +143,20 @@ def first_window(run: Run) -> Iterator[Claim]:
         float(mu_pd(1, 0.5, 0.25)),
         tolerance=1e-15,
     )
-    divisor = (1.0 - 0.5 ** (1 - 1)) ** 2
+    yield claim(
+        "prop1-bc-closed",
+        "Proposition 3.1",
+        "the closed form of μ_BC,N gives the edge, N = 2 to 12, λ = 0.5, l = 0.25: largest deviation",
+        0,
+        max(abs((closed_bc(N, 0.5, 0.25) or math.inf) - float(mu_bc(N, 0.5, 0.25))) for N in range(2, 13)),
+        tolerance=1e-14,
+    )
     yield claim(
         "prop1-N1-bc",
         "Proposition 3.1",
         "N = 1: the printed formula gives a μ_BC,1; its divisor (1 − λ^(N−1))² is not 0",
         True,
-        divisor != 0.0,
+        closed_bc(1, 0.5, 0.25) is not None,
         slip=16,
         note="the divisor is 0: a fixed point has no negative iterate and its window no upper edge",
     )

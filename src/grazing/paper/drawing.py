@@ -12,11 +12,11 @@ from grazing.plot.windows import windows
 
 
 def mark(
-    ax: Axes, x: float, text: str, *, height: float = 0.97, side: str = "left", colour: str = GRAZE
+    ax: Axes, x: float, text: str, *, height: float = 0.97, side: str = "left", colour: str = GRAZE, top: float = 1.0
 ) -> dict[str, Any]:
-    """Mark a value of the horizontal axis with a dashed line and a name beside it."""
+    """Mark a value of the horizontal axis with a dashed line, up to a fraction of the height, and a name beside it."""
     with styled():
-        line = ax.axvline(x, color=colour, lw=0.9, ls=(0, (5, 2)), zorder=5)
+        line = ax.axvline(x, ymax=top, color=colour, lw=0.9, ls=(0, (5, 2)), zorder=5)
         text_artist = ax.annotate(
             text,
             (x, height),

@@ -16,12 +16,15 @@ from grazing.plot.trajectory import trajectory as draw_trajectory
 
 TITLE = "Passive oscillator, phase portrait"
 PARAMETERS = {"alpha": 3, "k": 1, "omega": 2.2, "t0": 0, "r": 0.8, "V": 0, "d": 0.12}
-CAPTION = "The orbit on which the oscillator with Newton's law (1.2) settles. Squares: states once per forcing period."
-SEE = "Two forcing periods make one turn; one impact, at low speed."
+CAPTION = (
+    "The orbit on which the oscillator with Newton's law (1.2) settles. Squares: states once per forcing period. "
+    "Filled circle: the ball arrives at the wall; open circle: it leaves; the dashed line between them is the impact."
+)
+SEE = "The orbit closes after two forcing periods, with one impact, at low speed."
 
 
 def portrait(run: Run, V: float) -> dict[str, Any]:
-    """Return the cycle at d = 0.12 and one turn of the flight along it."""
+    """Return the cycle at d = 0.12 and the flight along it until it closes."""
     model = run.standard(V)
     cycle = settled(stroboscopic_map(model), (0.1, 0.0))
     return {"cycle": cycle, "flight": trajectory(model, cycle.points[0], until=cycle.period * model.period), "V": V}

@@ -30,7 +30,7 @@ def diagram(run: Run, V: float) -> dict[str, Any]:
     """Return the orbit diagram in d, the exact windows and the graze."""
     P = stroboscopic_map(run.standard(V))
     # without the bumper orbits are caught late: chaotic transients
-    transient, starts = (200, 0.75) if V > 0.0 else (500, 0.5)
+    transient, starts = (1000, 0.75) if V > 0.0 else (1500, 0.5)
     return {
         "diagram": run.diagram(P, "d", 0.05, 0.16, transient, 48, 0.8, starts),
         "close": run.diagram(P, "d", *CLOSE, transient, 48, 0.4, starts),

@@ -12,9 +12,10 @@ __all__ = ["CAPTION", "PARAMETERS", "SEE", "TITLE", "compute", "draw"]
 TITLE = "Active oscillator, phase portrait"
 PARAMETERS = {"alpha": 3, "k": 1, "omega": 2.2, "t0": 0, "r": 0.8, "V": 0.4, "d": 0.12}
 CAPTION = (
-    "The orbit on which the oscillator with the bumper's law (1.3) settles. Squares: states once per forcing period."
+    "The orbit on which the oscillator with the bumper's law (1.3) settles. Squares: states once per forcing period. "
+    "Filled circle: the ball arrives at the wall; open circle: it leaves; the dashed line between them is the impact."
 )
-SEE = "Three forcing periods make one turn, with one impact; the ball leaves the bumper faster than it came."
+SEE = "The orbit closes after three forcing periods, with one impact; the ball leaves the bumper faster than it came."
 
 
 def compute(run: Run) -> dict[str, Any]:

@@ -37,5 +37,5 @@ def draw(data: dict[str, Any]) -> Figure:
             letter = "L" if value < 0 else "R"
             ax.annotate(rf"$x_{i}$ ({letter})", (value, value), (6, -9), textcoords="offset points", zorder=6)
     said = "\n".join(rf"$x_{i} = {value:.10f}$" for i, value in enumerate(x, start=1))
-    note(ax, f"{said}\nmultiplier {data['multiplier']:.6f}", 0.37, 0.14)
+    note(ax, f"{said}\nmultiplier ${data['multiplier']:.6f}$", 0.37, 0.14)
     return fig

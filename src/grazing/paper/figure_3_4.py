@@ -60,6 +60,7 @@ def curves(ax: Axes, data: dict[str, Any]) -> None:
                 f"{N} appears\n$l = {l:.10f}$".rstrip("0"),
                 side="right",
                 height=1.6 - 0.16 * N,
+                top=1.6 - 0.16 * N,  # below the names of smaller periods
                 colour=period_colour(N),
             )
             ax.plot(l, lone, "o", ms=3, color=period_colour(N), zorder=6)
@@ -71,7 +72,7 @@ def curves(ax: Axes, data: dict[str, Any]) -> None:
                 l,
                 f"{N} and {M} meet\n$l = {l:.8f}$",
                 side="left" if l > 0.4 * data["l"][-1] else "right",
-                height=0.11 if late else 0.98,
+                height=0.14 if late else 0.98,
                 colour=INK,
             )
             ax.plot(l, float(mu_pd(N, data["lam"], l)), "o", ms=3.4, mfc="white", mec=INK, zorder=6)

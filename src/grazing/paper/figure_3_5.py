@@ -14,8 +14,8 @@ TITLE = "Gap map for λ = 0.9 and l = 0, 0.4, 0.8"
 PARAMETERS = {"lambda": 0.9, "l": "0, 0.4, 0.8", "mu": "-0.05 to 0.6"}
 CAPTION = "Limit sets of (2.6) against μ for three gaps; windows of Proposition 3.1 shaded and named."
 SEE = (
-    "At l = 0 one band of chaos up to the window of 3; with a gap many windows, apart in the middle of the diagram and "
-    "overlapping again for very small μ."
+    "At l = 0 chaos up to the window of 3, in three bands just below it (μ > 0.172); with a gap many windows, apart in "
+    "the middle of the diagram and overlapping again for very small μ."
 )
 LAM, GAPS, SPAN = 0.9, (0.0, 0.4, 0.8), (-0.05, 0.6)
 

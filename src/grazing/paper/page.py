@@ -21,11 +21,15 @@ table { border-collapse: collapse; font-size: 0.84rem; width: 100%; } th { text-
 th, td { border-bottom: 1px solid #ddd; padding: 0.25rem 0.5rem; vertical-align: top; overflow-wrap: anywhere; }
 td.number { font-variant-numeric: tabular-nums; text-align: right; white-space: nowrap; }
 .agrees { background: #dff0e0; } .corrected { background: #fdeec5; } 
-.differs { background: #f7d0cc; font-weight: bold; }
+.differs { background: #f7d0cc; font-weight: bold; } .none { background: #eee; }
 .verdict { border-radius: 0.2rem; padding: 0 0.35rem; white-space: nowrap; }
 @media (max-width: 50rem) { .pair { grid-template-columns: 1fr; } }
 @media print { figure, tr { break-inside: avoid; } }
 """
+
+#: Each verdict in a sentence, for one claim and for any other number.
+VERBS = {"agrees": ("agrees", "agree"), "corrected": ("corrected", "corrected"), "differs": ("differs", "differ")}
+NO_CLAIMS = "no claims belong to these figures"
 
 
 def page(names: tuple[str, ...], records: list[dict[str, Any]], run: Run, size: str, beside: bool) -> str:
@@ -69,11 +73,16 @@ def summary(names: tuple[str, ...], records: list[dict[str, Any]]) -> str:
     from grazing.paper import FIGURES
 
     counts = {verdict: sum(r["verdict"] == verdict for r in records) for verdict in ("agrees", "corrected", "differs")}
-    said = ", ".join(f'<span class="verdict {verdict}">{n} {verdict}</span>' for verdict, n in counts.items())
-    part = (
-        "" if names == FIGURES else f" This is a selection: {len(names)} of {len(FIGURES)} figures, with their claims."
+    said = ", ".join(
+        f'<span class="verdict {verdict if n else "none"}">{n} {VERBS[verdict][n != 1]}</span>'
+        for verdict, n in counts.items()
     )
-    return f"{len(records)} claims, each computed in this run: {said}.{part}"
+    with_claims = ", with their claims" if records else ""
+    part = "" if names == FIGURES else f" This is a selection: {len(names)} of {len(FIGURES)} figures{with_claims}."
+    if not records:
+        return f"{NO_CLAIMS[0].upper()}{NO_CLAIMS[1:]}.{part}"
+    number = "1 claim" if len(records) == 1 else f"{len(records)} claims, each"
+    return f"{number} computed in this run: {said}.{part}"
 
 
 def image(name: str) -> str:
@@ -134,6 +143,8 @@ def window_table(run: Run) -> str:
 
 def claim_table(records: list[dict[str, Any]]) -> str:
     """Return all claims with their verdicts."""
+    if not records:
+        return f"<p>{NO_CLAIMS[0].upper()}{NO_CLAIMS[1:]}.</p>"
     rows = "".join(
         f'<tr><td><span class="verdict {r["verdict"]}">{r["verdict"]}</span>{slip(r)}</td><td>{escape(r["where"])}</td>'
         f"<td>{escape(r['claim'])}</td><td>{value(r['claimed'])}</td><td>{value(r['computed'])}</td>"

@@ -28,8 +28,8 @@ SLIPS = {
     13: "The two maps of Figure 2.2 agree exactly above u(0) = 0.0395866, the graze of (2.4), not above 0.038.",
     14: "Below (2.3), with δ put in, (2.2) gives U3 = U0 − δ(V + (1 + r)√(V0² − 2AU0)). Harmless: the lowest "
     "order keeps U3 = U0.",
-    15: "For V > 0 and α > 0 the neglected terms are O(δ²) in (2.2) and O(δ) in (2.3), one order lower than "
-    "printed: the "
+    15: "For V > 0 and α > 0, with an impact speed of the order of the time to the wall, as near a graze, the "
+    "neglected terms are O(δ²) in (2.2) and O(δ) in (2.3), one order lower than printed: the "
     "impact changes the acceleration by −α(v⁺ − v⁻). More terms of (2.2) are then not a better map.",
     16: "For N = 1 the formula of μ_BC,N divides by zero: the window of the fixed point has no upper edge.",
     17: "Ω_N is printed closed; it is open, with multiplier −1 at one end and no orbit at the other.",

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from grazing.maps.map import Map
 from grazing.outcome import InputError
 from grazing.plot.map_graph import graph_of, map_graph
-from grazing.plot.style import INK, axes, period_colour, styled
+from grazing.plot.style import INK, axes, period_colour, root, styled
 
 
 def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = True) -> dict[str, Any]:
@@ -31,7 +31,7 @@ def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = 
     Returns
     -------
     dict
-        ``graph`` (list of lines), ``diagonal``, ``steps``, ``points``.
+        ``graph`` (list of lines), ``diagonal``, ``steps``, ``points``, ``figure``.
 
     Raises
     ------
@@ -61,4 +61,4 @@ def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = 
         ax.set_aspect("equal")
         ax.set_xlabel(f"${name}_n$")
         ax.set_ylabel(f"${name}_{{n+1}}$")
-    return {"graph": graph, "diagonal": diagonal, "steps": steps, "points": dots}
+    return {"figure": root(ax), "graph": graph, "diagonal": diagonal, "steps": steps, "points": dots}

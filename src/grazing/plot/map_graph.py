@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
-from grazing.plot.style import INK, axes, styled
+from grazing.plot.style import INK, axes, root, styled
 
 
 class Graph(NamedTuple):
@@ -75,7 +75,7 @@ def map_graph(
     Returns
     -------
     dict
-        ``pieces``, a list of lines.
+        ``pieces``, a list of lines, and ``figure``.
     """
     shown = coordinate or graph.coordinate
     column = graph.images[:, graph.coordinates.index(shown)]
@@ -88,4 +88,4 @@ def map_graph(
             pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **line)
         ax.set_xlabel(f"${graph.coordinate}_n$")
         ax.set_ylabel(f"${shown}_{{n+1}}$")
-    return {"pieces": pieces}
+    return {"pieces": pieces, "figure": root(ax)}

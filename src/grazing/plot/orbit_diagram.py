@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, styled
+from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
 GRAIN = 1 / 2400
@@ -35,7 +35,7 @@ def orbit_diagram(
     Returns
     -------
     dict
-        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files.
+        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``figure``.
     """
     name, _start, _n = result[_first(result, coordinate)].dims
     shown = _first(result, coordinate)
@@ -53,7 +53,7 @@ def orbit_diagram(
                 z,
                 "o",
                 ls="none",
-                ms=size if N else 0.6 * size,
+                ms=size if N else 0.9 * size,
                 mew=0,
                 rasterized=True,
                 color=period_colour(N) if N else CHAOS,
@@ -62,7 +62,7 @@ def orbit_diagram(
         ax.set_xlim(float(values.min()), float(values.max()))
         ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
         ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
-    return {"points": drawn}
+    return {"points": drawn, "figure": root(ax)}
 
 
 def _first(result: Any, coordinate: str | None) -> str:

@@ -113,6 +113,13 @@ def axes(ax: Axes | None, width: float = SINGLE, height: float = 62.0) -> Axes:
     return ax if ax is not None else panels(width, height)[1][0]
 
 
+def root(ax: Axes) -> Figure:
+    """Return the figure of axes, the outermost one."""
+    found = ax.get_figure(root=True)
+    assert found is not None
+    return found
+
+
 def panels(
     width: float = SINGLE, height: float = 62.0, rows: int = 1, columns: int = 1, **grid: Any
 ) -> tuple[Figure, list[Axes]]:
@@ -139,12 +146,26 @@ def software() -> str:
         return "grazing"
 
 
-def rendered(fig: Figure, kind: str, title: str = "", provenance: Mapping[str, Any] | None = None) -> bytes:
+def figure_of(drawn: Figure | Mapping[str, Any]) -> Figure:
+    """Return a figure as it is, or that of the artists which a function of this package returned."""
+    found = drawn.get("figure") if isinstance(drawn, Mapping) else drawn
+    if not isinstance(found, Figure):
+        raise InputError(
+            f"a {type(drawn).__name__} without a figure cannot be written; allowed are a matplotlib Figure and what "
+            "the functions of grazing.plot return"
+        )
+    return found
+
+
+def rendered(
+    fig: Figure | Mapping[str, Any], kind: str, title: str = "", provenance: Mapping[str, Any] | None = None
+) -> bytes:
     """Return a figure as the bytes of a file; the same figure gives the same bytes.
 
     Parameters
     ----------
-    fig : Figure
+    fig : Figure or mapping
+        A figure, or the artists that a function of this package returned.
     kind : {"png", "pdf", "svg"}
     title : str
         Stored in the file.
@@ -158,7 +179,7 @@ def rendered(fig: Figure, kind: str, title: str = "", provenance: Mapping[str, A
     Raises
     ------
     InputError
-        For any other kind.
+        For any other kind, or what has no figure.
     """
     if kind not in FORMATS:
         raise InputError(
@@ -172,16 +193,19 @@ def rendered(fig: Figure, kind: str, title: str = "", provenance: Mapping[str, A
     }
     out = BytesIO()
     with styled():
-        fig.savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
+        figure_of(fig).savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
     return out.getvalue()
 
 
-def save(fig: Figure, path: str | Path, title: str = "", provenance: Mapping[str, Any] | None = None) -> Path:
+def save(
+    fig: Figure | Mapping[str, Any], path: str | Path, title: str = "", provenance: Mapping[str, Any] | None = None
+) -> Path:
     """Write a figure to a PNG, PDF or SVG file, whole or not at all.
 
     Parameters
     ----------
-    fig : Figure
+    fig : Figure or mapping
+        A figure, or the artists that a function of this package returned.
     path : str or Path
         Its ending chooses the format.
     title, provenance

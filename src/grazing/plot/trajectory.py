@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from grazing.plot.style import GRAZE, INK, WALL, axes, styled
+from grazing.plot.style import GRAZE, INK, WALL, axes, root, styled
 
 
 def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe: Any = None) -> dict[str, Any]:
@@ -28,7 +28,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
     Returns
     -------
     dict
-        ``flights`` (one line with a break at each impact), ``impacts`` (one line each), ``strobe``, ``wall``.
+        ``flights`` (one line with a break at each impact), ``impacts`` (one line each), ``strobe``, ``wall``,
+        ``figure``.
     """
     with styled():
         ax = axes(ax)
@@ -54,4 +55,4 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
         ax.set_xlabel("position $u$")
         ax.set_ylabel("velocity $v$")
-    return {"flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
+    return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}

@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
-from grazing.plot.style import axes, ink_on, period_colour, styled
+from grazing.outcome import InputError
+from grazing.plot.style import axes, ink_on, period_colour, root, styled
 
 #: Height of a bar, distance of the two rows and place of the lower one, in points above the axes.
 BAR, ROW, FIRST = 9.0, 10.5, 4.0
 
 
 def windows(
-    edges: Mapping[int, tuple[float, float]],
+    edges: Mapping[int, tuple[float, float]] | Any,
     ax: Axes | None = None,
     *,
     shade: float = 0.12,
@@ -28,8 +31,9 @@ def windows(
 
     Parameters
     ----------
-    edges : mapping of int to (low, high)
-        Period and the two edges of its window; windows that are empty (low >= high) are left out.
+    edges : xarray.Dataset or mapping of int to (low, high)
+        The result of :func:`grazing.windows` (variables ``N``, ``low``, ``high``), or period and the two edges of
+        its window; windows that are empty (low >= high) are left out.
     ax : matplotlib Axes, optional
         Its limits should be set before.
     shade : float
@@ -44,7 +48,12 @@ def windows(
     Returns
     -------
     dict
-        ``bars``, ``bands`` and ``names``, each a mapping from N.
+        ``bars``, ``bands`` and ``names``, each a mapping from N (of several windows of one N the widest); ``figure``.
+
+    Raises
+    ------
+    InputError
+        For anything else.
     """
     bars: dict[int, Any] = {}
     bands: dict[int, Any] = {}
@@ -54,7 +63,7 @@ def windows(
         left, right = sorted(ax.get_xlim())
         to_axes = ax.transScale + ax.transLimits  # also on a logarithmic axis
         above = across(ax)
-        for N, (low, high) in sorted(edges.items()):
+        for N, low, high in rows_of(edges):
             a, b = max(min(low, high), left), min(max(low, high), right)
             if low >= high or a >= b:
                 continue
@@ -80,7 +89,24 @@ def windows(
                     zorder=6,
                     clip_on=False,
                 )
-    return {"bars": bars, "bands": bands, "names": texts}
+    return {"figure": root(ax), "bars": bars, "bands": bands, "names": texts}
+
+
+def rows_of(edges: Any) -> list[tuple[int, float, float]]:
+    """Return (N, low, high) of all windows, those of one N by width, or refuse what has another shape."""
+    try:
+        if isinstance(edges, xr.Dataset):
+            columns = [np.atleast_1d(edges[name].values).tolist() for name in ("N", "low", "high")]
+            rows = list(zip(*columns, strict=True))
+        else:
+            rows = [(N, low, high) for N, (low, high) in edges.items()]
+        plain = [(int(N), float(low), float(high)) for N, low, high in rows]
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise InputError(
+            f"windows cannot be drawn from this {type(edges).__name__}; allowed are the xarray.Dataset that "
+            "grazing.windows returns (variables N, low, high) and a mapping from N to (low, high)"
+        ) from None
+    return sorted(plain, key=lambda row: (row[0], row[2] - row[1]))
 
 
 def across(ax: Axes) -> Transform:

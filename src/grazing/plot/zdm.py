@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from grazing.plot.style import GRAZE, INK, PERIODS, WALL, axes, styled
+from grazing.plot.style import GRAZE, INK, PERIODS, WALL, axes, root, styled
 
 NAMES = ("U_0", "U_1", "U_2", "U_3")
 
@@ -29,7 +29,7 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
     Returns
     -------
     dict
-        ``points`` (line with the four markers), ``fall``, ``reset``, ``back``, ``wall``, ``flow``.
+        ``points`` (line with the four markers), ``fall``, ``reset``, ``back``, ``wall``, ``flow``, ``figure``.
     """
     U, V = points.points[:, 0], points.points[:, 1]
     A = points.acceleration
@@ -61,4 +61,12 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
         ax.axvline(0.0, color=INK, lw=0.4, zorder=1)
         ax.set_xlabel("velocity $V$")
         ax.set_ylabel("position $U$")
-    return {"points": dots, "fall": fall, "reset": reset, "back": back, "wall": wall, "flow": behind}
+    return {
+        "figure": root(ax),
+        "points": dots,
+        "fall": fall,
+        "reset": reset,
+        "back": back,
+        "wall": wall,
+        "flow": behind,
+    }
