@@ -157,6 +157,17 @@ def test_cache_folder_honours_the_environment():
     assert os.access(cache_folder(), os.W_OK)
 
 
+def built(x):
+    return 2.0 * x
+
+
+def test_a_users_function_may_have_the_name_of_a_primitive():
+    def calls(x):
+        return built(x) + 1.0
+
+    assert compiled(calls)(3.0) == 7.0
+
+
 def test_recursion_is_refused():
     def loop(x):
         return loop(x - 1.0)

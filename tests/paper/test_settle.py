@@ -3,21 +3,13 @@ import pytest
 from grazing.maps.gap import gap_map
 from grazing.oscillator.model import pinball
 from grazing.paper.exact_zdm import flown, orders, sample
-from grazing.paper.settle import least_rotation, primitive, settled, words
+from grazing.paper.settle import settled
 
 
 def test_a_cycle_is_found_and_chaos_is_none():
     cycle = settled(gap_map(0.8, 0.5, 1.0), (-0.5,))
     assert (cycle.period, cycle.word) == (3, "001")
     assert settled(gap_map(0.9, 0.1, 0.0), (-0.05,), transient=500).period == 0
-
-
-def test_words_are_primitive_and_in_least_rotation():
-    assert least_rotation("100") == "001"
-    assert primitive("0101") == "01"
-    assert primitive("011") == "011"
-    assert words(gap_map(0.5, 0.0427, 0.1), 200, 2000) == {"001", "0001"}
-    assert words(gap_map(0.9, 0.1, 0.0), 8, 2000) == {""}
 
 
 def test_free_flight_runs_backwards():

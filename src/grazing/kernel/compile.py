@@ -23,12 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.primitives import PRIMITIVES
 from grazing.outcome import InputError, UserCodeError
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
+#: The functions of this module have a compiled form of their own and are not compiled from their source.
+PRIMITIVES = "grazing.kernel.primitives"
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
 LAYOUT = 1
 
@@ -125,7 +126,7 @@ def _inner_jit(function: FunctionType, arithmetic: str) -> Any:
 
 
 def _is_kernel(value: object) -> bool:
-    return isinstance(value, FunctionType) and value.__name__ not in PRIMITIVES
+    return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES
 
 
 def _names(code: CodeType) -> set[str]:

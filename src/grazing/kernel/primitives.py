@@ -22,10 +22,6 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
     return kind(*items)
 
 
-#: Names of the functions that have a compiled form of their own and are not compiled from their source.
-PRIMITIVES = frozenset({"replaced", "power_of_two", "built"})
-
-
 def _register() -> None:
     """Tell the compiler the second form of each primitive; importing numba here is the reason to be lazy."""
     from llvmlite import ir

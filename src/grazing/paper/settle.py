@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.word import word
 
 
 class Cycle(NamedTuple):
@@ -59,20 +60,10 @@ def words(P: Map, starts: int, transient: int, longest: int = 16, seed: int = 0,
     found: set[str] = set()
     for lane in range(starts):
         x = points[:, :, lane]
-        word = ""
+        name = ""
         for period in range(1, longest + 1):
             if float(np.abs(x[period:] - x[:-period]).max()) <= within:
-                word = least_rotation(primitive("".join(str(i) for i in letters[:period, lane])))
+                name = word(letters[:period, lane].tolist())
                 break
-        found.add(word)
+        found.add(name)
     return found
-
-
-def primitive(word: str) -> str:
-    """Return the shortest word that a word repeats."""
-    return next(word[:n] for n in range(1, len(word) + 1) if word == word[:n] * (len(word) // n))
-
-
-def least_rotation(word: str) -> str:
-    """Return the first in alphabetical order of the rotations of a word."""
-    return min(word[i:] + word[:i] for i in range(len(word)))
