@@ -12,6 +12,11 @@ def test_a_cycle_is_found_and_chaos_is_none():
     assert settled(gap_map(0.9, 0.1, 0.0), (-0.05,), transient=500).period == 0
 
 
+def test_words_of_random_starts():
+    assert words(gap_map(0.5, 0.0427, 0.1), 200, 2000) == {"001", "0001"}
+    assert words(gap_map(0.9, 0.1, 0.0), 8, 2000) == {""}
+
+
 def test_free_flight_runs_backwards():
     m = pinball()
     there = flown(m, 0.3, (0.2, -0.1), -0.05)
