@@ -3,7 +3,7 @@ import pytest
 from grazing.maps.gap import gap_map
 from grazing.oscillator.model import pinball
 from grazing.paper.exact_zdm import flown, orders, sample
-from grazing.paper.settle import settled
+from grazing.paper.settle import settled, words
 
 
 def test_a_cycle_is_found_and_chaos_is_none():
