@@ -17,7 +17,7 @@ export MPLBACKEND := Agg
 export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
 export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
 
-.PHONY: help paper test test-long check lint types layers docs clean
+.PHONY: help paper test test-long check lint types layers bench docs clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -42,6 +42,9 @@ types: .venv/ready-test ## type annotations (mypy, strict)
 
 layers: .venv/ready-test ## the direction of imports
 	$(RUN) pytest -q tests/test_layers.py
+
+bench: .venv/ready ## compare speed and missed impacts with other programs (ARGS="--quick", --json FILE, --help)
+	$(RUN) benchmarks $(ARGS)
 
 docs: .venv/ready ## write docs/api.md from the documentation strings
 	.venv/bin/python docs/make_api.py

@@ -1,5 +1,6 @@
 """The stroboscopic map against the arbitrary-precision reference, and each rare branch, compiled and plain."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.maps.stroboscopic import MAX_IMPACTS
+from grazing.maps.period import MAX_IMPACTS
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -205,9 +206,9 @@ def test_beside_the_graze_the_bumper_decides(depth):
 def test_an_impact_exactly_at_the_strobe_belongs_to_the_period_that_ends():
     m = gz.Oscillator(alpha=0.0, k=0.0, forcing=gz.Forcing(omega=math.pi, offset=0.0, cos=(0.0,)), reset=gz.newton(0.5))
     assert m.period == 2.0
-    point, letter, _ = one_period(gz.stroboscopic_map(m), (1.0, -0.5))  # u = 1 - t/2
-    assert letter == 1
-    assert point.tolist() == [0.0, 0.25]
+    segment = unsettled(gz.stroboscopic_map(m)).orbit((1.0, -0.5), 1)  # u = 1 - t/2
+    assert segment.letters[0] == 1
+    assert segment.points[1].tolist() == [0.0, 0.25]
 
 
 def test_the_phase_of_the_section_shifts_the_forcing():
@@ -253,11 +254,33 @@ def test_zeros_of_high_order_do_not_hide_others():
             assert error <= 1e-12 * float(exact.factor)
 
 
+def unsettled(P):
+    """The map without ball arithmetic."""
+    return dataclasses.replace(P, settle=None)
+
+
+def assert_settled(P, start):
+    """Double precision says that it cannot decide; ball arithmetic decides as the reference does."""
+    doubt = unsettled(P).orbit(start, 1)
+    assert doubt.outcomes[0] & AMBIGUOUS
+    assert doubt.undecided == 1
+    for algorithm in ("block", "scalar"):
+        rough = unsettled(P).run_columns([list(P.params.values())], np.array(start).reshape(1, 2, 1), 0, 1)
+        assert rough.undecided[0, 0] == 1
+        lanes = np.array(start).reshape(1, 2, 1)
+        found = P.run_columns([list(P.params.values())], lanes, 0, 1, algorithm=algorithm)
+        assert (found.outcomes[0, 0, 0], found.undecided[0, 0]) == (0, 0)
+        proven = P.settle(list(P.params.values()), start)
+        assert tuple(found.points[0, 0, :, 0]) == tuple(lanes[0, :, 0]) == proven.state
+        assert found.letters[0, 0, 0] == proven.letter
+    sure = P.orbit(start, 1)
+    assert (sure.outcomes[0], sure.undecided, sure.letters[0]) == (0, 0, proven.letter)
+
+
 def test_a_decision_after_a_slow_impact_knows_its_error():
     law = active(0.5, 0.2689932407576071)
     problem = Problem(0.3, 5.874891519215663, 1.954939723854336, 0.9089794132507695, 2.3, law=law)
-    segment = gz.stroboscopic_map(model_of(problem)).orbit((0.0922824657411291, -0.2241925416786858), 1)
-    assert segment.outcomes[0] & AMBIGUOUS
+    assert_settled(gz.stroboscopic_map(model_of(problem)), (0.0922824657411291, -0.2241925416786858))
 
 
 def test_an_impact_at_the_trigger_speed_is_ambiguous():
@@ -265,7 +288,7 @@ def test_an_impact_at_the_trigger_speed_is_ambiguous():
     problem = Problem(3.0, 1.0, 2.2, 0.10880780956697578, 0.006967415105215757, law=law)
     P = gz.stroboscopic_map(model_of(problem))
     start = (0.1120386337877902, 0.12909475671487403)
-    assert P.orbit(start, 1).outcomes[0] & AMBIGUOUS
+    assert_settled(P, start)
     assert np.isnan(P.jacobian(start)).all()
     for shift in (-1e-6, 1e-6):
         assert not P.replace(trigger=0.27829748540636534 + shift).orbit(start, 1).outcomes[0] & AMBIGUOUS
@@ -274,7 +297,7 @@ def test_an_impact_at_the_trigger_speed_is_ambiguous():
 def test_a_graze_beside_the_end_of_a_piece_is_ambiguous():
     problem = Problem(0.05, 3.0, 0.8, 0.0, 2.3, law=active(0.5, 0.3))
     P = gz.stroboscopic_map(model_of(problem))
-    assert P.orbit((0.7159046944715916, -0.2317763617397376), 1).outcomes[0] & AMBIGUOUS
+    assert_settled(P, (0.7159046944715916, -0.2317763617397376))
 
 
 @pytest.mark.parametrize("t0", [1e3, 1e6, 1e9, -1e9])

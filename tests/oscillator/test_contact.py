@@ -43,7 +43,7 @@ def test_no_scan_finds_an_earlier_contact(name):
     rng = np.random.default_rng(3)
     for _ in range(25):
         y, v = float(rng.uniform(1e-3, 0.3)), float(rng.uniform(-0.5, 0.5))
-        hit, ball, _ = next_contact(placed(0.0, y, v, 0), c)
+        hit, ball, *_ = next_contact(placed(0.0, y, v, 0), c)
         t = ball.t
         first, then = 0.0, anchored(0.0, y, v, c)
         scan = np.array([flight(float(s), then, c)[0] for s in np.linspace(first, t, 400)])
@@ -111,7 +111,7 @@ def test_chatter_that_is_said_to_complete_does(w, ratio, where):
     assume(chatter_completes(t, w, end, ratio, math.inf, c))
     v = w
     for _ in range(2000):
-        hit, ball, _ = next_contact(placed(t, 0.0, v, i), c)
+        hit, ball, *_ = next_contact(placed(t, 0.0, v, i), c)
         t, i = ball.t, ball.i
         assert hit
         assert t < end
@@ -257,7 +257,7 @@ def test_errors_grow_as_orbits_part_and_no_faster():
     departure = departure_of(m.reset.law, m.reset.slope, m.reset.contraction)
     ball, lates = placed(0.0, 0.0, 0.1, 0), []
     for _ in range(200):
-        _, ball, _ = next_contact(ball, c)
+        _, ball, *_ = next_contact(ball, c)
         _, ball, _ = departure(ball, math.inf, c)
         lates.append(ball.launch.late)
     assert lates[199] < 4.0 * 200.0**2 * lates[0]

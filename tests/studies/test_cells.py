@@ -4,8 +4,9 @@ import time
 import pytest
 
 import grazing as gz
-from grazing.studies import cells
-from grazing.studies.cells import physical_memory, refuse_too_large, run_cells
+from grazing import memory
+from grazing.memory import physical_memory, refuse_too_large
+from grazing.studies.cells import run_cells
 
 
 @pytest.mark.parametrize("threads", [1, 3, None])
@@ -58,12 +59,12 @@ def test_interrupt_in_the_calling_thread_stops_the_work():
 
 
 def test_memory(monkeypatch):
-    monkeypatch.setattr(cells, "physical_memory", lambda: 8_000_000_000)
-    refuse_too_large(4_000_000_000, "keep (50)")
+    monkeypatch.setattr(memory, "physical_memory", lambda: 8_000_000_000)
+    refuse_too_large(4_000_000_000, "reduce keep (50)")
     said = r"would take 4.5 GB, more than half of the memory \(8 GB\); reduce keep \(50\)"
     with pytest.raises(gz.InputError, match=said):
-        refuse_too_large(4_500_000_000, "keep (50)")
-    monkeypatch.setattr(cells, "physical_memory", lambda: None)
+        refuse_too_large(4_500_000_000, "reduce keep (50)")
+    monkeypatch.setattr(memory, "physical_memory", lambda: None)
     refuse_too_large(10**18, "keep (50)")
 
 

@@ -8,6 +8,7 @@ edit anywhere below a kernel can never be answered from an old file.
 
 from __future__ import annotations
 
+import dis
 import hashlib
 import math
 import os
@@ -23,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from grazing.kernel.primitives import pointed
 from grazing.outcome import InputError, UserCodeError
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
@@ -77,6 +79,42 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callab
         return _outer[key]  # type: ignore[no-any-return]
 
 
+@cache
+def address(function: Callable[..., Any], signature: str, arithmetic: str = "strict", who: str = "kernel") -> float:
+    """Compile a function of numbers and return where its code lies, for :func:`grazing.kernel.primitives.called`.
+
+    A kernel that gets functions by address is compiled once for all of them.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function, see :func:`compiled`.
+    signature : {"value", "sweep"}
+        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row)``. ``row`` and ``work`` are addresses of
+        numbers.
+    arithmetic : {"strict", "fast"}
+    who : str
+        Who is to blame if it does not compile.
+
+    Returns
+    -------
+    float
+        The address; with ``NUMBA_DISABLE_JIT=1`` the place of the function in a list.
+    """
+    if jit_disabled():
+        pointed.append(function)
+        return float(len(pointed) - 1)
+    from numba import types
+
+    numbers = types.CPointer(types.float64)
+    wanted = {"value": (types.float64, numbers), "sweep": (numbers, types.int64, types.int64, numbers)}[signature]
+    entry: Any = compiled(function, arithmetic)
+    with _lock:
+        call(entry.compile, wanted, who=who)
+        code = entry.overloads[wanted]
+    return float(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+
+
 def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
     """Call a compiled kernel; a compilation error becomes one sentence that names the construct."""
     if jit_disabled():
@@ -109,6 +147,8 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool) -> Any:
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
     if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    if getattr(function, "inlined", False):
+        options["forceinline"] = True
     dispatcher = numba.njit(**options)(resolved)
     if entry:
         _attach_cache(dispatcher, resolved, content + repr(options))
@@ -130,8 +170,10 @@ def _is_kernel(value: object) -> bool:
 
 
 def _names(code: CodeType) -> set[str]:
+    """Return the global names of a function; not those behind a dot, which may only look like one."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    return set(code.co_names).union(*(_names(const) for const in inner))
+    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    return own.union(*(_names(const) for const in inner))
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:

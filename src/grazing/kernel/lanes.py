@@ -30,13 +30,13 @@ def put(lanes: Any, j: int, state: tuple[float, ...]) -> None:
 
 
 def unpacker(kind: type) -> Callable[[Any], Any]:
-    """Return the function that turns a row of parameters into a named tuple of type ``kind``."""
+    """Return ``unpack(row, start=0)``, which turns numbers from ``start`` on into a named tuple of type ``kind``."""
     zero = (0.0,) * len(kind._fields)  # type: ignore[attr-defined]
 
-    def unpack(row: Any) -> Any:
+    def unpack(row: Any, start: int = 0) -> Any:
         values = zero
         for i in range(len(zero)):
-            values = replaced(values, i, row[i])
+            values = replaced(values, i, row[start + i])
         return built(kind, values)
 
     return unpack

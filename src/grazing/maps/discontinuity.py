@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
-from grazing.maps.stroboscopic import above_wall, product
+from grazing.maps.period import product
+from grazing.maps.stroboscopic import above_wall
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter

@@ -40,7 +40,7 @@ def return_of(
         while strobes <= MAX_PERIODS:
             hit = rests
             if not rests:
-                hit, ball, flags = next_contact(ball, c)
+                hit, ball, flags, _near = next_contact(ball, c)
                 outcome |= flags
             if hit:
                 arrived = ball.v

@@ -11,25 +11,38 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.kernel.compile import call
-from grazing.kernel.lanes import runner, tangent_runner
+from grazing.kernel.compile import FLAGS, call
+from grazing.kernel.lanes import tangent_runner
+from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
+from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
+from grazing.maps.settle import Settle, settle_orbits
+from grazing.memory import refuse_too_large
 from grazing.outcome import DIVERGED, FATAL, InputError, UserCodeError
 from grazing.parameter import checked_box, checked_params, parameter_tuple, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
 STUCK_LETTER = -2
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 NAN = float("nan")
 INFINITY = float("inf")
 
 
 class Segment(NamedTuple):
-    """A piece of an orbit: points (n + 1, dim) with the start in row 0; letters (n,) and outcomes (n,) of the steps."""
+    """A piece of an orbit: points (n + 1, dim) with the start in row 0; letters (n,) and outcomes (n,) of the steps.
 
-    points: NDArray[np.float64]
-    letters: NDArray[np.int64]
-    outcomes: NDArray[np.int64]
+    Then how far to trust it: the height of its narrowest miss, the speed of its slowest impact (infinity for none) and
+    the number of steps with a decision that could not be made for certain.
+    """
+
+    points: Floats
+    letters: Ints
+    outcomes: Ints
+    near_miss: float = math.inf
+    slowest: float = math.inf
+    undecided: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +68,8 @@ class Map:
         ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row as a flat tuple. Without it
         :meth:`jacobian` uses central differences.
     block : callable, optional
-        A faster twin of many steps; held to ``step`` by :func:`grazing.testing.check_map`.
+        A faster twin of many steps, ``block(kind, rows, lanes, transient, found, arithmetic, block) -> tasks`` as in
+        :func:`grazing.maps.ensemble.ensemble_tasks`; held to ``step`` by :func:`grazing.testing.check_map`.
     name : str, optional
         Shown in messages and figures.
     escape : float
@@ -67,6 +81,8 @@ class Map:
         *numerical*.
     source : callable, optional
         ``source(params) -> Map`` makes the map again from the model behind it, which checks ranges.
+    settle : callable, optional
+        Decides a step that double precision could not decide, see :mod:`grazing.maps.settle`.
 
     Raises
     ------
@@ -101,6 +117,7 @@ class Map:
     check: Callable[..., None] | None = None
     exact: bool = True
     source: Callable[..., Map] | None = None
+    settle: Settle | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -159,18 +176,25 @@ class Map:
         Returns
         -------
         Segment
-            ``points`` (n + 1, dim), ``letters`` (n,), ``outcomes`` (n,).
+            ``points`` (n + 1, dim), ``letters`` (n,), ``outcomes`` (n,), ``near_miss``, ``slowest``, ``undecided``.
         """
         n = whole(n, "n", 0)
         start = self._start(state)
-        lanes = start.reshape(-1, 1).copy()
-        points, letters, outcomes = self.run(lanes, 0, n, records=max(n, 1))
-        return Segment(np.vstack([start, points[:, :, 0]]), letters[:, 0], outcomes[:n, 0])
+        lanes = start.reshape(1, -1, 1).copy()
+        found = self.run_columns(self._packed()[1], lanes, 0, n, records=max(n, 1), arithmetic="strict", threads=1)
+        return Segment(
+            np.vstack([start, found.points[0, :, :, 0]]),
+            found.letters[0, :, 0],
+            found.outcomes[0, :n, 0],
+            float(found.near_miss[0, 0]),
+            float(found.slowest[0, 0]),
+            int(found.undecided[0, 0]),
+        )
 
     def run(
-        self, lanes: NDArray[np.float64], transient: int, keep: int, *, records: int = 1, arithmetic: str = "strict"
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-        """Advance many orbits at once; the start of every study.
+        self, lanes: Floats, transient: int, keep: int, *, records: int = 1, arithmetic: str = "strict"
+    ) -> tuple[Floats, Ints, Ints]:
+        """Advance many orbits at once.
 
         Parameters
         ----------
@@ -186,16 +210,107 @@ class Map:
         -------
         points (keep, dim, n), letters (keep, n), outcomes (records, n)
         """
-        dimension, n = lanes.shape
-        points = np.empty((keep, dimension, n))
-        letters = np.zeros((keep, n), np.int64)
-        outcomes = np.zeros((records, n), np.int64)
-        kind, row = self._packed()
-        entry = runner(self._full_step, self.prepare, kind, dimension, arithmetic)
-        call(entry, row, lanes, transient, points, letters, outcomes, who=f"the step of {self.name}")
-        lost = ~np.isfinite(lanes).all(axis=0) & ((np.bitwise_or.reduce(outcomes, axis=0) & FATAL) == 0)
-        outcomes[-1, lost] |= DIVERGED
-        return points, letters, outcomes
+        row = self._packed()[1][None]
+        found = self.run_columns(row, lanes[None], transient, keep, records=records, arithmetic=arithmetic, threads=1)
+        return found.points[0], found.letters[0], found.outcomes[0]
+
+    def run_columns(
+        self,
+        rows: ArrayLike,
+        lanes: Floats,
+        transient: int,
+        keep: int,
+        *,
+        records: int = 1,
+        arithmetic: str = "fast",
+        algorithm: str | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Columns:
+        """Advance many orbits at many parameter values: the door through which every study enters.
+
+        Parameters
+        ----------
+        rows : array_like, shape (columns, len(params))
+            Parameter values in the order of :attr:`params`, finite and in range: studies check them, this does not.
+        lanes : ndarray of float, shape (columns, dim, n)
+            The starts; overwritten with the last states.
+        transient, keep : int
+            Steps that are thrown away, then steps that are kept.
+        records : int
+            1 folds the outcomes of an orbit into one integer; ``keep`` stores them per step.
+        arithmetic : {"fast", "strict"}
+            strict for the same bits on every machine.
+        algorithm : {"block", "scalar"}, optional
+            Whether to use the map's ``block``, where it has one. None for block in fast and scalar in strict
+            arithmetic. The two make the same decisions and agree to rounding.
+        threads : int, optional
+            None for one per processor; the result does not depend on it.
+        progress : callable, optional
+            ``progress(done, total)``, called now and then with a number of finished tasks.
+
+        Returns
+        -------
+        Columns
+            points (columns, keep, dim, n), letters (columns, keep, n), outcomes (columns, records, n), and per orbit
+            (columns, n) near_miss, slowest and undecided.
+
+        Raises
+        ------
+        InputError
+            For shapes that do not fit, or a result larger than half of the memory.
+
+        Examples
+        --------
+        >>> import grazing as gz, numpy as np
+        >>> G = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
+        >>> found = G.run_columns([[0.5, 0.1, 0.1], [0.5, 0.07, 0.1]], np.zeros((2, 1, 4)), 100, 6)
+        >>> found.letters[1, :, 0].tolist()
+        [0, 0, 1, 0, 0, 1]
+        """
+        names = tuple(self.params)
+        table = np.array(rows, np.float64, ndmin=2)
+        if table.shape[1:] != (max(len(names), 1),) or lanes.shape[:2] != (len(table), self.dimension):
+            raise InputError(
+                f"rows have shape {table.shape} and lanes {lanes.shape}; {self.name} needs (columns, {len(names)}): "
+                f"{', '.join(names)}; and (columns, {self.dimension}, n): {', '.join(self.coordinates)}"
+            )
+        transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
+        if arithmetic not in FLAGS:
+            raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
+        if algorithm not in (None, "block", "scalar"):
+            raise InputError(f"algorithm is {algorithm!r}; allowed are 'block' and 'scalar'")
+        shape = len(table), self.dimension, lanes.shape[2], keep, records
+        refuse_too_large(
+            size_of_columns(*shape),
+            f"reduce columns ({shape[0]}), starts ({shape[2]}) or keep ({keep}), or ask for the last states only (keep=0)",
+        )
+        block = algorithm == "block" or (algorithm is None and arithmetic == "fast")
+        whole_lanes = np.ascontiguousarray(lanes, np.float64)
+        starts = None if self.settle is None else whole_lanes.copy()
+
+        def run(table: Floats, lanes: Floats, transient: int, found: Columns) -> Columns:
+            run_columns(self._tasks(table, lanes, transient, found, arithmetic, block), lanes, found, threads, progress)
+            return found
+
+        def again(row: Floats, state: Floats, n: int) -> Columns:
+            return run(row[None], state.reshape(1, -1, 1).copy(), 0, empty_columns(1, self.dimension, 1, n, n))
+
+        found = run(table, whole_lanes, transient, empty_columns(*shape))
+        if self.settle is not None and starts is not None and found.undecided.any():
+            settle_orbits(table, starts, whole_lanes, transient, found, self.settle, again)
+        if whole_lanes is not lanes:
+            lanes[...] = whole_lanes
+        return found
+
+    def _tasks(
+        self, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
+    ) -> list[Task]:
+        kind = parameter_tuple(tuple(self.params))
+        if self.block is not None:
+            return self.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
+        steps = self._full_step, self.prepare, kind
+        return step_tasks(*steps, rows, lanes, transient, found, arithmetic, f"the step of {self.name}")
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:
         """Return the Jacobian of one step, shape (dim, dim).

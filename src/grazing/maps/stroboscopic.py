@@ -3,116 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
+from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
-from grazing.oscillator.constants import Constants, constants_of, forcing, section_phase
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
-from grazing.oscillator.flight import modes
+from grazing.maps.period import period_of
+from grazing.maps.settle import Settled
+from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
-from grazing.outcome import (
-    AMBIGUOUS,
-    BAD_LAW,
-    CHATTER,
-    DIVERGED,
-    GRAZE,
-    INSIDE_WALL,
-    OK,
-    TOO_MANY_IMPACTS,
-    TOO_MANY_SWINGS,
-    InputError,
-)
-
-#: Impacts in one period after which the step gives up by name.
-MAX_IMPACTS = 10_000
-INFINITY = float("inf")
-NAN = float("nan")
-
-
-def saltation(t: float, v: float, w: float, slope: float, c: Constants) -> tuple[float, float, float, float]:
-    """Return the saltation matrix of an impact at t with velocities v < 0 and w; undefined (NaN) at v = 0.
-
-    S = [[w/v, 0], [(a_plus - g' a_minus)/v, g']] with a = F - alpha v; det S = g' w/v.
-    """
-    if v == 0.0:
-        return NAN, NAN, NAN, NAN
-    F, _dF = forcing(t, c)
-    return w / v, 0.0, ((F - c.alpha * w) - slope * (F - c.alpha * v)) / v, slope
-
-
-def product(
-    a: tuple[float, float, float, float], b: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
-    """Return the product of two 2 x 2 matrices, row by row."""
-    return (
-        a[0] * b[0] + a[1] * b[2],
-        a[0] * b[1] + a[1] * b[3],
-        a[2] * b[0] + a[3] * b[2],
-        a[2] * b[1] + a[3] * b[3],
-    )
-
-
-@lru_cache(maxsize=256)
-def period_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any], with_tangent: bool
-) -> Callable[..., Any]:
-    """Return ``period(state, c) -> (state, letter, outcome, J)``: one period (0, T] of the oscillator.
-
-    The letter is the number of impacts, or says that chatter was completed or that the ball lay throughout. An
-    impact exactly at the end counts; the state returned is the one after it.
-    """
-    departure = departure_of(law, slope, contraction)
-
-    def period(state: Any, c: Any) -> Any:
-        u, v = state
-        J, lost = (1.0, 0.0, 0.0, 1.0), (NAN, NAN, NAN, NAN)
-        y = u - c.sigma
-        if not y >= 0.0 or not abs(v) < INFINITY:
-            return (NAN, NAN), 0, (INSIDE_WALL if y < 0.0 else OK), lost
-        if c.T > MAX_SWINGS * c.piece:
-            return (NAN, NAN), 0, TOO_MANY_SWINGS, lost
-        ball = placed(0.0, y, v, 0)
-        impacts, outcome = 0, OK
-        contact = y == 0.0 and v <= 0.0
-        smooth, chattered, lay = True, False, False
-        while True:
-            if contact:
-                arrived = ball.v
-                kind, ball, flags = departure(ball, INFINITY, c)
-                outcome |= flags
-                if flags & (BAD_LAW | DIVERGED):
-                    return (NAN, NAN), impacts, outcome, lost
-                chattered = chattered or (flags & CHATTER) != 0
-                if arrived < 0.0 or ball.v > 0.0:
-                    impacts += 1
-                if with_tangent:
-                    if kind != FLIES:
-                        J = (0.0, 0.0, 0.0, 0.0)
-                    elif arrived < 0.0:
-                        J = product(saltation(ball.t, arrived, ball.v, slope(arrived, c.p), c), J)
-                    else:  # a touch, or a kick from rest: nearby orbits do something else
-                        smooth = False
-                if kind == LIES:
-                    lay = impacts == 0
-                    break
-                if impacts > MAX_IMPACTS:
-                    return (NAN, NAN), impacts, outcome | TOO_MANY_IMPACTS, lost
-                if ball.t >= c.T:
-                    break
-            left = ball.t
-            contact, ball, flags = next_contact(ball, c)
-            outcome |= flags
-            if with_tangent:
-                J = product(modes(ball.t - left, c), J)
-            if not contact:
-                break
-        if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
-            J = lost
-        letter = CHATTER_LETTER if chattered else (STUCK_LETTER if lay else impacts)
-        return (ball.y + c.sigma, ball.v), letter, outcome, J
-
-    return period
+from grazing.outcome import CHATTER, InputError
 
 
 @lru_cache(maxsize=256)
@@ -123,10 +24,24 @@ def step_of(
     period = period_of(law, slope, contraction, False)
 
     def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = period(state, c)
+        new, letter, outcome, _J, _near, _slow = period(state, c)
         return new, letter, outcome
 
     return step
+
+
+@lru_cache(maxsize=256)
+def tangent_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return the step of the stroboscopic map with its Jacobian, for one reset law."""
+    period = period_of(law, slope, contraction, True)
+
+    def tangent(state: Any, c: Any) -> Any:
+        new, letter, outcome, J, _near, _slow = period(state, c)
+        return new, letter, outcome, J
+
+    return tangent
 
 
 def above_wall(state: Any, params: Any) -> None:
@@ -168,15 +83,25 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     def again(values: dict[str, Any]) -> Map:
         return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])
 
+    def settle(row: list[float], state: tuple[float, ...]) -> Settled | None:
+        values = dict(zip(model.params, row, strict=False))  # the phase comes last
+        proven = exact_period(model.replace(**values), (state[0], state[1]), row[-1])
+        if proven is None:
+            return None
+        letter = CHATTER_LETTER if proven.outcome & CHATTER else (STUCK_LETTER if proven.lay else proven.impacts)
+        return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
+
     return Map(
         step_of(law.law, law.slope, law.contraction),
         params={**model.params, "phase": describe_parameter("phase").check(phase)},
         coordinates=("u", "v"),
         box=((model.sigma + 1e-3 * width, model.sigma + 0.1 * width), (-0.3 * width, 0.3 * width)),
         prepare=constants_of(model.harmonics, section_phase),
-        tangent=period_of(law.law, law.slope, law.contraction, True),
+        tangent=tangent_of(law.law, law.slope, law.contraction),
+        block=partial(ensemble_tasks, model.harmonics, law),
         name="stroboscopic map",
         check=above_wall,
         exact=law.exact_slope,
         source=again,
+        settle=settle,
     )

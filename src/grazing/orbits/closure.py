@@ -257,7 +257,7 @@ def first_contact(tau: float, w: float, N: int, c: Constants) -> float:
     if w == 0.0 and window_sign(ball.i, c) < 0.0:
         return 0.0
     for period in range(N + 2):
-        hit, ball, _flags = next_contact(ball, c)
+        hit, ball, _flags, _near = next_contact(ball, c)
         if hit:
             return period * c.T + ball.t - tau
         ball = placed(0.0, ball.y, ball.v, 0)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.stroboscopic import product, saltation, stroboscopic_map
+from grazing.maps.period import product, saltation
+from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import FIRED
 from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.survey import (

@@ -170,7 +170,7 @@ def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
 
 def piece_hit(
     a: Anchor, length: float, sign: float, launch: Launch, c: Constants
-) -> tuple[bool, float, float, float, int]:
+) -> tuple[bool, float, float, float, int, float]:
     """Follow one piece of a window.
 
     Returns
@@ -179,6 +179,9 @@ def piece_hit(
     s, y, v : float
         Time from the anchor and state, at the impact or at the end of the piece.
     flags : int
+    near : float
+        Height where y/phi is lowest, for a ball that turns there in a window with F > 0 and misses the wall: for a
+        narrow miss its lowest point. Else infinity.
     """
     yb, vb = flight(length, a, c)
     end = a.t + length
@@ -186,31 +189,32 @@ def piece_hit(
     flags = AMBIGUOUS if close and end >= c.T and vb < 0.0 else OK
     if sign < 0.0:
         if yb >= 0.0:
-            return False, length, yb, vb, flags
+            return False, length, yb, vb, flags, INFINITY
         F, _dF = forcing(a.t, c)
         pull = c.alpha * a.v - F
         guess = 2.0 * a.v / pull if a.y == 0.0 and pull > 0.0 else 0.5 * length
         s, v = descent(a, 0.0, length, guess if guess < length else 0.5 * length, c)
-        return True, s, 0.0, v, flags
-    if a.v - slope_of_phi(0.0, length, c) * a.y >= 0.0:
-        return False, length, max(yb, 0.0), vb, OK
+        return True, s, 0.0, v, flags, INFINITY
+    fall = slope_of_phi(0.0, length, c) * a.y
+    if a.v - fall >= 4e-16 * (abs(a.v) + abs(fall)):
+        return False, length, max(yb, 0.0), vb, OK, INFINITY
     if close:  # the lowest point may lie beside the end: either side may be the true one
         flags = AMBIGUOUS
     if yb < 0.0:
         s, v = descent(a, 0.0, length, 0.5 * length, c)
-        return True, s, 0.0, v, flags
+        return True, s, 0.0, v, flags, INFINITY
     if vb - slope_of_phi(length, length, c) * yb < 0.0:
-        return False, length, yb, vb, flags
+        return False, length, yb, vb, flags, INFINITY
     low, y_low = lowest(a, length, c)
     close = abs(y_low) <= noise(low, a, c)[0] + carried(a.t + low, launch, c)
     flags = (AMBIGUOUS | GRAZE) if close else OK
     if y_low >= 0.0:
-        return False, length, yb, vb, flags
+        return False, length, yb, vb, flags, y_low
     s, v = descent(a, 0.0, low, 0.5 * low, c)
-    return True, s, 0.0, v, flags
+    return True, s, 0.0, v, flags, INFINITY
 
 
-def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int]:
+def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     """Fly to the first impact, or to the end of the period.
 
     Returns
@@ -219,19 +223,22 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int]:
     ball : Ball
         At the impact, with y = 0 and the incoming velocity, else at t = T.
     flags : int
+    near : float
+        The narrowest miss on the way; infinity for none.
     """
-    flags = OK
+    flags, near = OK, INFINITY
     while ball.t < c.T:
         i = window_of(ball.t, ball.i, c)
         end = min(c.edges[i + 1], ball.t + c.piece)
         a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
-        hit, s, y, v, said = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
+        hit, s, y, v, said, low = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
         flags |= said
+        near = min(near, low)
         error_y, error_v = noise(s, a, c)
         ball = Ball(min(ball.t + s, c.T) if hit else end, y, v, i, error_y, error_v, ball.launch)
         if hit or (y == 0.0 and v < 0.0):  # the second is an impact exactly at the edge
-            return True, ball, flags
-    return False, ball, flags
+            return True, ball, flags, near
+    return False, ball, flags, near
 
 
 def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float, c: Constants) -> bool:
@@ -241,7 +248,7 @@ def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float
     returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence.
     """
     F, _dF = forcing(t, c)
-    if ratio >= 1.0 or F >= 0.0:
+    if not 0.0 < ratio < 1.0 or F >= 0.0:  # ratio 0 is one impact and a dead stop
         return False
     e = max(4.0 * w / (-F * (1.0 - ratio)), 1e-16 * c.T)
     while t + e <= end:
@@ -305,7 +312,15 @@ def departure_of(
         end = c.edges[i + 1]
         if w > 0.0:
             ratio, speed = contraction(c.p)
-            if w > patience or not chatter_completes(t, w, end, ratio, speed, c):
+            completes = w <= patience and chatter_completes(t, w, end, ratio, speed, c)
+            if w <= patience and 0.0 < ratio < 1.0:
+                # the same question with all the errors of this departure, one way and the other
+                late, off = launch.late, launch.off
+                if chatter_completes(t + late, w + off, end, ratio, speed, c) != chatter_completes(
+                    t - late, max(w - off, 0.5 * w), end, ratio, speed, c
+                ):
+                    flags |= AMBIGUOUS
+            if not completes:
                 return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
             flags |= CHATTER
         flags |= STUCK

@@ -71,7 +71,7 @@ def recorder_of(
             count += 1
             hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
             if not hit:
-                hit, ball, flags = next_contact(ball, c)
+                hit, ball, flags, _near = next_contact(ball, c)
             leg[4] = ball.t
             if hit:
                 arrived = ball.v
@@ -147,7 +147,7 @@ def flown_legs(
         if impacts > limit:
             raise InputError(
                 f"more than {limit} impacts up to t = {start + now[0] * model.period + now[1]:g}; "
-                "choose an earlier end, r < 1 or a larger V"
+                "choose an earlier end, r < 1 or a larger V, or declare the contraction of your law"
             )
     return np.concatenate(tables)
 
@@ -177,7 +177,7 @@ def trajectory(
     xarray.Dataset
         ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``trust``, one word:
         *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or *ambiguous*. Chatter is
-        listed down to 1e-6 of its first speed and then completed.
+        listed down to 1e-6 of the fastest departure since the last strobe or rest and then completed.
 
     Raises
     ------

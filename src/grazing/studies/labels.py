@@ -81,6 +81,15 @@ def trust_attributes() -> Attributes:
     }
 
 
+def nearness_attributes() -> dict[str, Attributes]:
+    """Return the attributes of how near an orbit came to being another one."""
+    return {
+        "near_miss": {"long_name": "height of the narrowest miss of the wall, infinity for none", "units": "1"},
+        "slowest": {"long_name": "speed of the slowest impact, infinity for none", "units": "1"},
+        "undecided": {"long_name": "steps with a decision that could not be made for certain", "units": "1"},
+    }
+
+
 def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
     """Return the attributes of a whole result.
 

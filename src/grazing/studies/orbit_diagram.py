@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import FLAGS
+from grazing.maps.columns import Columns
 from grazing.maps.map import Map
+from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.parameter import unknown, whole
 from grazing.studies import labels
-from grazing.studies.cells import Progress, refuse_too_large, run_cells
-from grazing.studies.classify import FLOOR, TOLERANCE, Classified, classify
+from grazing.studies.cells import Progress, run_cells
+from grazing.studies.classify import FLOOR, TOLERANCE, classify
 from grazing.studies.starts import checked_box, checked_seed, checked_starts, random_starts
 
 if TYPE_CHECKING:
@@ -23,7 +25,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 #: Names of variables and dimensions, which neither the parameter nor a coordinate may have.
-TAKEN = ("start", "n", "letter", "period", "word", "outcome", "trust")
+TAKEN = ("start", "n", "letter", "period", "word", "outcome", "trust", "near_miss", "slowest", "undecided")
+#: How near each orbit came to being another one, see :class:`grazing.maps.columns.Columns`.
+NEARNESS = ("near_miss", "slowest", "undecided")
+#: Orbits that are computed together.
+TOGETHER = 512
 
 
 def orbit_diagram(
@@ -71,7 +77,7 @@ def orbit_diagram(
         On the dimensions (name, "start", "n"): one variable per coordinate, and ``letter``, of the step to the
         point. On (name, "start"): ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word`` (text),
         ``outcome`` (bits of :class:`grazing.Outcome`, transient included) and ``trust`` (0 certified, 1 numerical,
-        2 ambiguous). Periods up to keep/2 can be seen; the rule is in :mod:`grazing.studies.classify`.
+        2 ambiguous); ``near_miss``, ``slowest`` and ``undecided``, see :class:`grazing.maps.columns.Columns`. Periods up to keep/2 can be seen; the rule is in :mod:`grazing.studies.classify`.
 
     Raises
     ------
@@ -92,15 +98,28 @@ def orbit_diagram(
     arrays = _empty(plan)
     words: list[NDArray[np.str_]] = [np.empty(0, np.str_)] * len(plan.maps)
 
-    def cell(i: int) -> None:
-        points, letters, outcome, found = _orbits(plan, i)
-        for j, coordinate in enumerate(P.coordinates):
-            arrays[coordinate][i] = points[:, j].T
-        arrays["letter"][i] = letters.T
-        arrays["outcome"][i] = outcome
-        arrays["period"][i], words[i], arrays["trust"][i] = found
+    together = max(1, TOGETHER // plan.lanes)
 
-    run_cells(cell, len(plan.maps), threads, progress)
+    def tile(k: int) -> None:
+        first = k * together
+        found = _orbits(plan, first, min(first + together, len(plan.maps)))
+        for q in range(len(found.points)):
+            i = first + q
+            for j, coordinate in enumerate(P.coordinates):
+                arrays[coordinate][i] = found.points[q, :, j].T
+            arrays["letter"][i] = found.letters[q].T
+            arrays["outcome"][i] = outcome = found.outcomes[q, 0]
+            arrays["period"][i], words[i], arrays["trust"][i] = classify(
+                plan.maps[i], found.points[q], found.letters[q], outcome
+            )
+            for name in NEARNESS:
+                arrays[name][i] = getattr(found, name)[q]
+
+    def finished(done: int, _total: int) -> None:
+        if progress is not None:
+            progress(min(done * together, len(plan.maps)), len(plan.maps))
+
+    run_cells(tile, -(-len(plan.maps) // together), threads, finished)
     return _labelled(plan, arrays | {"word": np.array(words)})
 
 
@@ -155,8 +174,8 @@ def _checked(
         arithmetic,
         None if box is None else checked_box(box, P.coordinates),
     )
-    size = len(grid) * plan.lanes * (plan.keep * (8 * P.dimension + 4) + 64)
-    refuse_too_large(size, f"values ({len(grid)}), starts ({plan.lanes}) or keep ({plan.keep})")
+    size = len(grid) * plan.lanes * (plan.keep * (8 * P.dimension + 4) + 96)
+    refuse_too_large(size, f"reduce values ({len(grid)}), starts ({plan.lanes}) or keep ({plan.keep})")
     maps = [P.replace(**{name: value}) for value in grid.tolist()]
     if P.check is not None and not isinstance(plan.starts, int):
         for at in maps:
@@ -179,15 +198,16 @@ def _checked_values(name: str, values: ArrayLike) -> Floats:
     return grid
 
 
-def _orbits(plan: _Plan, i: int) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Classified]:
-    """Compute one cell: points (keep, dim, n), letters (keep, n), outcome (n,) and the classes."""
-    P = plan.maps[i]
+def _orbits(plan: _Plan, first: int, last: int) -> Columns:
+    """Compute the cells from first to last."""
+    maps = plan.maps[first:last]
     if isinstance(plan.starts, int):
-        lanes = random_starts(plan.seed, (plan.values[i],), plan.starts, plan.box or P.box)
+        cells = zip(plan.values[first:last], maps, strict=True)
+        lanes = np.stack([random_starts(plan.seed, (x,), plan.starts, plan.box or P.box) for x, P in cells])
     else:
-        lanes = plan.starts.T.copy()  # it is overwritten, and every cell needs its own
-    points, letters, outcomes = P.run(lanes, plan.transient, plan.keep, arithmetic=plan.arithmetic)
-    return points, letters, outcomes[0], classify(P, points, letters, outcomes[0])
+        lanes = np.tile(plan.starts.T, (len(maps), 1, 1))  # they are overwritten, and every cell needs its own
+    rows = np.array([list(P.params.values()) for P in maps])
+    return plan.P.run_columns(rows, lanes, plan.transient, plan.keep, arithmetic=plan.arithmetic, threads=1)
 
 
 def _empty(plan: _Plan) -> dict[str, Any]:
@@ -195,6 +215,7 @@ def _empty(plan: _Plan) -> dict[str, Any]:
     arrays: dict[str, Any] = {coordinate: np.empty((*shape, plan.keep)) for coordinate in plan.P.coordinates}
     arrays["letter"] = np.empty((*shape, plan.keep), np.int32)
     kinds = {"period": np.int32, "outcome": np.int32, "trust": np.int8}
+    kinds |= {"near_miss": np.float64, "slowest": np.float64, "undecided": np.int32}
     return arrays | {name: np.empty(shape, kind) for name, kind in kinds.items()}
 
 
@@ -208,6 +229,7 @@ def _labelled(plan: _Plan, arrays: dict[str, Any]) -> xr.Dataset:
         "word": labels.word_attributes(),
         "outcome": labels.outcome_attributes(),
         "trust": labels.trust_attributes(),
+        **labels.nearness_attributes(),
     }
     dims = (plan.name, "start", "n")
     data = {name: (dims[: arrays[name].ndim], arrays[name], attributes[name]) for name in attributes}

@@ -1,0 +1,68 @@
+"""Run tasks on threads: scattered, because neighbours cost alike, and stopped within one tile of work."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from threading import Event
+from typing import Any
+
+import numpy as np
+
+from grazing.kernel.random import mixed
+from grazing.parameter import whole
+
+Progress = Callable[[int, int], Any]
+#: A task does its work tile by tile, each well under 0.2 s, and yields after every tile.
+Task = Callable[[], Iterator[None]]
+
+
+def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progress | None = None) -> None:
+    """Run every task once, in a scattered order, on threads.
+
+    Compiled kernels let go of Python's lock, so that threads share the machine. An exception, or Ctrl-C, stops the
+    work after the tiles that are running.
+
+    Parameters
+    ----------
+    tasks : sequence of callable
+        Each must depend on no other.
+    threads : int, optional
+        None for one per processor.
+    progress : callable, optional
+        ``progress(done, total)``, called from the calling thread.
+
+    Raises
+    ------
+    InputError
+        For threads that are not a whole number >= 1.
+    """
+    workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
+    order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64)))
+    if workers == 1 or len(tasks) == 1:
+        for done, i in enumerate(order, start=1):
+            for _tile in tasks[i]():
+                pass
+            if progress is not None:
+                progress(done, len(tasks))
+        return
+    stop = Event()
+
+    def work(task: Task) -> None:
+        for _tile in task():
+            if stop.is_set():
+                return
+
+    pool = ThreadPoolExecutor(max_workers=min(workers, len(tasks)), thread_name_prefix="grazing")
+    try:
+        pending = {pool.submit(work, tasks[i]) for i in order}
+        while pending:
+            finished, pending = wait(pending, timeout=0.1, return_when=FIRST_EXCEPTION)
+            for one in finished:
+                one.result()
+            if progress is not None and finished:
+                progress(len(tasks) - len(pending), len(tasks))
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)

@@ -1,0 +1,51 @@
+"""Random numbers from a counter: a hash of their place, so that no order of work can change them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_FIRST = np.uint64(0xBF58476D1CE4E5B9)
+_SECOND = np.uint64(0x94D049BB133111EB)
+
+Words = NDArray[np.uint64]
+
+
+def mixed(z: Words) -> Words:
+    """Return the finaliser of SplitMix64, a bijection of 64 bits in which every input bit moves every output bit.
+
+    References
+    ----------
+    Steele, Lea and Flood, OOPSLA 2014, 453-472.
+    """
+    z = z + _GOLDEN
+    z = (z ^ (z >> np.uint64(30))) * _FIRST
+    z = (z ^ (z >> np.uint64(27))) * _SECOND
+    return z ^ (z >> np.uint64(31))
+
+
+def uniform(seed: int, cell: Sequence[float], lanes: int, dimension: int) -> NDArray[np.float64]:
+    """Return numbers in [0, 1), shape (lanes, dimension).
+
+    Parameters
+    ----------
+    seed : int
+        0 <= seed < 2^64.
+    cell : sequence of float
+        The parameter values that name the cell.
+    lanes, dimension : int
+
+    Examples
+    --------
+    >>> bool((uniform(1, (0.5,), 10, 2)[:4] == uniform(1, (0.5,), 4, 2)).all())
+    True
+    """
+    key = mixed(np.array([seed], np.uint64))
+    for bits in (np.asarray(cell, np.float64) + 0.0).view(np.uint64):  # + 0.0: -0 and 0 are one value
+        key = mixed(key ^ mixed(np.array([bits])))
+    lane = mixed(key[:, None] ^ mixed(np.arange(lanes, dtype=np.uint64))[:, None])
+    number = mixed(lane ^ mixed(np.arange(dimension, dtype=np.uint64) ^ _GOLDEN))
+    return (number >> np.uint64(11)).astype(np.float64) * 2.0**-53

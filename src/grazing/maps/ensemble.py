@@ -1,0 +1,429 @@
+"""Ensembles of oscillators: many starts at many parameter values, one kernel for every reset law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import address, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.kernel.pool import Task
+from grazing.kernel.primitives import at, called, called_for_all
+from grazing.maps.columns import Columns
+from grazing.maps.period import period_of
+from grazing.oscillator.block import (
+    AFTER,
+    BEFORE,
+    C1,
+    C2,
+    COLUMN,
+    DOUBT,
+    EVENT,
+    FREE,
+    HALF,
+    LANES,
+    LOW,
+    NEAR,
+    NEXT,
+    NONE,
+    NOTHING,
+    PROVEN,
+    SINCE,
+    SLOW,
+    SPARE,
+    T1,
+    T2,
+    TD,
+    TW,
+    WHEN,
+    WIDTH,
+    X1,
+    X2,
+    certify,
+    certify_rest,
+    dip_of,
+    first_event,
+    first_events,
+    gathered,
+    kick,
+    solve_of,
+    spread_constants,
+    strike_of,
+    workspace_size,
+)  # fmt: skip
+from grazing.oscillator.cells import BAND, ONWARD, PAIR, STATE, fill_table, table_size
+from grazing.oscillator.constants import HEAD, constants_of, section_phase
+from grazing.oscillator.reset import Reset
+from grazing.outcome import AMBIGUOUS
+from grazing.parameter import parameter_tuple
+
+Floats = NDArray[np.float64]
+INFINITY = float("inf")
+#: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
+LAW = ("ratio", "speed", "law", "slope", "row")
+
+
+def pointed_law(v: float, p: Any) -> float:
+    """Call the reset law by its address."""
+    return called(p.law, v, p.row)
+
+
+def pointed_slope(v: float, p: Any) -> float:
+    """Call the slope of the reset law by its address."""
+    return called(p.slope, v, p.row)
+
+
+def pointed_contraction(p: Any) -> tuple[float, float]:
+    """Return what is known of the law near zero speed."""
+    return p.ratio, p.speed
+
+
+@lru_cache(maxsize=64)
+def flight_fields(harmonics: int) -> tuple[str, ...]:
+    """Return the names of the numbers that a flight needs, without those of a reset law."""
+    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
+    return (*HEAD, *waves, "sigma", "phase", *LAW)
+
+
+@lru_cache(maxsize=128)
+def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
+    """Compile the kernel: once for a number of harmonics and an arithmetic, whatever the law.
+
+    Parameters
+    ----------
+    harmonics : int
+        At least 1.
+    arithmetic : {"strict", "fast"}
+
+    Returns
+    -------
+    callable
+        ``run(rows, strike, law_rows, job, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are the
+        numbers of :func:`flight_fields`, column after column; ``strike`` and ``law_rows`` the addresses of
+        :func:`strike_of` and of its numbers. ``job``: columns from, to; starts from, to; whether to use the block;
+        whether ``lanes`` (columns, 2, starts) hold states at the beginning and shall hold them at the end, else the
+        pairs of :mod:`grazing.oscillator.cells`; periods to pass over; those to keep from, to. Results are as in
+        :class:`grazing.maps.columns.Columns`.
+    """
+    fields = len(flight_fields(harmonics))
+    unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
+    prepare = constants_of(harmonics, section_phase)
+    period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
+    solve, dip = solve_of(harmonics), dip_of(harmonics)
+    size, work = table_size(harmonics), workspace_size(harmonics)
+
+    def constants_at(rows: Any, q: int) -> Any:
+        return prepare(unpack(rows, q * fields))
+
+    def fly(w: Any, start: int, end: int, c: Any, wanted: Any, hits: Any, flags: Any) -> None:
+        """Take the wanted orbits through one period by the scalar routine; states are in LOW and SPARE."""
+        for i in range(start, end):
+            if wanted[i]:
+                state, letter, outcome, _J, near, slow = period((w[LOW + i], w[SPARE + i]), c)
+                w[LOW + i], w[SPARE + i] = state
+                w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
+                hits[i], flags[i] = letter, outcome
+
+    def first_places(
+        w: Any, t: Any, columns: int, seg: Any, who: Any, row: Any, cell: Any, met: Any, wanted: Any, needy: Any
+    ) -> int:
+        """Gather the first impacts of the orbits that the certificate did not settle."""
+        places = 0
+        for q in range(columns):
+            for k in range(seg[q], seg[q + 1]):
+                i = who[k]
+                w[at(T1 + k)], w[at(T2 + k)] = w[at(C1 + i)], w[at(C2 + i)]
+                w[at(TD + k)] = w[at(LOW + i)] - w[at(SPARE + i)]
+            first_events(w, seg[q], seg[q + 1], t, q)
+            for k in range(seg[q], seg[q + 1]):
+                i = who[k]
+                event = w[at(EVENT + k)]
+                if event == NOTHING:
+                    continue
+                if event == 0.0:
+                    wanted[i] = 1
+                    needy[q] += 1
+                    continue
+                found = int(event)
+                inside = (found - 1) >> 1
+                gathered(w, places, t, q, inside, harmonics)
+                w[at(X1 + places)], w[at(X2 + places)], w[at(DOUBT + places)] = (
+                    w[at(T1 + k)],
+                    w[at(T2 + k)],
+                    w[at(TD + k)],
+                )
+                w[at(SINCE + places)] = -w[at(HALF + places)]
+                w[at(NEXT + places)] = 2.0 * inside + 2.0
+                who[places], row[places], cell[places], met[places] = i, found, inside, 0
+                places += 1
+        return places
+
+    def impacts(
+        w: Any, low: Any, t: Any, places: int, who: Any, column: Any, row: Any, cell: Any, met: Any, hits: Any,
+        wanted: Any, needy: Any, strike: float, law_rows: float,
+    ) -> None:  # fmt: skip
+        """Take the orbits with impacts at hand through the period, all their next impacts together, ..."""
+        count = 0
+        while places > 0:
+            spread_constants(w, places, t)
+            solve(w, places)
+            called_for_all(strike, w, 0, places, law_rows)
+            kick(w, places)
+            certify_rest(w, places, t)
+            count, dips = 0, 0
+            for k in range(places):
+                i = who[k]
+                if w[at(PROVEN + k)] > 0.0:
+                    w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
+                    if w[at(FREE + k)] > 0.0:
+                        w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
+                        hits[i] = met[k] + 1
+                        continue
+                    w[at(T1 + count)], w[at(T2 + count)], w[at(TD + count)] = (
+                        w[at(X1 + k)],
+                        w[at(X2 + k)],
+                        w[at(DOUBT + k)],
+                    )
+                    w[at(TW + count)] = w[at(WHEN + k)]
+                    inside = cell[k]
+                    who[count], column[count], row[count], cell[count] = (
+                        i,
+                        int(w[at(COLUMN + k)]),
+                        2 * inside + 2,
+                        inside,
+                    )
+                    met[count] = met[k] + 1
+                    count += 1
+                elif row[k] % 2 == 1:
+                    for j in range(X1, work, WIDTH):
+                        low[at(j + dips)] = w[at(j + k)]
+                    low[at(T1 + dips)], low[at(T2 + dips)] = float(i), float(row[k])
+                    low[at(TD + dips)] = float(met[k])
+                    dips += 1
+                else:
+                    wanted[i] = 1
+                    needy[int(w[at(COLUMN + k)])] += 1
+            if dips > 0:
+                dip(low, dips)
+            for k in range(dips):
+                i, q = int(low[at(T1 + k)]), int(low[at(COLUMN + k)])
+                if low[at(PROVEN + k)] > 0.0:
+                    w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
+                    w[at(T1 + count)], w[at(T2 + count)] = low[at(X1 + k)], low[at(X2 + k)]
+                    w[at(TD + count)], w[at(TW + count)] = low[at(DOUBT + k)], 0.0
+                    who[count], column[count], row[count], cell[count] = i, q, int(low[at(T2 + k)]) + 1, -1
+                    met[count] = int(low[at(TD + k)])
+                    count += 1
+                else:
+                    wanted[i] = 1
+                    needy[q] += 1
+            places = 0
+            for k in range(count):
+                i, q = who[k], column[k]
+                x, y, doubt = w[at(T1 + k)], w[at(T2 + k)], w[at(TD + k)]
+                found = first_event(t, q, x, y, doubt, row[k])
+                if found == NONE:
+                    w[C1 + i], w[C2 + i] = x, y
+                    hits[i] = met[k]
+                    continue
+                inside = (found - 1) >> 1
+                gathered(w, places, t, q, inside, harmonics)
+                w[at(X1 + places)], w[at(X2 + places)], w[at(DOUBT + places)] = x, y, doubt
+                w[at(SINCE + places)] = w[at(TW + k)] if inside == cell[k] else -w[at(HALF + places)]
+                w[at(NEXT + places)] = 2.0 * inside + 2.0
+                who[places], row[places], cell[places], met[places] = i, found, inside, met[k]
+                places += 1
+
+    def onward(w: Any, start: int, end: int, t: Any, q: int) -> None:
+        """Take the pairs of column q over to the next period."""
+        start = max(start, 0)
+        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
+        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
+        for i in range(start, end):
+            x, y = w[at(C1 + i)], w[at(C2 + i)]
+            w[at(C1 + i)] = a00 * x + (a01 * y + s0)
+            w[at(C2 + i)] = a10 * x + (a11 * y + s1)
+
+    def run(
+        rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
+        near: Any, slow: Any, undecided: Any,
+    ) -> None:  # fmt: skip
+        top, bottom, left, right, blocks, begins, ends, transient, start, stop = job
+        columns, starts = bottom - top, right - left
+        last = outcomes.shape[1] - 1
+        t = np.empty((columns, size))
+        tabled = np.zeros(columns, np.int64)
+        w, low = np.zeros(work), np.zeros(work)
+        who, column, row = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
+        seg = np.zeros(columns + 1, np.int64)
+        for q in range(columns):
+            c = constants_at(rows, top + q)
+            tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
+            for j in range(starts):
+                i = q * starts + j
+                x, y = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
+                if begins and tabled[q]:
+                    x, y = pair_of(x, y, t, q)
+                w[C1 + i], w[C2 + i], w[NEAR + i], w[SLOW + i] = x, y, INFINITY, INFINITY
+        for n in range(transient + stop - start):
+            count = 0
+            for q in range(columns):
+                first = q * starts
+                seg[q] = count
+                needy[q] = 0
+                if n >= transient or not tabled[q]:
+                    for i in range(first, first + starts):
+                        hits[i] = 0
+                if not tabled[q]:
+                    continue
+                certify(w, first, first + starts, t, q)
+                for i in range(first, first + starts):
+                    who[at(count)] = i
+                    count += 0 if w[at(SPARE + i)] > 0.0 else 1
+            seg[columns] = count
+            places = first_places(w, t, columns, seg, who, row, cell, met, wanted, needy)
+            impacts(w, low, t, places, who, column, row, cell, met, hits, wanted, needy, strike, law_rows)
+            kept = n - transient + start if n >= transient else -1
+            record = min(max(kept, 0), last)
+            for q in range(columns):
+                first = q * starts
+                if tabled[q] and needy[q]:
+                    for i in range(first, first + starts):
+                        if wanted[i]:
+                            w[LOW + i], w[SPARE + i] = state_of(w[C1 + i], w[C2 + i], t, q)
+                elif not tabled[q]:
+                    for i in range(first, first + starts):
+                        wanted[i] = 1
+                        w[LOW + i], w[SPARE + i] = w[C1 + i], w[C2 + i]
+                if tabled[q]:
+                    onward(w, first, first + starts, t, q)
+                if needy[q] or not tabled[q]:
+                    fly(w, first, first + starts, constants_at(rows, top + q), wanted, hits, flags)
+                    for i in range(first, first + starts):
+                        if wanted[i]:
+                            j = left + i - first
+                            outcomes[top + q, record, j] |= flags[i]
+                            undecided[top + q, j] += 1 if flags[i] & AMBIGUOUS else 0
+                            x, y = w[LOW + i], w[SPARE + i]
+                            if tabled[q]:
+                                x, y = pair_of(x, y, t, q)
+                            w[C1 + i], w[C2 + i] = x, y
+                            wanted[i] = 0
+                if kept >= 0:
+                    u0, u1, u2, v0, v1, v2 = 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+                    if tabled[q]:
+                        u0, u1, u2 = t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
+                        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
+                    for j in range(starts):
+                        x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+                        points[top + q, kept, 0, left + j] = u0 + (u1 * x + u2 * y)
+                        points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
+                        letters[top + q, kept, left + j] = hits[first + j]
+        for q in range(columns):
+            for j in range(starts):
+                i = q * starts + j
+                x, y = w[C1 + i], w[C2 + i]
+                if ends and tabled[q]:
+                    x, y = state_of(x, y, t, q)
+                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = x, y
+                measured = t[q, BAND] if tabled[q] else INFINITY
+                near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
+                slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
+
+    return compiled(run, arithmetic)
+
+
+def pair_of(u: float, v: float, t: Any, q: int) -> tuple[float, float]:
+    """Return the pair (c1, c2) of a state at the strobe."""
+    y, v = u - t[q, STATE], v - t[q, STATE + 3]
+    return t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
+
+
+def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
+    """Return the state at the strobe of a pair (c1, c2)."""
+    u = t[q, STATE] + (t[q, STATE + 1] * x + t[q, STATE + 2] * y)
+    return u, t[q, STATE + 3] + (t[q, STATE + 4] * x + t[q, STATE + 5] * y)
+
+
+# ---- tasks for the driver of columns
+
+#: Periods of a tile: with the orbits of a block well under 0.2 s, even where every period needs the scalar routine.
+PERIODS = 256
+
+
+@lru_cache(maxsize=256)
+def law_addresses(
+    law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
+) -> tuple[float, float, float]:
+    """Compile a reset law, its slope and its loop; return where their code lies."""
+    unpack = unpacker(kind)
+
+    def law_at(v: float, row: Any) -> float:
+        return law(v, unpack(row))
+
+    def slope_at(v: float, row: Any) -> float:
+        return slope(v, unpack(row))
+
+    strike = strike_of(law, unpack, len(kind._fields))  # type: ignore[attr-defined]
+    who = f"the reset law {name}"
+    return (
+        address(law_at, "value", arithmetic, who),
+        address(slope_at, "value", arithmetic, who),
+        address(strike, "sweep", arithmetic, who),
+    )
+
+
+def ensemble_tasks(
+    harmonics: int, law: Reset, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns,
+    arithmetic: str, block: bool,
+) -> list[Task]:  # fmt: skip
+    """Return tasks that take the oscillators of many columns through their periods.
+
+    Parameters
+    ----------
+    harmonics : int
+        Of the model.
+    law : Reset
+        Its reset law.
+    kind : type
+        The named tuple of the map's parameters: those of the flight, of the law, and the phase.
+    rows : ndarray, shape (columns, parameters)
+    lanes : ndarray, shape (columns, 2, starts)
+        The starts; overwritten with the last states.
+    transient : int
+    found : Columns
+        To be filled.
+    arithmetic : {"strict", "fast"}
+    block : bool
+        Whether to use the block kernel; else every period goes through the scalar routine.
+    """
+    rows = np.ascontiguousarray(rows)
+    law_at, slope_at, strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
+    flight = len(HEAD) + 2 * harmonics + 1
+    known = np.array([law.contraction(kind(*row)) for row in rows.tolist()], np.float64)
+    where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
+    flat = np.ascontiguousarray(np.hstack([rows[:, :flight], rows[:, -1:], known, here])).ravel()
+    entry = ensemble(harmonics, arithmetic)
+    starts, keep = lanes.shape[2], found.points.shape[1]
+    shape = max(1, LANES // starts), min(starts, LANES)
+
+    def task(top: int, left: int) -> Iterator[None]:
+        box = top, min(top + shape[0], len(rows)), left, min(left + shape[1], starts)
+        for n in range(0, max(transient + keep, 1), PERIODS):
+            end = min(n + PERIODS, transient + keep)
+            passed = max(0, min(end, transient) - n)
+            job = (
+                *box, int(block), int(n == 0), int(end == transient + keep), passed,
+                max(n - transient, 0), max(end - transient, 0),
+            )  # fmt: skip
+            entry(flat, strike, float(where[top]), job, lanes, *found)
+            yield
+
+    return [partial(task, q, i) for q in range(0, len(rows), shape[0]) for i in range(0, starts, shape[1])]

@@ -1,0 +1,99 @@
+"""Decide in ball arithmetic what double precision could not, and follow the orbit on from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.columns import Columns
+from grazing.outcome import AMBIGUOUS
+
+#: Steps that one run settles; beyond, what is ambiguous stays so.
+LIMIT = 1000
+
+Floats = NDArray[np.float64]
+
+
+class Settled(NamedTuple):
+    """A step whose decisions are proven: next state, letter, outcome, narrowest miss, slowest impact."""
+
+    state: tuple[float, ...]
+    letter: int
+    outcome: int
+    near_miss: float
+    slowest: float
+
+
+#: ``settle(row, state)``: the step at the parameter values ``row``; None where no precision decides.
+Settle = Callable[[list[float], tuple[float, ...]], Settled | None]
+#: ``again(row, state, n)``: the orbit of one start by the same algorithm, with one record a step.
+Again = Callable[[Floats, Floats, int], Columns]
+
+
+def settle_orbits(
+    rows: Floats, starts: Floats, lanes: Floats, transient: int, found: Columns, settle: Settle, again: Again
+) -> None:
+    """Go once more through every orbit with an undecided step, deciding it.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (columns, parameters)
+    starts, lanes : ndarray, shape (columns, dim, n)
+        First and last states; the last ones are replaced.
+    transient : int
+    found : Columns
+        Replaced for those orbits; ``undecided`` counts what is left.
+    settle, again : callable
+    """
+    left = LIMIT
+    for q, i in np.argwhere(found.undecided > 0):
+        if left > 0:
+            left -= settle_orbit(rows[q], q, i, starts, lanes, transient, found, settle, again, left)
+
+
+def settle_orbit(
+    row: Floats, q: int, i: int, starts: Floats, lanes: Floats, transient: int, found: Columns, settle: Settle,
+    again: Again, left: int,
+) -> int:  # fmt: skip
+    """Settle one orbit; return how many steps were asked about."""
+    keep, records = found.points.shape[1], found.outcomes.shape[1]
+    state, n, total, asked, undecided = starts[q, :, i].copy(), 0, transient + keep, 0, 0
+    near, slow = np.inf, np.inf
+    found.outcomes[q, :, i] = 0
+
+    def record(n: int, point: Floats, letter: int, outcome: int) -> None:
+        kept = n - transient
+        found.outcomes[q, min(max(kept, 0), records - 1), i] |= outcome
+        if kept >= 0:
+            found.points[q, kept, :, i], found.letters[q, kept, i] = point, letter
+
+    while n < total:
+        part = again(row, state, total - n)
+        doubtful = np.flatnonzero(part.outcomes[0, :, 0] & AMBIGUOUS)
+        sure = int(doubtful[0]) if doubtful.size and asked < left else total - n
+        for j in range(sure):
+            record(n + j, part.points[0, j, :, 0], part.letters[0, j, 0], part.outcomes[0, j, 0])
+        if sure > 0:
+            near, slow = min(near, part.near_miss[0, 0]), min(slow, part.slowest[0, 0])
+            state = part.points[0, sure - 1, :, 0]
+        n += sure
+        if n == total:
+            undecided += int(np.count_nonzero(part.outcomes[0, :, 0] & AMBIGUOUS))
+            break
+        asked += 1
+        proven = settle(row.tolist(), tuple(state.tolist()))
+        if proven is None:
+            undecided += 1
+            outcome = int(part.outcomes[0, sure, 0])
+            state, letter = part.points[0, sure, :, 0], int(part.letters[0, sure, 0])
+        else:
+            state, letter, outcome = np.array(proven.state), proven.letter, proven.outcome
+            near, slow = min(near, proven.near_miss), min(slow, proven.slowest)
+        record(n, state, letter, outcome)
+        n += 1
+    lanes[q, :, i] = state
+    found.near_miss[q, i], found.slowest[q, i], found.undecided[q, i] = near, slow, undecided
+    return asked

@@ -1,0 +1,596 @@
+"""One forcing period in ball arithmetic: it decides what double precision cannot.
+
+Every number is a ball that contains the true one, and a comparison counts only where it holds for all of the ball. A
+flight is a sum of matrix exponentials: the ball under the constant force, and a ball at rest under each harmonic, obey
+small linear systems that have no singular case. Impacts are searched as in :mod:`grazing.oscillator.contact`: a piece
+of a window of one sign holds at most one, and signs on both sides of it prove it. What a precision does not decide is
+tried again with twice the bits; an exact tie, which no number of bits decides, stays undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from math import ceil, inf, isfinite, nan
+from threading import RLock
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import Reset
+from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
+from grazing.parameter import parameter_tuple
+
+if TYPE_CHECKING:
+    from flint import arb
+
+#: Bits of the midpoints, tried one after the other.
+PRECISIONS = (128, 256, 512, 1024)
+#: Forces and matrix exponentials that are evaluated at one precision; beyond, the period stays undecided.
+BUDGET = 10_000
+#: Longest period, in units of the fastest rate of the motion.
+FAR = 1e9
+#: Bits to which the state at the end must be known, so that it can be rounded.
+GOOD = 60
+#: A state that is known to within 2^-TINY and may be 0 is 0.
+TINY = 900
+#: Working precision belongs to the process, not to the thread: one period at a time.
+LOCK = RLock()
+
+Curve = Callable[["arb"], tuple["arb", "arb"]]
+
+
+class Undecided(ArithmeticError):
+    """The ball is too wide for this decision; a higher precision may do."""
+
+
+class Beyond(Exception):
+    """More digits would not help: too much work, or a law that does not take balls."""
+
+
+class Period(NamedTuple):
+    """One period: state at its end and what happened in (0, T].
+
+    ``near`` is the height of the narrowest miss and ``slow`` the speed of the slowest impact, infinity for none; both
+    are known to be above 0 where they are, but small ones only to their order of magnitude.
+    """
+
+    state: tuple[float, float]
+    impacts: int
+    lay: bool
+    outcome: int
+    near: float
+    slow: float
+
+
+class Window(NamedTuple):
+    """A stretch of the period up to ``end`` on which F has one sign; 0 if F = 0 throughout, None if not known."""
+
+    end: arb
+    sign: int | None
+
+
+def certain(x: arb) -> int:
+    """Return the sign that all of the ball has, 0 if there is none."""
+    return 1 if x > 0 else (-1 if x < 0 else 0)
+
+
+def sign(x: arb) -> int:
+    """Return the sign of the number in the ball, or raise Undecided."""
+    if x.is_zero():
+        return 0
+    known = certain(x)
+    if known == 0:
+        raise Undecided
+    return known
+
+
+class Sure:
+    """A number for reset laws: arithmetic on balls, and comparisons that are certain or raise Undecided."""
+
+    __slots__ = ("ball",)
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, x: Any) -> None:
+        from flint import arb
+
+        if isinstance(x, bool) or not isinstance(x, (int, float, arb, Sure)):
+            raise TypeError(f"{x!r} is not a number that a ball can hold")
+        self.ball: arb = x.ball if isinstance(x, Sure) else arb(x)
+
+    def __neg__(self) -> Sure:
+        return Sure(-self.ball)
+
+    def __pos__(self) -> Sure:
+        return self
+
+    def __abs__(self) -> Sure:
+        return Sure(abs(self.ball))
+
+    def __add__(self, x: Any) -> Sure:
+        return Sure(self.ball + Sure(x).ball)
+
+    def __sub__(self, x: Any) -> Sure:
+        return Sure(self.ball - Sure(x).ball)
+
+    def __mul__(self, x: Any) -> Sure:
+        return Sure(self.ball * Sure(x).ball)
+
+    def __truediv__(self, x: Any) -> Sure:
+        return Sure(self.ball / Sure(x).ball)
+
+    def __pow__(self, x: Any) -> Sure:
+        return Sure(self.ball ** Sure(x).ball)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __rsub__(self, x: Any) -> Sure:
+        return Sure(x) - self
+
+    def __rtruediv__(self, x: Any) -> Sure:
+        return Sure(x) / self
+
+    def __rpow__(self, x: Any) -> Sure:
+        return Sure(x) ** self
+
+    def compared(self, x: Any) -> int:
+        """Return the sign of the difference, or raise Undecided."""
+        return sign((self - x).ball)
+
+    def __lt__(self, x: Any) -> bool:
+        return self.compared(x) < 0
+
+    def __le__(self, x: Any) -> bool:
+        return self.compared(x) <= 0
+
+    def __gt__(self, x: Any) -> bool:
+        return self.compared(x) > 0
+
+    def __ge__(self, x: Any) -> bool:
+        return self.compared(x) >= 0
+
+    def __eq__(self, x: object) -> bool:
+        return self.compared(x) == 0
+
+    def __bool__(self) -> bool:
+        return self.compared(0) != 0
+
+
+class Motion:
+    """Forcing and free flight of one model at the working precision; counts how often they are evaluated."""
+
+    def __init__(self, model: Oscillator, phase: float) -> None:
+        from flint import arb, arb_mat
+
+        forcing = model.forcing
+        self.alpha, self.k2, self.omega = arb(model.alpha), arb(model.k) ** 2, arb(forcing.omega)
+        self.q2 = self.alpha**2 / 4 - self.k2
+        self.T = 2 * arb.pi() / self.omega
+        self.theta = self.omega * (arb(forcing.t0) + arb(phase))
+        self.level = arb(forcing.offset) - self.k2 * arb(model.sigma)
+        pairs = enumerate(zip(forcing.cos, forcing.sin, strict=True), start=1)
+        self.waves = [(j, arb(c), arb(s)) for j, (c, s) in pairs if c != 0.0 or s != 0.0]
+        rates = [j * self.omega for j, _c, _s in self.waves]
+        if not self.T * sum(rates, self.alpha + arb(model.k)) < FAR:
+            raise Beyond
+        self.still = arb_mat([[0, 1, 0], [-self.k2, -self.alpha, 1], [0, 0, 0]])
+        self.swings = [
+            arb_mat([[0, 1, 0, 0], [-self.k2, -self.alpha, 1, 0], [0, 0, 0, W], [0, 0, -W, 0]]) for W in rates
+        ]
+        self.work = 0
+
+    def count(self, work: int) -> None:
+        """Count evaluations."""
+        self.work += work
+        if self.work > BUDGET:
+            raise Beyond
+
+    def forces(self, t: arb) -> list[tuple[arb, arb]]:
+        """Return the force (a, b) of every harmonic at local time t: a acts, a' = W b, b' = -W a."""
+        self.count(1)
+        phase = self.omega * t + self.theta
+        turns = [(j * phase).sin_cos() for j, _c, _s in self.waves]
+        return [(c * x + s * y, s * x - c * y) for (_j, c, s), (y, x) in zip(self.waves, turns, strict=True)]
+
+    def taylor(self, t: arb, terms: int) -> list[arb]:
+        """Return the Taylor coefficients of F = f - k^2 sigma at local time t, the last one good for any later time."""
+        from flint import arb
+
+        total = [self.level, *([0 * self.level] * terms)]
+        for (j, c, s), (a, b) in zip(self.waves, self.forces(t), strict=True):
+            for n in range(terms):
+                total[n] += a
+                a, b = b * j * self.omega / (n + 1), -a * j * self.omega / (n + 1)
+            total[terms] += arb(0, 1) * (c * c + s * s).sqrt() * (j * self.omega) ** terms / arb(terms + 1).gamma()
+        return total
+
+    def force(self, t: arb) -> tuple[arb, arb]:
+        """Return F and dF/dt at local time t."""
+        F, dF, _rest = self.taylor(t, 2)
+        return F, dF
+
+
+class Flight:
+    """A free flight from (y, v) at local time t: the ball under a constant force, and at rest under each harmonic."""
+
+    def __init__(self, motion: Motion, t: arb, y: arb, v: arb) -> None:
+        from flint import arb_mat
+
+        self.motion, self.t, self.y, self.v = motion, t, y, v
+        self.near = inf  # height of the lowest point that was no impact
+        self.parts = [(motion.still, arb_mat([[y], [v], [motion.level]]))]
+        for swing, (a, b) in zip(motion.swings, motion.forces(t), strict=True):
+            self.parts.append((swing, arb_mat([[0], [0], [a], [b]])))
+
+    def at(self, s: arb) -> tuple[arb, arb]:
+        """Return (y, v) after time s."""
+        self.motion.count(len(self.parts))
+        y, v = 0 * s, 0 * s
+        for system, start in self.parts:
+            state = (system * s).exp() * start
+            y, v = y + state[0, 0], v + state[1, 0]
+        return y, v
+
+
+def crossing(curve: Curve, lo: arb, hi: arb, x: arb) -> arb:
+    """Return a ball around the only point in (lo, hi) where a curve passes from above 0 to below.
+
+    ``curve`` returns value and slope, ``x`` is a first guess. Newton's method kept inside a bracket only guesses;
+    the signs on both sides of the guess prove.
+    """
+    from flint import arb, ctx
+
+    left, right, x = lo.mid(), hi.mid(), x.mid()
+    step = arb(2) ** (16 - ctx.prec)
+    for _ in range(4 * ctx.prec):
+        value, slope = curve(x)
+        if value > 0:
+            left = x
+        elif value < 0:
+            right = x
+        else:
+            break
+        new = (x - value / slope).mid() if slope < 0 else left
+        if not (left < new and new < right):
+            new = ((left + right) / 2).mid()
+        done = abs(new - x) <= step * abs(x)
+        x = new
+        if done:
+            break
+    width = (step * abs(x)).mid()
+    for _ in range(ctx.prec // 4):
+        below, above = x - width, x + width
+        if not (below > lo and above < hi):
+            break
+        if curve(below)[0] > 0 and curve(above)[0] < 0:
+            return below.union(above)
+        width *= 16
+    raise Undecided
+
+
+def values(taylor: list[arb], reach: arb) -> arb:
+    """Return a ball around all values of a Taylor series within ``reach`` of its centre."""
+    from flint import arb
+
+    total = 0 * reach
+    for x in reversed(taylor[1:]):
+        total = (total + abs(x)) * reach
+    return taylor[0] + arb(0, 1) * total
+
+
+def cells(motion: Motion) -> Iterator[tuple[arb, arb, int, int]]:
+    """Cut the period [0, 1] until each cell (lo, hi) shows a sign of F or of its slope, or none even in its middle.
+
+    Yields lo, hi, the sign of F on the cell and the sign of its slope; 0 where it is not known.
+    """
+    from flint import arb
+
+    terms = min(2 * motion.waves[-1][0], 10) + 2  # as many as a zero of F has orders
+    odd = arb(0.4871939420700073)  # double zeros like simple fractions of the period; cells should not end there
+    todo = [(odd, arb(1)), (arb(0), odd)]
+    while todo:
+        lo, hi = todo.pop()
+        middle, reach = (lo + hi) / 2, motion.T * (hi - lo) / 2
+        taylor = motion.taylor(motion.T * middle, terms)
+        value = certain(values(taylor, reach))
+        slope = certain(values([n * x for n, x in enumerate(taylor)][1:], reach))
+        if value == 0 and slope != 0:  # monotone: equal signs at both ends hold between
+            ends = [certain(motion.force(motion.T * x)[0]) for x in (lo, hi)]
+            value = ends[0] if ends[0] == ends[1] else 0
+        blurred = certain(taylor[0]) == 0 and hi - lo < 1 / 64
+        if value != 0 or slope != 0 or blurred:
+            yield lo, hi, value, slope
+        else:
+            todo += [(middle, hi), (lo, middle)]
+
+
+class Run(NamedTuple):
+    """Neighbouring cells of equal sign: ends, sign or 0, and the signs of the slope that they show."""
+
+    lo: arb
+    hi: arb
+    sign: int
+    slopes: frozenset[int]
+
+
+def runs(motion: Motion) -> list[Run]:
+    """Return the cells of the period, neighbours of equal sign joined."""
+    found: list[Run] = []
+    for lo, hi, value, slope in cells(motion):
+        slopes = frozenset((slope,))
+        if found and found[-1].sign == value:
+            lo, slopes = found[-1].lo, found.pop().slopes | slopes
+        found.append(Run(lo, hi, value, slopes))
+    return found
+
+
+def signed(run: Run, left: int, right: int, motion: Motion) -> list[tuple[arb, int | None]]:
+    """Return what is known of a run without a sign, as (end, sign): ``left`` and ``right`` are the signs beside it.
+
+    A run on which F is monotone holds one zero or none. Of any other, such as a double zero or a pair of
+    zeros too close for the precision, nothing is said.
+    """
+    if len(run.slopes) > 1 or 0 in run.slopes:
+        return [(run.hi, None)]
+    (slope,) = run.slopes
+    left, right = left or slope, right or -slope  # beside a strobe where F = 0 exactly
+    if left == right:
+        return [(run.hi, left)]
+
+    def towards(x: arb) -> tuple[arb, arb]:
+        F, dF = motion.force(motion.T * x)
+        return left * F, left * motion.T * dF
+
+    return [(crossing(towards, run.lo, run.hi, (run.lo + run.hi) / 2), left), (run.hi, right)]
+
+
+def windows_of(motion: Motion) -> list[Window]:
+    """Return the windows of the period, F having one sign on each."""
+    if not motion.waves:
+        return [Window(motion.T, sign(motion.level))]
+    found = runs(motion)
+    strobe = sign(motion.force(0 * motion.T)[0]) if 0 in (found[0].sign, found[-1].sign) else 0
+    beside = [strobe, *(run.sign for run in found), strobe]
+    parts: list[tuple[arb, int | None]] = []
+    for n, run in enumerate(found):
+        parts += [(run.hi, run.sign)] if run.sign else signed(run, beside[n], beside[n + 2], motion)
+    windows: list[Window] = []
+    for end, known in parts:
+        if windows and windows[-1].sign == known:
+            windows.pop()
+        windows.append(Window(motion.T * end, known))
+    return windows
+
+
+def pieces(lo: arb, hi: arb, motion: Motion) -> Iterator[tuple[arb, arb]]:
+    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball."""
+    from flint import arb
+
+    count = 1
+    if sign(motion.q2) < 0:
+        share = float(((hi - lo) * (-motion.q2).sqrt() / (0.95 * arb.pi())).upper())
+        if not share < BUDGET:
+            raise Beyond
+        count = max(1, ceil(share))
+    ends = [lo, *(lo + (hi - lo) * n / count for n in range(1, count)), hi]
+    yield from pairwise(ends)
+
+
+def pressed_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
+    """Return the time of the impact in a piece with F < 0: there is one exactly if the ball would end below."""
+    if sign(flight.at(hi)[0]) > 0:
+        return None
+    guess = (lo + hi) / 2
+    if lo.is_zero() and flight.y.is_zero():  # a hop from the wall: first as long as under a constant force
+        hop = 2 * flight.v / (flight.motion.alpha * flight.v - flight.motion.force(flight.t)[0])
+        guess = hop if hop > lo and hop < hi else guess
+    return crossing(flight.at, lo, hi, guess)
+
+
+def lifted_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
+    """Return the time of the impact in a piece with F >= 0: there is one exactly if the lowest point is below."""
+    motion = flight.motion
+    swings = sign(motion.q2) < 0
+    spread = abs(motion.q2).sqrt()
+
+    def descent(s: arb) -> tuple[arb, arb]:
+        """Return phi' y/phi - v and its slope; y/phi falls where it is positive."""
+        slope = -motion.alpha / 2 - spread * ((spread * (s - (lo + hi) / 2)).tan() if swings else 1)
+        y, v = flight.at(s)
+        g = v - slope * y
+        return -g, (motion.alpha + slope) * g - motion.force(flight.t + s)[0]
+
+    if descent(lo)[0] <= 0:
+        return None
+    if sign(flight.at(hi)[0]) < 0:
+        return crossing(flight.at, lo, hi, (lo + hi) / 2)
+    if descent(hi)[0] >= 0:
+        return None
+    low = crossing(descent, lo, hi, (lo + hi) / 2)
+    height = flight.at(low)[0]
+    if sign(height) < 0:
+        return crossing(flight.at, lo, low, (lo + low) / 2)
+    flight.near = min(flight.near, float(height))
+    return None
+
+
+def hit(flight: Flight, lo: arb, hi: arb, window: int | None) -> arb | None:
+    """Return the time of the first impact in a piece of a window, None if there is none."""
+    if window is None:
+        if flight.at(lo.union(hi))[0] > 0:
+            return None
+        raise Undecided
+    return pressed_hit(flight, lo, hi) if window < 0 else lifted_hit(flight, lo, hi)
+
+
+def next_impact(flight: Flight, i: int, windows: list[Window]) -> tuple[arb, arb, int] | None:
+    """Return time, velocity and window of the next impact of a flight that starts in window i; None up to T."""
+    lo = 0 * flight.t
+    for n in range(i, len(windows)):
+        hi = windows[n].end - flight.t
+        for a, b in pieces(lo, hi, flight.motion):
+            s = hit(flight, a, b, windows[n].sign)
+            if s is not None:
+                v = flight.at(s)[1]
+                if not v < 0:
+                    raise Undecided
+                return flight.t + s, v, n
+        lo = hi
+    return None
+
+
+def chatter_completes(t: arb, w: arb, end: arb, ratio: float, speed: float, motion: Motion) -> bool:
+    """Return whether a ball that leaves the wall at t with w > 0 surely rests before ``end``, F < 0 up to there.
+
+    The bound of :func:`grazing.oscillator.contact.chatter_completes`, in balls.
+    """
+    F, _dF = motion.force(t)
+    if not (0.0 < ratio < 1.0 and F < 0):
+        return False
+    bend = 2 * abs(motion.taylor(t, 2)[2])
+    e = 4 * w / (-F * (1 - ratio))
+    while t + e < end:
+        Fe, _dFe = motion.force(t + e)
+        slack = bend * e * e / 8
+        m, M = (-F).min(-Fe) - slack, (-F).max(-Fe) + slack
+        if m > 0:
+            grown = (M / m).sqrt()
+            if ratio * grown < 1 and grown * w <= speed and 2 * w <= e * m * (1 - ratio * grown):
+                return True
+        e = (2 * e).mid()
+    return False
+
+
+class Wall:
+    """The contact rule of one model at the working precision."""
+
+    def __init__(self, motion: Motion, windows: list[Window], reset: Reset, params: dict[str, float]) -> None:
+        kind = parameter_tuple(tuple(params))
+        self.motion, self.windows, self.reset = motion, windows, reset
+        self.p = kind(*(Sure(x) for x in params.values()))
+        self.ratio, self.speed = reset.contraction(kind(*params.values()))
+
+    def answer(self, v: arb) -> arb | None:
+        """Return the velocity after an impact, None if the law breaks its promise."""
+        try:
+            w = self.reset.law(Sure(v), self.p)
+            if isinstance(w, float) and not isfinite(w):
+                return None
+            ball = Sure(w).ball
+        except Undecided:
+            raise
+        except Exception as error:  # the law is not ours: whatever it raises, it does not take balls
+            raise Beyond from error
+        return ball if sign(ball) >= 0 else None
+
+    def leave(self, t: arb, v: arb, i: int) -> tuple[arb, arb, int, int]:
+        """Return time, velocity and window after a contact with v <= 0 in window i, and the bits of the outcome.
+
+        A ball that lies up to T leaves in the window after the last.
+        """
+        window = self.windows[i]
+        if window.sign is None:
+            raise Undecided
+        pressed = window.sign < 0
+        if v.is_zero() and not pressed:
+            return t, v, i, OK
+        w = self.answer(v)
+        if w is not None and w.is_zero() and pressed:
+            w = self.answer(0 * t)
+        if w is None:
+            return t, v, i, BAD_LAW
+        if not pressed:
+            return t, w, i, OK
+        flags = STUCK
+        if not w.is_zero():
+            if not chatter_completes(t, w, window.end, self.ratio, self.speed, self.motion):
+                return t, w, i, OK
+            flags |= CHATTER
+        if i + 1 < len(self.windows) and self.windows[i + 1].sign is None:
+            raise Undecided
+        return window.end, 0 * t, i + 1, flags
+
+
+def rounded(x: arb, origin: float) -> float:
+    """Return origin + x as a float, or raise Undecided if x is not known well enough to be rounded."""
+    from flint import arb
+
+    if x.rel_accuracy_bits() < GOOD and not x.is_zero():
+        if not abs(x) < arb(2) ** -TINY:
+            raise Undecided
+        return origin
+    total = float(x + arb(origin))
+    if not isfinite(total):
+        raise Beyond
+    return total
+
+
+def followed(model: Oscillator, phase: float, u: float, v: float) -> Period:
+    """Return the period at the working precision, or raise Undecided or Beyond."""
+    from flint import arb
+
+    motion = Motion(model, phase)
+    windows = windows_of(motion)
+    wall = Wall(motion, windows, model.reset, {**model.params, "phase": phase})
+    t, height, speed, i = arb(0), arb(u) - arb(model.sigma), arb(v), 0
+    impacts, outcome, near, slow = 0, OK, inf, inf
+    contact = u == model.sigma and v <= 0.0
+    while True:
+        if contact:
+            arrived = speed
+            t, speed, i, flags = wall.leave(t, speed, i)
+            outcome |= flags
+            if flags & BAD_LAW:
+                return Period((nan, nan), impacts, False, outcome, near, slow)
+            if arrived < 0 or speed > 0:
+                impacts, slow = impacts + 1, min(slow, float(-arrived))
+            if i == len(windows):
+                return Period((model.sigma, 0.0), impacts, impacts == 0, outcome, near, slow)
+        flight = Flight(motion, t, height, speed)
+        found = next_impact(flight, i, windows)
+        near = min(near, flight.near)
+        if found is None:
+            y, w = (rounded(x, origin) for x, origin in zip(flight.at(motion.T - t), (model.sigma, 0.0), strict=True))
+            return Period((max(y, model.sigma), w), impacts, False, outcome, near, slow)
+        t, speed, i = found
+        height, contact = arb(0), True
+
+
+def exact_period(model: Oscillator, state: tuple[float, float], phase: float = 0.0) -> Period | None:
+    """Advance the oscillator by one period of its forcing, with every decision proved in ball arithmetic.
+
+    Parameters
+    ----------
+    model : Oscillator
+        Its parameters are taken as exact.
+    state : tuple of float
+        (u, v) at time ``phase``, u >= sigma; taken as exact.
+    phase : float
+        Time of the section, as in :func:`grazing.stroboscopic_map`.
+
+    Returns
+    -------
+    Period or None
+        What double precision would return if it could decide; the state is the true one, rounded. Never *graze*
+        or *ambiguous*. None if 1024 bits do not decide, as in an exact tie; if the work exceeds a fixed budget; if the
+        reset law is not arithmetic, comparisons and ``abs`` on its arguments; or if the state is not allowed.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> exact_period(gz.pinball(d=0.12, V=0.4), (0.1, 0.0)).impacts
+    1
+    """
+    from flint import ctx
+
+    u, v = (float(x) for x in state)
+    if not (isfinite(u) and isfinite(v) and u >= model.sigma):
+        return None
+    for bits in PRECISIONS:
+        try:
+            with LOCK, ctx.workprec(bits):
+                return followed(model, phase, u, v)
+        except Undecided:
+            continue
+        except Beyond:
+            return None
+    return None
