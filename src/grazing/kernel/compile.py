@@ -13,6 +13,7 @@ import hashlib
 import math
 import os
 import stat
+import sys
 import tempfile
 import threading
 import warnings
@@ -33,7 +34,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 #: The functions of this module have a compiled form of their own and are not compiled from their source.
 PRIMITIVES = "grazing.kernel.primitives"
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 1
+LAYOUT = 2
 
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}
@@ -45,7 +46,7 @@ def jit_disabled() -> bool:
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
-def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callable[..., Any]:
+def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce: str = "") -> Callable[..., Any]:
     """Compile a kernel and everything it calls.
 
     Parameters
@@ -55,6 +56,8 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callab
         it names are frozen at the first compilation of a process: pass what varies as a parameter.
     arithmetic : {"strict", "fast"}
         Whether ``a*b + c`` must be two rounded operations (strict) or may be contracted to one (fast).
+    announce : str
+        Said on the standard error stream before a compilation that takes seconds; kernels found on disk say nothing.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict") -> Callab
     with _lock:
         key = (function, arithmetic)
         if key not in _outer:
-            _outer[key] = _jit(function, arithmetic, entry=True)
+            _outer[key] = _jit(function, arithmetic, entry=True, announce=announce)
         return _outer[key]  # type: ignore[no-any-return]
 
 
@@ -90,8 +93,8 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     function : callable
         A plain Python function, see :func:`compiled`.
     signature : {"value", "sweep"}
-        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row)``. ``row`` and ``work`` are addresses of
-        numbers.
+        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row)``. ``row`` and ``work`` are addresses
+        of numbers.
     arithmetic : {"strict", "fast"}
     who : str
         Who is to blame if it does not compile.
@@ -132,11 +135,12 @@ def _first_sentence(error: Exception) -> str:
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     wanted = ("Untyped global", "No implementation", "Invalid use", "Unknown attribute", "NotDefined", "Unsupported")
     said = [line for line in lines if line.startswith(wanted)][:1] or lines[1:2] or lines[:1]
-    where = [line for line in lines if line.startswith("File ")][-1:]
+    files = [line for line in lines if line.startswith("File ")]
+    where = [line for line in files if "grazing" not in line][-1:] or files[-1:]
     return "; ".join(said + where) + ". Use arithmetic on floats, math functions and plain tuples only"
 
 
-def _jit(function: FunctionType, arithmetic: str, entry: bool) -> Any:
+def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "") -> Any:
     import numba
 
     content = digest(function)
@@ -151,7 +155,7 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool) -> Any:
         options["forceinline"] = True
     dispatcher = numba.njit(**options)(resolved)
     if entry:
-        _attach_cache(dispatcher, resolved, content + repr(options))
+        _attach_cache(dispatcher, resolved, content + repr(options), announce)
     return dispatcher
 
 
@@ -212,6 +216,8 @@ def digest(function: Callable[..., Any]) -> str:
 
 def _content(value: Any, above: tuple[Any, ...]) -> Any:
     """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
+    if isinstance(value, FunctionType) and value.__module__ == PRIMITIVES:
+        return ("primitive", value.__name__)  # its compiled form is not its source: LAYOUT stands for that
     if isinstance(value, FunctionType):
         if value in above:
             return value.__name__
@@ -225,8 +231,9 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
             [_content(default, below) for default in value.__defaults__ or ()],
             sorted((name, _content(default, below)) for name, default in (value.__kwdefaults__ or {}).items()),
         )
-    if isinstance(value, tuple) and not hasattr(value, "_fields"):
-        return [_content(item, above) for item in value]
+    if isinstance(value, tuple):
+        kind = (type(value).__name__, getattr(value, "_fields", ()))
+        return (kind, [_content(item, above) for item in value])
     if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
         return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
     if isinstance(value, float):
@@ -285,7 +292,7 @@ def _private_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix="grazing-"))
 
 
-def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None:
+def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announce: str) -> None:
     """Give a dispatcher a disk cache whose file name is the hash of its content.
 
     numba's own cache looks at one file's time stamp and so serves stale code after an edit in a callee.
@@ -325,9 +332,12 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str) -> None
 
         def _load_overload(self, sig: Any, target_context: Any) -> Any:
             try:
-                return super()._load_overload(sig, target_context)
+                found = super()._load_overload(sig, target_context)
             except Exception:  # a truncated or foreign file is as good as none: compile again
-                return None
+                found = None
+            if found is None and announce:
+                print(f"grazing: {announce}", file=sys.stderr, flush=True)
+            return found
 
         def _save_overload(self, sig: Any, data: Any) -> None:
             try:

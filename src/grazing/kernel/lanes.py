@@ -29,7 +29,7 @@ def put(lanes: Any, j: int, state: tuple[float, ...]) -> None:
         lanes[i, j] = state[i]
 
 
-def unpacker(kind: type) -> Callable[[Any], Any]:
+def unpacker(kind: type) -> Callable[..., Any]:
     """Return ``unpack(row, start=0)``, which turns numbers from ``start`` on into a named tuple of type ``kind``."""
     zero = (0.0,) * len(kind._fields)  # type: ignore[attr-defined]
 

@@ -24,7 +24,8 @@ Ints = NDArray[np.int64]
 class Columns(NamedTuple):
     """Orbits of a map at many parameter values, the columns.
 
-    ``points`` (columns, keep, dim, starts), ``letters`` (columns, keep, starts), ``outcomes`` (columns, records, starts).
+    ``points`` (columns, keep, dim, starts), ``letters`` (columns, keep, starts), ``outcomes`` (columns, records,
+    starts).
     How near each orbit came to being another one, (columns, starts): ``near_miss``, the height of the lowest point at
     which it did not touch the wall; ``slowest``, the speed of its slowest impact; ``undecided``, how many of its steps
     hold a decision that could not be made for certain. Infinity and 0 for maps that have no such decisions.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called, called_for_all
+from grazing.kernel.primitives import at, called, called_for_all, inlined
 from grazing.maps.columns import Columns
 from grazing.maps.period import period_of
 from grazing.oscillator.block import (
@@ -23,33 +23,27 @@ from grazing.oscillator.block import (
     COLUMN,
     DOUBT,
     EVENT,
-    FREE,
-    HALF,
     LANES,
-    LOW,
+    LIMIT,
     NEAR,
     NEXT,
-    NONE,
     NOTHING,
     PROVEN,
     SINCE,
     SLOW,
-    SPARE,
-    T1,
-    T2,
-    TD,
-    TW,
     WHEN,
     WIDTH,
     X1,
     X2,
+    U,
+    V,
+    cell_of,
     certify,
     certify_rest,
     dip_of,
-    first_event,
-    first_events,
     gathered,
     kick,
+    next_event,
     solve_of,
     spread_constants,
     strike_of,
@@ -63,6 +57,7 @@ from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
+ANNOUNCEMENT = "compiling the oscillator's kernel, about ten seconds, once on this machine"
 #: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
 LAW = ("ratio", "speed", "law", "slope", "row")
 
@@ -120,89 +115,73 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         return prepare(unpack(rows, q * fields))
 
     def fly(w: Any, start: int, end: int, c: Any, wanted: Any, hits: Any, flags: Any) -> None:
-        """Take the wanted orbits through one period by the scalar routine; states are in LOW and SPARE."""
+        """Take the wanted orbits through one period by the scalar routine; states are in U and V."""
         for i in range(start, end):
             if wanted[i]:
-                state, letter, outcome, _J, near, slow = period((w[LOW + i], w[SPARE + i]), c)
-                w[LOW + i], w[SPARE + i] = state
+                state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
+                w[U + i], w[V + i] = state
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
                 hits[i], flags[i] = letter, outcome
 
-    def first_places(
-        w: Any, t: Any, columns: int, seg: Any, who: Any, row: Any, cell: Any, met: Any, wanted: Any, needy: Any
+    @inlined
+    def placed(w: Any, to: int, t: Any, q: int, cell: int, x: float, y: float, doubt: float) -> None:
+        """Put an orbit with an impact in this cell to the impacts at hand."""
+        gathered(w, to, t, q, cell, harmonics)
+        w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
+
+    def first_impacts(
+        w: Any, t: Any, columns: int, seg: Any, who: Any, event: Any, cell: Any, met: Any, wanted: Any, needy: Any
     ) -> int:
-        """Gather the first impacts of the orbits that the certificate did not settle."""
+        """Gather the first impacts of the orbits that the certificate did not settle; return their number."""
         places = 0
         for q in range(columns):
             for k in range(seg[q], seg[q + 1]):
                 i = who[k]
-                w[at(T1 + k)], w[at(T2 + k)] = w[at(C1 + i)], w[at(C2 + i)]
-                w[at(TD + k)] = w[at(LOW + i)] - w[at(SPARE + i)]
-            first_events(w, seg[q], seg[q + 1], t, q)
-            for k in range(seg[q], seg[q + 1]):
-                i = who[k]
-                event = w[at(EVENT + k)]
-                if event == NOTHING:
-                    continue
-                if event == 0.0:
+                found = int(w[at(EVENT + i)])
+                if found == 0:  # not surely above the wall at the strobe
                     wanted[i] = 1
                     needy[q] += 1
                     continue
-                found = int(event)
-                inside = (found - 1) >> 1
-                gathered(w, places, t, q, inside, harmonics)
-                w[at(X1 + places)], w[at(X2 + places)], w[at(DOUBT + places)] = (
-                    w[at(T1 + k)],
-                    w[at(T2 + k)],
-                    w[at(TD + k)],
-                )
-                w[at(SINCE + places)] = -w[at(HALF + places)]
-                w[at(NEXT + places)] = 2.0 * inside + 2.0
-                who[places], row[places], cell[places], met[places] = i, found, inside, 0
+                x, y, doubt = w[at(C1 + i)], w[at(C2 + i)], w[at(LIMIT + i)]
+                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
+                placed(w, places, t, q, inside, x, y, doubt)
+                who[places], event[places], cell[places], met[places] = i, found, inside, 0
                 places += 1
         return places
 
     def impacts(
-        w: Any, low: Any, t: Any, places: int, who: Any, column: Any, row: Any, cell: Any, met: Any, hits: Any,
-        wanted: Any, needy: Any, strike: float, law_rows: float,
+        w: Any, low: Any, t: Any, places: int, who: Any, event: Any, cell: Any, met: Any, hits: Any, wanted: Any,
+        needy: Any, strike: float, law_rows: float,
     ) -> None:  # fmt: skip
-        """Take the orbits with impacts at hand through the period, all their next impacts together, ..."""
-        count = 0
+        """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
         while places > 0:
             spread_constants(w, places, t)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
             kick(w, places)
             certify_rest(w, places, t)
-            count, dips = 0, 0
-            for k in range(places):
+            count, dips = places, 0
+            places = 0
+            for k in range(count):
                 i = who[k]
                 if w[at(PROVEN + k)] > 0.0:
                     w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
-                    if w[at(FREE + k)] > 0.0:
+                    if w[at(NEXT + k)] == NOTHING:
                         w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
                         hits[i] = met[k] + 1
                         continue
-                    w[at(T1 + count)], w[at(T2 + count)], w[at(TD + count)] = (
-                        w[at(X1 + k)],
-                        w[at(X2 + k)],
-                        w[at(DOUBT + k)],
-                    )
-                    w[at(TW + count)] = w[at(WHEN + k)]
-                    inside = cell[k]
-                    who[count], column[count], row[count], cell[count] = (
-                        i,
-                        int(w[at(COLUMN + k)]),
-                        2 * inside + 2,
-                        inside,
-                    )
-                    met[count] = met[k] + 1
-                    count += 1
-                elif row[k] % 2 == 1:
+                    found, before, when = int(w[at(NEXT + k)]), cell[k], w[at(WHEN + k)]
+                    x, y, doubt, q = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)], int(w[at(COLUMN + k)])
+                    inside = cell_of(t, q, found, x, y, doubt, before, harmonics)
+                    placed(w, places, t, q, inside, x, y, doubt)
+                    if inside == before:
+                        w[at(SINCE + places)] = when
+                    who[places], event[places], cell[places], met[places] = i, found, inside, met[k] + 1
+                    places += 1
+                elif event[k] % 2 == 1:
                     for j in range(X1, work, WIDTH):
                         low[at(j + dips)] = w[at(j + k)]
-                    low[at(T1 + dips)], low[at(T2 + dips)] = float(i), float(row[k])
-                    low[at(TD + dips)] = float(met[k])
+                    low[at(C1 + dips)], low[at(C2 + dips)], low[at(NEAR + dips)] = float(i), float(event[k]), met[k]
                     dips += 1
                 else:
                     wanted[i] = 1
@@ -210,32 +189,22 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             if dips > 0:
                 dip(low, dips)
             for k in range(dips):
-                i, q = int(low[at(T1 + k)]), int(low[at(COLUMN + k)])
-                if low[at(PROVEN + k)] > 0.0:
-                    w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
-                    w[at(T1 + count)], w[at(T2 + count)] = low[at(X1 + k)], low[at(X2 + k)]
-                    w[at(TD + count)], w[at(TW + count)] = low[at(DOUBT + k)], 0.0
-                    who[count], column[count], row[count], cell[count] = i, q, int(low[at(T2 + k)]) + 1, -1
-                    met[count] = int(low[at(TD + k)])
-                    count += 1
-                else:
+                i, q = int(low[at(C1 + k)]), int(low[at(COLUMN + k)])
+                if not low[at(PROVEN + k)] > 0.0:
                     wanted[i] = 1
                     needy[q] += 1
-            places = 0
-            for k in range(count):
-                i, q = who[k], column[k]
-                x, y, doubt = w[at(T1 + k)], w[at(T2 + k)], w[at(TD + k)]
-                found = first_event(t, q, x, y, doubt, row[k])
-                if found == NONE:
-                    w[C1 + i], w[C2 + i] = x, y
-                    hits[i] = met[k]
                     continue
-                inside = (found - 1) >> 1
-                gathered(w, places, t, q, inside, harmonics)
-                w[at(X1 + places)], w[at(X2 + places)], w[at(DOUBT + places)] = x, y, doubt
-                w[at(SINCE + places)] = w[at(TW + k)] if inside == cell[k] else -w[at(HALF + places)]
-                w[at(NEXT + places)] = 2.0 * inside + 2.0
-                who[places], row[places], cell[places], met[places] = i, found, inside, met[k]
+                w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
+                x, y, doubt = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)]
+                found = next_event(t, q, x, y, doubt, int(low[at(C2 + k)]) + 1)
+                if found == NOTHING:
+                    w[C1 + i], w[C2 + i] = x, y
+                    hits[i] = int(low[at(NEAR + k)])
+                    continue
+                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
+                placed(w, places, t, q, inside, x, y, doubt)
+                who[places], event[places], cell[places] = i, found, inside
+                met[places] = int(low[at(NEAR + k)])
                 places += 1
 
     def onward(w: Any, start: int, end: int, t: Any, q: int) -> None:
@@ -258,7 +227,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         t = np.empty((columns, size))
         tabled = np.zeros(columns, np.int64)
         w, low = np.zeros(work), np.zeros(work)
-        who, column, row = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        who, event = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
         seg = np.zeros(columns + 1, np.int64)
@@ -285,10 +254,10 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 certify(w, first, first + starts, t, q)
                 for i in range(first, first + starts):
                     who[at(count)] = i
-                    count += 0 if w[at(SPARE + i)] > 0.0 else 1
+                    count += 1 if w[at(EVENT + i)] < NOTHING else 0
             seg[columns] = count
-            places = first_places(w, t, columns, seg, who, row, cell, met, wanted, needy)
-            impacts(w, low, t, places, who, column, row, cell, met, hits, wanted, needy, strike, law_rows)
+            places = first_impacts(w, t, columns, seg, who, event, cell, met, wanted, needy)
+            impacts(w, low, t, places, who, event, cell, met, hits, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
@@ -296,11 +265,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 if tabled[q] and needy[q]:
                     for i in range(first, first + starts):
                         if wanted[i]:
-                            w[LOW + i], w[SPARE + i] = state_of(w[C1 + i], w[C2 + i], t, q)
+                            w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
                 elif not tabled[q]:
                     for i in range(first, first + starts):
                         wanted[i] = 1
-                        w[LOW + i], w[SPARE + i] = w[C1 + i], w[C2 + i]
+                        w[U + i], w[V + i] = w[C1 + i], w[C2 + i]
                 if tabled[q]:
                     onward(w, first, first + starts, t, q)
                 if needy[q] or not tabled[q]:
@@ -310,7 +279,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             j = left + i - first
                             outcomes[top + q, record, j] |= flags[i]
                             undecided[top + q, j] += 1 if flags[i] & AMBIGUOUS else 0
-                            x, y = w[LOW + i], w[SPARE + i]
+                            x, y = w[U + i], w[V + i]
                             if tabled[q]:
                                 x, y = pair_of(x, y, t, q)
                             w[C1 + i], w[C2 + i] = x, y
@@ -336,7 +305,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
-    return compiled(run, arithmetic)
+    return compiled(run, arithmetic, announce=ANNOUNCEMENT)
 
 
 def pair_of(u: float, v: float, t: Any, q: int) -> tuple[float, float]:

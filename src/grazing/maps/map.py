@@ -16,9 +16,9 @@ from grazing.kernel.lanes import tangent_runner
 from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
-from grazing.maps.settle import Settle, settle_orbits
+from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
-from grazing.outcome import DIVERGED, FATAL, InputError, UserCodeError
+from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError
 from grazing.parameter import checked_box, checked_params, parameter_tuple, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
@@ -83,6 +83,8 @@ class Map:
         ``source(params) -> Map`` makes the map again from the model behind it, which checks ranges.
     settle : callable, optional
         Decides a step that double precision could not decide, see :mod:`grazing.maps.settle`.
+    explain : callable, optional
+        ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
 
     Raises
     ------
@@ -118,6 +120,7 @@ class Map:
     exact: bool = True
     source: Callable[..., Map] | None = None
     settle: Settle | None = None
+    explain: Explain | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -283,7 +286,7 @@ class Map:
         shape = len(table), self.dimension, lanes.shape[2], keep, records
         refuse_too_large(
             size_of_columns(*shape),
-            f"reduce columns ({shape[0]}), starts ({shape[2]}) or keep ({keep}), or ask for the last states only (keep=0)",
+            f"reduce columns ({shape[0]}), starts ({shape[2]}) or keep ({keep}); keep=0 stores the last states only",
         )
         block = algorithm == "block" or (algorithm is None and arithmetic == "fast")
         whole_lanes = np.ascontiguousarray(lanes, np.float64)
@@ -299,6 +302,8 @@ class Map:
         found = run(table, whole_lanes, transient, empty_columns(*shape))
         if self.settle is not None and starts is not None and found.undecided.any():
             settle_orbits(table, starts, whole_lanes, transient, found, self.settle, again)
+        if starts is not None and self.explain is not None and (found.outcomes & BAD_LAW).any():
+            warn_of_bad_law(table, starts, transient + keep, found, self.explain, again)
         if whole_lanes is not lanes:
             lanes[...] = whole_lanes
         return found

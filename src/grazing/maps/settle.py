@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.columns import Columns
-from grazing.outcome import AMBIGUOUS
+from grazing.outcome import AMBIGUOUS, BAD_LAW
 
 #: Steps that one run settles; beyond, what is ambiguous stays so.
 LIMIT = 1000
@@ -29,6 +30,8 @@ class Settled(NamedTuple):
 
 #: ``settle(row, state)``: the step at the parameter values ``row``; None where no precision decides.
 Settle = Callable[[list[float], tuple[float, ...]], Settled | None]
+#: ``explain(row, state)``: what a user's law did wrong in the step from a state, in words.
+Explain = Callable[[list[float], tuple[float, ...]], str]
 #: ``again(row, state, n)``: the orbit of one start by the same algorithm, with one record a step.
 Again = Callable[[Floats, Floats, int], Columns]
 
@@ -97,3 +100,15 @@ def settle_orbit(
     lanes[q, :, i] = state
     found.near_miss[q, i], found.slowest[q, i], found.undecided[q, i] = near, slow, undecided
     return asked
+
+
+def warn_of_bad_law(rows: Floats, starts: Floats, steps: int, found: Columns, explain: Explain, again: Again) -> None:
+    """Warn, once a run, of orbits that ended because a reset law returned what it must not."""
+    bad = np.argwhere((found.outcomes & BAD_LAW).any(axis=1))
+    q, i = bad[0]
+    part = again(rows[q], starts[q, :, i], steps)
+    n = int(np.flatnonzero(part.outcomes[0, :, 0] & BAD_LAW)[0])
+    state = part.points[0, n - 1, :, 0] if n > 0 else starts[q, :, i]
+    said = explain(rows[q].tolist(), tuple(state.tolist()))
+    many = f"{len(bad)} of {found.near_miss.size} orbits ended" if len(bad) > 1 else "the orbit ended"
+    warnings.warn(f"{said}; {many} there, with outcome bad_law", RuntimeWarning, stacklevel=4)

@@ -14,6 +14,9 @@ from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import CHATTER, InputError
+from grazing.parameter import parameters
+
+INFINITY = float("inf")
 
 
 @lru_cache(maxsize=256)
@@ -91,6 +94,22 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         letter = CHATTER_LETTER if proven.outcome & CHATTER else (STUCK_LETTER if proven.lay else proven.impacts)
         return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
 
+    def explain(row: list[float], state: tuple[float, ...]) -> str:
+        P = again(dict(zip([*model.params, "phase"], row, strict=True)))
+        said = []
+
+        def watched(v: float, p: Any) -> float:
+            w = law.law(v, p)
+            if not 0.0 <= w < INFINITY:
+                said.append(
+                    f"the reset law {law.name} returned {w:g} for v_minus = {v:g}; allowed is a finite v_plus >= 0"
+                )
+            return w
+
+        p = parameters(P.params)
+        period_of(watched, law.slope, law.contraction, False)(state, constants_of(model.harmonics, section_phase)(p))
+        return said[0] if said else f"the reset law {law.name} returned what it must not"
+
     return Map(
         step_of(law.law, law.slope, law.contraction),
         params={**model.params, "phase": describe_parameter("phase").check(phase)},
@@ -104,4 +123,5 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         exact=law.exact_slope,
         source=again,
         settle=settle,
+        explain=explain,
     )

@@ -4,9 +4,9 @@ Write y = Y + c1 b1 + c2 b2, with Y a flight of the forced ball and b1, b2 two f
 between impacts is the pair (c1, c2), and y at any instant is affine in it. Each sign window of the force is cut into
 cells. A table holds, for its parameter value,
 
-- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact,
-- the rows again in the order of time, to find the cell of the first impact,
-- per cell, what a Taylor series about its middle needs.
+- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact;
+  the first row that fails, in the order of time, tells where the next impact is,
+- per cell, what a Taylor series needs.
 
 The certificate. States that fly through a window without impact are a convex set, the intersection of the half
 planes y(t) >= 0. Where F > 0 its boundary is the curve of states that graze at some t, so chords between states that
@@ -16,7 +16,7 @@ graze at the ends of a cell lie inside it; where F < 0 it is the half plane y(en
 from __future__ import annotations
 
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
 from grazing.oscillator.constants import Constants, steady_response
@@ -30,22 +30,24 @@ MAX_DECAY = 30.0
 
 # ---- where things stand in a table: the constants of the parameter value,
 ALPHA, K2, F0, OMEGA2, FORCE, RATIO, SLOWEST, BAND = 0, 1, 2, 3, 4, 5, 6, 7
-# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|, and the least value of the comparison solution,
+# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|, and the growth of errors at an impact,
 MARGIN = 8
-LEAST = 11
-# one period on: c -> A c + s, row by row; states from pairs: (u, v) = (u0 + u1 c1 + u2 c2, ...); pairs from states,
+GROWTH = 11
+# one period on: c -> s + A c, row by row; states from pairs: (u, v) = (u0 + u1 c1 + u2 c2, ...); pairs from states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows of the certificate, how many cells, both padded;
-CERTIFICATE_COUNT, CELL_COUNT, GROWTH = 28, 29, 31
+# how many rows the certificate has, padded to a multiple of 4;
+COUNT = 28
 # then the certificate: p of all rows, q, r, and the place of each in the order of time;
 CERTIFICATE = 32
 MAX_CERTIFICATE = 2 * MAX_CELLS + 16
-# rows of the cells, in the same way: chord, rise (negative where y/phi falls at the end of the cell), end;
-CHORD = CERTIFICATE + 4 * MAX_CERTIFICATE
-RISE, END, CELLS = CHORD + 3 * MAX_CELLS, CHORD + 6 * MAX_CELLS, CHORD + 9 * MAX_CELLS
-#: and the cells: Y, Y', b1, b1', b2, b2' at its middle, half its length, time left in a window with F < 0; the harmonics.
-#: In the order of time the chord of cell i is number 2 i + 1, its end number 2 i + 2.
-CELL = 8
+# a row for the end of each cell, in the same way;
+END = CERTIFICATE + 4 * MAX_CERTIFICATE
+# and the cells: Y, Y', b1, b1', b2, b2' at the middle of the series, where its use begins and ends, the time left in a
+# window with F < 0, the place in time from which to go on after an impact, the first cell of the piece; the harmonics.
+CELLS = END + 3 * MAX_CELLS
+LOW_END, HIGH_END, TIME_LEFT, GO_ON, FIRST = 6, 7, 8, 9, 10
+CELL = 11
+# In the order of time the start of the period is number 0, the chord of cell i number 2 i + 1, its end number 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
 ALWAYS = -1e300  # fails for every orbit: its cell is always looked into
@@ -98,11 +100,106 @@ def put_row(t: Any, q: int, at: int, step: int, p: float, r: float, s: float) ->
     t[q, at], t[q, at + step], t[q, at + 2 * step] = p, r, s
 
 
-def certified_by(t: Any, q: int, n: int, p: float, r: float, s: float, order: int) -> int:
-    """Write row n of the certificate, which stands at place ``order`` in time; return n + 1."""
+class Extent(NamedTuple):
+    """How large the numbers of a table are, for the margin."""
+
+    r: float  # of the rows: |r|,
+    p: float  # |p|
+    q: float  # and |q|
+    b1: float  # of the free flights
+    b2: float
+    least: float  # the least value of the comparison solutions
+    blur: float  # how much a chord magnifies the errors of its ends
+
+
+def certified_by(t: Any, q: int, n: int, p: float, r: float, s: float, place: int) -> int:
+    """Write row n of the certificate, which stands at ``place`` in the order of time; return n + 1."""
     put_row(t, q, CERTIFICATE + n, MAX_CERTIFICATE, p, r, s)
-    t[q, CERTIFICATE + 3 * MAX_CERTIFICATE + n] = order
+    t[q, CERTIFICATE + 3 * MAX_CERTIFICATE + n] = place
     return n + 1
+
+
+def put_cell(
+    t: Any, q: int, cell: int, time: float, at_time: tuple[float, float, float, float, float, float], c: Constants
+) -> int:
+    """Write what a Taylor series about ``time`` needs; return where the cell's entries begin."""
+    at = CELLS + cell * (CELL + 2 * len(c.cos))
+    for k in range(6):
+        t[q, at + k] = at_time[k]
+    sine, cosine = sincos(c.omega * time + c.theta)
+    sj, cj = sine, cosine
+    for h in range(len(c.cos)):
+        t[q, at + CELL + 2 * h] = c.cos[h] * cj + c.sin[h] * sj
+        t[q, at + CELL + 2 * h + 1] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
+        sj, cj = sj * cosine + cj * sine, cj * cosine - sj * sine
+    return at
+
+
+def chord(
+    f1: float, f2: float, g1: float, g2: float, h1: float, h2: float, band: float
+) -> tuple[float, float, float, float]:
+    """Return the row of the chord from (g1, g2) to (h1, h2), 1 on the comparison solution (f1, f2), and its blur.
+
+    States with a value >= 0 lie on the side from which the wall is not touched; ``band`` is kept clear of the chord.
+    """
+    x1, x2 = h1 - g1, h2 - g2
+    cross = f1 * x2 - f2 * x1
+    blur = (abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))) / abs(cross)
+    if not blur < 1e4:
+        return 0.0, 0.0, ALWAYS, 1.0
+    return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, blur
+
+
+def fill_window(
+    t: Any, q: int, c: Constants, i: int, cell: int, n: int, extent: Extent, band: float
+) -> tuple[int, int, Extent]:
+    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents."""
+    a, b = c.edges[i], c.edges[i + 1]
+    count = cells_in(b - a, c)
+    length = (b - a) / count
+    piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
+    positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
+    f1, f2, g1, g2, first, last = 1.0, 0.0, 0.0, 0.0, 0, 0
+    for k in range(2 * count + 1):
+        j = k // 2
+        middle = a + length * (j + (0.25 if positive else 0.5))  # chord j is met half a cell before it, too
+        time = middle if k % 2 == 1 else (b if j == count else a + length * j)
+        if (j % piece == 0 and k % 2 == 1) or k == 0:
+            first, last = j, min(j + piece, count)
+            if c.q2 < 0.0:
+                sine, cosine = sincos(c.spread * (a + 0.5 * length * (first + last)))
+                f1, f2 = cosine, c.spread * sine
+        at_time = basis(time, c)
+        Y, dY, b1, d1, b2, d2 = at_time
+        if k % 2 == 1:
+            at = put_cell(t, q, cell + j, time, at_time, c)
+            around = 0.75 if positive else 0.5
+            t[q, at + LOW_END] = max(-around * length, a + length * first - time)
+            t[q, at + HIGH_END] = min(around * length, (b if last == count else a + length * last) - time)
+            t[q, at + TIME_LEFT] = 0.0 if positive else b - time
+            t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
+            t[q, at + FIRST] = cell + first
+            continue
+        phi, W = f1 * b1 + f2 * b2, b1 * d2 - b2 * d1
+        h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes now
+        p, r, s = b1 / phi, b2 / phi, Y / phi
+        extent = Extent(
+            max(extent.r, abs(s)), max(extent.p, abs(p)), max(extent.q, abs(r)), max(extent.b1, abs(b1)),
+            max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
+        )  # fmt: skip
+        if k > 0:
+            put_row(t, q, END + cell + j - 1, MAX_CELLS, p, r, s)
+            if positive:
+                cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
+                n = certified_by(t, q, n, cp, cr, cs, 2 * (cell + j) - 1)
+                extent = Extent(
+                    max(extent.r, abs(cs) if cs > ALWAYS else 0.0), max(extent.p, abs(cp)), max(extent.q, abs(cr)),
+                    extent.b1, extent.b2, extent.least, max(extent.blur, blur),
+                )  # fmt: skip
+        if j == last or (i == 0 and k == 0):
+            n = certified_by(t, q, n, p, r, s, 2 * (cell + j))
+        g1, g2 = h1, h2
+    return cell + count, n, extent
 
 
 def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
@@ -121,105 +218,43 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
         total += cells_in(c.edges[i + 1] - c.edges[i], c)
     if total > MAX_CELLS or -c.l2 * c.T > MAX_DECAY:
         return False
-    width = CELL + 2 * len(c.cos)
-    wavy = c.q2 < 0.0
-    p0, p1, p2, blur, least, size1, size2 = 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0
-    certificate, cell = 0, 0
-    # clearances below this are measured one by one, see ``near`` in maps/ensemble.py: a hundredth of what chords cost
+    # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (REACH / fastest(c)) ** 2
-    Y0, dY0, s1, ds1, s2, ds2 = basis(0.0, c)
-    Y, dY, b1, d1, b2, d2 = Y0, dY0, s1, ds1, s2, ds2
+    extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
+    cell, n = 0, 0
     for i in range(windows):
-        a, b = c.edges[i], c.edges[i + 1]
-        count = cells_in(b - a, c)
-        length = (b - a) / count
-        pieces = min(count, max(1, int(c.piece / length))) if length > 0.0 else count  # cells in which one phi is > 0
-        positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
-        f1, f2, g1, g2 = 1.0, 0.0, 0.0, 0.0
-        for j in range(2 * count + 1):
-            time = b if j == 2 * count else a + 0.5 * length * j
-            Y, dY, b1, d1, b2, d2 = basis(time, c)
-            if j % 2 == 1:  # the middle of a cell
-                at = CELLS + cell * width
-                t[q, at], t[q, at + 1], t[q, at + 2], t[q, at + 3] = Y, dY, b1, d1
-                t[q, at + 4], t[q, at + 5], t[q, at + 6] = b2, d2, 0.5 * length
-                t[q, at + 7] = 0.0 if positive else b - time
-                sine, cosine = sincos(c.omega * time + c.theta)
-                sj, cj = sine, cosine
-                for h in range(len(c.cos)):
-                    t[q, at + CELL + 2 * h] = c.cos[h] * cj + c.sin[h] * sj
-                    t[q, at + CELL + 2 * h + 1] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
-                    sj, cj = sj * cosine + cj * sine, cj * cosine - sj * sine
-                continue
-            if j == 0 or (wavy and (j - 2) % (2 * pieces) == 0):  # the first end of a piece
-                start = max(j - 2, 0)
-                middle = a + 0.5 * length * (start + min(pieces, count - start // 2))
-                if wavy:
-                    sine, cosine = sincos(c.spread * middle)
-                    f1, f2 = cosine, c.spread * sine
-            phi = f1 * b1 + f2 * b2
-            least = min(least, phi)
-            size1, size2 = max(size1, abs(b1)), max(size2, abs(b2))
-            if j > 0 or i == 0:
-                p0, p1, p2 = max(p0, abs(Y / phi)), max(p1, abs(b1 / phi)), max(p2, abs(b2 / phi))
-            W = b1 * d2 - b2 * d1
-            h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes here
-            if j == 0:
-                if i == 0:
-                    certificate = certified_by(t, q, 0, b1 / phi, b2 / phi, Y / phi, 0)
-                g1, g2 = h1, h2
-                continue
-            x1, x2, r, cross = 0.0, 0.0, NEVER, 1.0
-            if positive:
-                x1, x2 = h1 - g1, h2 - g2
-                cross = f1 * x2 - f2 * x1
-                unsure = abs(cross) * 1e4 < abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))
-                if unsure or not abs(x2 / cross) + abs(x1 / cross) < NEVER:
-                    x1, x2, r = 0.0, 0.0, ALWAYS
-                    cross = 1.0
-                else:
-                    r = -(g1 * x2 - g2 * x1) / cross - band
-                    blur = max(blur, (abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))) / abs(cross))
-                    p0, p1, p2 = max(p0, abs(r)), max(p1, abs(x2 / cross)), max(p2, abs(x1 / cross))
-                certificate = certified_by(t, q, certificate, x2 / cross, -x1 / cross, r, 2 * cell + 1)
-                g1, g2 = h1, h2
-            psi = c.l1
-            if wavy:
-                sine, cosine = sincos(0.5 * c.spread * length)
-                psi -= c.spread * sine / cosine
-            put_row(t, q, CHORD + cell, MAX_CELLS, x2 / cross, -x1 / cross, r)
-            put_row(t, q, RISE + cell, MAX_CELLS, d1 - psi * b1, d2 - psi * b2, dY - psi * Y)
-            put_row(t, q, END + cell, MAX_CELLS, b1 / phi, b2 / phi, Y / phi)
-            if j == 2 * count or j % (2 * pieces) == 0:
-                certificate = certified_by(t, q, certificate, b1 / phi, b2 / phi, Y / phi, 2 * cell + 2)
-            cell += 1
-    while certificate % 8 != 0:
-        certificate = certified_by(t, q, certificate, 0.0, 0.0, NEVER, 0)
-    while cell % 16 != 0:
-        put_row(t, q, CHORD + cell, MAX_CELLS, 0.0, 0.0, NEVER)
-        put_row(t, q, RISE + cell, MAX_CELLS, 0.0, 0.0, 0.0)
-        put_row(t, q, END + cell, MAX_CELLS, 0.0, 0.0, NEVER)
-        cell += 1
-    t[q, CERTIFICATE_COUNT], t[q, CELL_COUNT] = certificate, cell
-    t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
+        cell, n, extent = fill_window(t, q, c, i, cell, n, extent, band)
+    while n % 4 != 0:
+        n = certified_by(t, q, n, 0.0, 0.0, NEVER, 0)
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
+    t[q, COUNT], t[q, RATIO], t[q, BAND] = n, ratio, band * extent.least
+    t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     t[q, FORCE], t[q, GROWTH] = c.force * (1.0 + reach), 4.0 * (1.0 + fastest(c) * reach)
-    t[q, RATIO], t[q, LEAST], t[q, BAND] = ratio, least, band * least
     t[q, SLOWEST] = 1e-5 * c.force * reach
-    small = 2.0**-40 * blur
-    t[q, MARGIN] = small * (p0 + (c.size + c.force * reach * c.T) / least)
-    t[q, MARGIN + 1] = small * (p1 + size1 / least)
-    t[q, MARGIN + 2] = small * (p2 + size2 / least)
-    W = s1 * ds2 - s2 * ds1
-    i11, i12, i21, i22 = ds2 / W, -s2 / W, -ds1 / W, s1 / W
-    put_row(t, q, STATE, 1, c.sigma + Y0, s1, s2)
-    put_row(t, q, STATE + 3, 1, dY0, ds1, ds2)
+    small = 2.0**-40 * extent.blur
+    t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
+    t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
+    t[q, MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
+    put_maps(t, q, c)
+    return True
+
+
+def put_maps(t: Any, q: int, c: Constants) -> None:
+    """Write how pairs go over to the next period, and what they are as states."""
+    for k in range(2):
+        Y, dY, b1, d1, b2, d2 = basis(c.T if k == 0 else 0.0, c)
+        if k == 0:
+            end = Y, dY, b1, d1, b2, d2
+    W = b1 * d2 - b2 * d1
+    i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
+    put_row(t, q, STATE, 1, c.sigma + Y, b1, b2)
+    put_row(t, q, STATE + 3, 1, dY, d1, d2)
     t[q, PAIR], t[q, PAIR + 1], t[q, PAIR + 2], t[q, PAIR + 3] = i11, i12, i21, i22
-    x1, x2 = (0.0, 0.0) if c.steady else (Y - Y0, dY - dY0)
+    Y_T, dY_T, b1, d1, b2, d2 = end
+    x1, x2 = (0.0, 0.0) if c.steady else (Y_T - Y, dY_T - dY)
     if exponential(c):
         put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, b1, 0.0)
         put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, b2)
     else:
         put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, i11 * b1 + i12 * d1, i11 * b2 + i12 * d2)
         put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, i21 * b1 + i22 * d1, i21 * b2 + i22 * d2)
-    return True

@@ -1,6 +1,6 @@
 """The flight over one cell as a Taylor polynomial about the middle of the cell, coefficients from the equation itself.
 
-A cell is so short that (fastest rate) * (half its length) <= 0.3; the first term left out is then below
+A series is used up to (fastest rate) * |s| = 0.3 from its middle; the first term left out is then below
 0.3^13 / 13! = 2.6e-17 of the flight's size. No exponential or sine is evaluated, so one loop serves every damping.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from grazing.kernel.primitives import inlined
 
 #: (fastest rate) * (length of a cell) is at most this.
-REACH = 0.6
+REACH = 0.4
 
 Coefficients = tuple[
     float, float, float, float, float, float, float, float, float, float, float, float, float

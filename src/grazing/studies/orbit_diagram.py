@@ -77,7 +77,8 @@ def orbit_diagram(
         On the dimensions (name, "start", "n"): one variable per coordinate, and ``letter``, of the step to the
         point. On (name, "start"): ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word`` (text),
         ``outcome`` (bits of :class:`grazing.Outcome`, transient included) and ``trust`` (0 certified, 1 numerical,
-        2 ambiguous); ``near_miss``, ``slowest`` and ``undecided``, see :class:`grazing.maps.columns.Columns`. Periods up to keep/2 can be seen; the rule is in :mod:`grazing.studies.classify`.
+        2 ambiguous); ``near_miss``, ``slowest`` and ``undecided``, see :class:`grazing.maps.columns.Columns`. Periods
+        up to keep/2 can be seen; the rule is in :mod:`grazing.studies.classify`.
 
     Raises
     ------
@@ -214,7 +215,7 @@ def _empty(plan: _Plan) -> dict[str, Any]:
     shape = (len(plan.maps), plan.lanes)
     arrays: dict[str, Any] = {coordinate: np.empty((*shape, plan.keep)) for coordinate in plan.P.coordinates}
     arrays["letter"] = np.empty((*shape, plan.keep), np.int32)
-    kinds = {"period": np.int32, "outcome": np.int32, "trust": np.int8}
+    kinds: dict[str, Any] = {"period": np.int32, "outcome": np.int32, "trust": np.int8}
     kinds |= {"near_miss": np.float64, "slowest": np.float64, "undecided": np.int32}
     return arrays | {name: np.empty(shape, kind) for name, kind in kinds.items()}
 

@@ -1,0 +1,122 @@
+"""What plain Python and a compiler say in two ways must be one thing: compiled and plain, bit for bit."""
+
+from collections import namedtuple
+
+import numpy as np
+import pytest
+
+from grazing.kernel.compile import address, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.kernel.primitives import at, built, called, called_for_all, inlined, numbers_at, replaced
+from grazing.outcome import UserCodeError
+
+Three = namedtuple("Three", "a b c")
+unpack = unpacker(Three)
+
+
+def law(v, row):
+    p = unpack(row)
+    return -p.a * v / (p.b - p.c * v)
+
+
+def other_law(v, row):
+    return row[1] - row[0] * v
+
+
+def sweep(work, start, end, row):
+    for i in range(start, end):
+        work[i] = row[0] * work[i] + row[1]
+
+
+def calls(function, v, row):
+    return called(function, v, row)
+
+
+def calls_for_all(function, work, start, end, row):
+    called_for_all(function, work, start, end, row)
+
+
+def in_plain_python(monkeypatch, function, signature):
+    """Return what ``address`` gives where nothing is compiled."""
+    with monkeypatch.context() as patch:
+        patch.setenv("NUMBA_DISABLE_JIT", "1")
+        return address.__wrapped__(function, signature)
+
+
+ROW = np.array([0.7, 1.1, 0.3])
+WHERE = float(ROW.ctypes.data)
+
+
+@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
+def test_a_law_by_its_address(monkeypatch, arithmetic):
+    place = in_plain_python(monkeypatch, law, "value")
+    code = address(law, "value", arithmetic)
+    entry = compiled(calls, arithmetic)
+    for v in np.random.default_rng(0).uniform(-2.0, 0.0, 50).tolist():
+        plain = law(v, ROW.tolist())
+        assert calls(place, v, WHERE) == plain
+        assert entry(code, v, WHERE) == (plain if arithmetic == "strict" else pytest.approx(plain, rel=1e-15))
+
+
+def test_one_caller_serves_every_address():
+    entry = compiled(calls)
+    assert entry(address(law, "value"), -1.0, WHERE) == law(-1.0, ROW)
+    before = len(entry.overloads)
+    assert entry(address(other_law, "value"), -1.0, WHERE) == other_law(-1.0, ROW)
+    assert len(entry.overloads) == before == 1
+    assert address(law, "value") == address(law, "value") != address(other_law, "value")
+
+
+def test_an_address_is_a_whole_number_that_a_float_holds():
+    code = address(law, "value")
+    assert code.is_integer() and 0.0 < code < 2.0**53
+    assert WHERE == ROW.ctypes.data
+
+
+@pytest.mark.parametrize(("start", "end"), [(0, 7), (2, 5), (3, 3)])
+def test_a_loop_by_its_address(monkeypatch, start, end):
+    work = np.random.default_rng(1).normal(size=7)
+    expected = work.copy()
+    expected[start:end] = ROW[0] * expected[start:end] + ROW[1]
+    plain, fast = work.copy(), work.copy()
+    calls_for_all(in_plain_python(monkeypatch, sweep, "sweep"), plain, start, end, WHERE)
+    compiled(calls_for_all)(address(sweep, "sweep"), fast, start, end, WHERE)
+    assert np.array_equal(plain, expected)
+    assert np.array_equal(fast, expected)
+
+
+def test_numbers_at_an_address_are_the_numbers():
+    numbers = numbers_at(WHERE)
+    assert [numbers[i] for i in range(3)] == ROW.tolist()
+
+
+def test_what_does_not_compile_behind_an_address_is_named():
+    def opens(v, row):
+        return float(f"{v:g}")
+
+    with pytest.raises(UserCodeError, match=r"the reset law opens does not compile: .*Use arithmetic on floats"):
+        address(opens, "value", who="the reset law opens")
+
+
+def test_places_and_named_tuples():
+    def entry(numbers, i, row):
+        kind = built(Three, replaced(row, 1, numbers[at(i)]))
+        return kind, kind.a + kind.b * kind.c
+
+    numbers = np.array([5.0, 6.0, 7.0])
+    for i in range(3):
+        found, total = compiled(entry)(numbers, i, (1.0, 2.0, 3.0))
+        assert (tuple(found), total) == ((1.0, numbers[i], 3.0), 1.0 + 3.0 * numbers[i])
+        assert entry(numbers, i, (1.0, 2.0, 3.0)) == (found, total)
+    assert [at(i) for i in range(5)] == list(range(5))
+
+
+def test_an_inlined_kernel_is_the_same_kernel():
+    def bare(x):
+        return x * x + 0.1
+
+    def marked(x):
+        return x * x + 0.1
+
+    assert inlined(marked) is marked
+    assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)]
