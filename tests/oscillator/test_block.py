@@ -11,7 +11,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.outcome import AMBIGUOUS, CHATTER
+from grazing.outcome import AMBIGUOUS, CHATTER, FATAL
 from tests.models import MODELS, model_of, packed
 from tests.reference import PROBLEMS, advance, load_dips
 
@@ -162,10 +162,7 @@ SWEEPS = {
     "V": (0.0, 0.01, 0.1, 0.5, 2.0),
     "phase": (-1.0, 0.3, 1.4, 2.5, 2.8),
 }
-TOGETHER_CHANGED = (  # chatter, sticking, rest throughout, impacts without end
-    {"V": 0.0, "r": 0.3, "d": -0.2}, {"V": 0.0, "r": 0.0, "d": -0.2}, {"V": 0.0, "r": 0.0, "d": -20.0},
-    {"V": 0.0, "r": 1.0, "d": -20.0, "alpha": 0.0},
-)  # fmt: skip
+TOGETHER_CHANGED = ({"V": 0.0, "r": 0.3, "d": -0.2}, {"V": 0.0, "r": 0.0, "d": -0.2}, {"V": 0.0, "r": 0.9, "d": -0.1})
 
 
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
@@ -184,10 +181,38 @@ def test_block_and_scalar_agree_along_every_parameter(base, arithmetic):
     assert np.array_equal(block.outcomes, scalar.outcomes)
     assert np.array_equal(block.undecided, scalar.undecided)
     off = np.abs(block.points - scalar.points).max(axis=(1, 2)) * np.minimum(scalar.slowest, 1.0)
-    assert (off <= 1e-13 * (1.0 + np.abs(scalar.points).max(axis=(1, 2, 3))[:, None])).all()
+    assert (off <= 1e-12 * (1.0 + np.abs(scalar.points).max(axis=(1, 2, 3))[:, None])).all()
     moved = (block.points != scalar.points).any(axis=(1, 2, 3))
     assert moved.mean() > 0.9  # nearly every column goes through the block
-    assert {CHATTER_LETTER, STUCK_LETTER, 0, 1, 2, 3} <= set(scalar.letters.ravel().tolist())
+    assert {CHATTER_LETTER, 0, 1, 2, 3} <= set(scalar.letters.ravel().tolist())
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_a_ball_at_rest_at_the_strobe_stays_at_rest(arithmetic):
+    """Pressed on the wall at the strobe, for ever or until the force turns: its state is the wall, to the last bit."""
+    P = gz.stroboscopic_map(gz.pinball())
+    params = dict(P.params)
+    random = np.random.default_rng(7)
+    n = 60
+    rows = np.tile(list(params.values()), (n, 1))
+    drawn = {
+        "alpha": random.choice([0.0, 0.2, 2.0, 3.0, 5.0], n), "k": random.choice([0.0, 0.5, 1.0, 3.0], n),
+        "omega": random.uniform(1.0, 4.0, n), "d": random.uniform(-3.0, 0.0, n), "V": 0.0,
+        "r": random.choice([0.0, 0.3, 0.6], n), "sigma": random.choice([0.0, 0.3, -0.7], n),
+        "phase": random.uniform(0.0, 2.8, n),
+    }  # fmt: skip
+    for name, values in drawn.items():
+        rows[:, list(params).index(name)] = values
+    wall = rows[:, [list(params).index("sigma")]]
+    lanes = np.stack([wall + random.uniform(0.0, 0.3, (n, 2)), random.uniform(-0.5, 0.5, (n, 2))], 1)
+    block, scalar = (flown(P, rows, lanes, 8, arithmetic=arithmetic, algorithm=way) for way in ("block", "scalar"))
+    rests = (scalar.points[:, :, 0] == wall[:, None]) & (scalar.points[:, :, 1] == 0.0)
+    assert 0.1 < rests.mean() < 0.9
+    assert (scalar.letters == STUCK_LETTER).any()
+    assert not (block.outcomes & FATAL).any()
+    assert np.array_equal(block.letters, scalar.letters)
+    assert np.array_equal(block.outcomes, scalar.outcomes)
+    assert (block.points[:, :, 0][rests] >= np.broadcast_to(wall[:, None], rests.shape)[rests]).all()
 
 
 # ---- how near an orbit came to being another one

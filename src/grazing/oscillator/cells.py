@@ -180,6 +180,9 @@ def fill_window(
             t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
             t[q, at + FIRST] = cell + first
             continue
+        if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
+            for m in range(6):
+                t[q, (STATE if k == 0 and i == 0 else ONWARD) + m] = at_time[m]
         phi, W = f1 * b1 + f2 * b2, b1 * d2 - b2 * d1
         h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes now
         p, r, s = b1 / phi, b2 / phi, Y / phi
@@ -241,20 +244,18 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
 
 def put_maps(t: Any, q: int, c: Constants) -> None:
     """Write how pairs go over to the next period, and what they are as states."""
-    for k in range(2):
-        Y, dY, b1, d1, b2, d2 = basis(c.T if k == 0 else 0.0, c)
-        if k == 0:
-            end = Y, dY, b1, d1, b2, d2
+    at, end = STATE, ONWARD  # the windows left the basis at t = 0 and t = T here
+    Y, dY, b1, d1, b2, d2 = t[q, at], t[q, at + 1], t[q, at + 2], t[q, at + 3], t[q, at + 4], t[q, at + 5]
+    Y_T, dY_T, e1, f1, e2, f2 = t[q, end], t[q, end + 1], t[q, end + 2], t[q, end + 3], t[q, end + 4], t[q, end + 5]
     W = b1 * d2 - b2 * d1
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
     put_row(t, q, STATE, 1, c.sigma + Y, b1, b2)
     put_row(t, q, STATE + 3, 1, dY, d1, d2)
     t[q, PAIR], t[q, PAIR + 1], t[q, PAIR + 2], t[q, PAIR + 3] = i11, i12, i21, i22
-    Y_T, dY_T, b1, d1, b2, d2 = end
     x1, x2 = (0.0, 0.0) if c.steady else (Y_T - Y, dY_T - dY)
     if exponential(c):
-        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, b1, 0.0)
-        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, b2)
+        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, e1, 0.0)
+        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, e2)
     else:
-        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, i11 * b1 + i12 * d1, i11 * b2 + i12 * d2)
-        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, i21 * b1 + i22 * d1, i21 * b2 + i22 * d2)
+        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, i11 * e1 + i12 * f1, i11 * e2 + i12 * f2)
+        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, i21 * e1 + i22 * f1, i21 * e2 + i22 * f2)
