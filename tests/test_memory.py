@@ -29,6 +29,4 @@ def test_half_of_the_memory_is_the_limit(monkeypatch):
     refuse_too_large(1_000_000_000, "reduce it")
     with pytest.raises(InputError) as refused:
         refuse_too_large(1_000_000_001, "reduce it")
-    assert str(refused.value) == (
-        "the result would take 1 GB, more than half of the memory (2 GB); reduce it"
-    )
+    assert str(refused.value) == ("the result would take 1 GB, more than half of the memory (2 GB); reduce it")

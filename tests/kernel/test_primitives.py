@@ -119,4 +119,6 @@ def test_an_inlined_kernel_is_the_same_kernel():
         return x * x + 0.1
 
     assert inlined(marked) is marked
-    assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)]
+    assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [
+        compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)
+    ]

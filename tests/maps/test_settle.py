@@ -161,7 +161,7 @@ def test_what_no_precision_decides_stays_ambiguous(way):
 
 
 def test_an_exact_tie_is_reported():
-    """A ball at rest on a wall where the constant force vanishes leaves by an exact tie: no digits decide it."""
+    """A ball that touches the wall exactly: no number of digits decides it."""
     m = gz.Oscillator(0.0, 0.0, gz.Forcing(omega=2.0, offset=2.0, cos=(0.0,)), gz.active(r=0.5, V=0.3))
     start = (1.0, -2.0)  # (1 - t)^2 touches the wall at t = 1
     assert exact_period(m, start) is None
@@ -190,6 +190,6 @@ def test_progress_counts_the_tasks_of_the_run_alone():
         lanes = np.tile(np.array(start).reshape(1, 2, 1), (1, 1, starts))
         lanes[0, 0, 1:] += 0.01
         rows = [list(P.params.values())]
-        P.run_columns(rows, lanes, 0, 4, threads=1, progress=lambda *now: said.append(now))
+        P.run_columns(rows, lanes, 0, 4, threads=1, progress=lambda *now, said=said: said.append(now))
         total = said[0][1]
         assert said == [(i, total) for i in range(1, total + 1)]

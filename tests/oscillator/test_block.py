@@ -107,7 +107,7 @@ def grazing_starts(m, n, seed, heights):
             found.append((float(start[0] + m.sigma), float(start[1])))
         if len(found) == n:
             return np.array(found).T
-    return np.full((2, n), 0.1) + [[m.sigma], [0.0]]  # a wall that the force always presses on has no grazes
+    return np.array([[m.sigma + 0.1] * n, [0.1] * n])  # a wall that the force always presses on has no grazes
 
 
 EACH = 16
@@ -265,7 +265,9 @@ def test_the_slowest_impact(name):
     P = gz.stroboscopic_map(model_of(problem))
     starts = [(problem.sigma + u, v) for u, v in ((0.1, 0.05), (0.25, -0.4), (0.02, 0.3))]
     lanes = np.array(starts).T[None].copy()
-    ways = [flown(P, [list(P.params.values())], lanes, 8, arithmetic="strict", algorithm=way) for way in ("block", "scalar")]
+    ways = [
+        flown(P, [list(P.params.values())], lanes, 8, arithmetic="strict", algorithm=way) for way in ("block", "scalar")
+    ]
     for i, (u, v) in enumerate(starts):
         strobes = advance(problem, u, v, 8)
         speeds = [-float(impact.v_minus) for strobe in strobes for impact in strobe.impacts]

@@ -24,13 +24,13 @@ class Flight:
         size = 3 + 2 * len(waves)
         self.matrix = mpmath.zeros(size)
         self.start = mpmath.zeros(size, 1)
-        self.matrix[0, 1], self.matrix[1, 0], self.matrix[1, 1] = 1, -mpmath.mpf(k) ** 2, -mpmath.mpf(alpha)
+        self.matrix[0, 1], self.matrix[1, 0], self.matrix[1, 1] = 1, -(mpmath.mpf(k) ** 2), -mpmath.mpf(alpha)
         self.matrix[1, 2] = 1
         self.start[0], self.start[1], self.start[2] = y, v, F0
         for j, (n, a, b) in enumerate(waves):  # (g, g') with g'' = -n^2 g
             i = 3 + 2 * j
             self.matrix[1, i] = self.matrix[i, i + 1] = 1
-            self.matrix[i + 1, i] = -mpmath.mpf(n) ** 2
+            self.matrix[i + 1, i] = -(mpmath.mpf(n) ** 2)
             self.start[i], self.start[i + 1] = a, n * mpmath.mpf(b)
 
     def at(self, s):

@@ -42,6 +42,7 @@ from grazing.oscillator.block import (
     certify_rest,
     dip_of,
     gathered,
+    guess_of,
     kick,
     next_event,
     solve_of,
@@ -108,7 +109,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
     prepare = constants_of(harmonics, section_phase)
     period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
-    solve, dip = solve_of(harmonics), dip_of(harmonics)
+    guess, solve, dip = guess_of(harmonics), solve_of(harmonics), dip_of(harmonics)
     size, work = table_size(harmonics), workspace_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
@@ -156,6 +157,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
         while places > 0:
             spread_constants(w, places, t)
+            guess(w, places)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
             kick(w, places)

@@ -243,16 +243,11 @@ def series_at(w: Any, i: int, harmonics: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def solve_of(harmonics: int) -> Callable[[Any, int], None]:
-    """Return the solver of impacts for a number of harmonics."""
+def guess_of(harmonics: int) -> Callable[[Any, int], None]:
+    """Return the first part of the solver of impacts; in two loops, because short ones overlap in the processor."""
 
-    def solve(w: Any, count: int) -> None:
-        """Find the impact at place i: where the series falls through zero.
-
-        A cell holds at most one such point (the lemma), so a point where the series falls through zero, inside the
-        cell and fast enough for rounding, is the impact. Newton on the first seven coefficients, then one step of third
-        order on all of them.
-        """
+    def guess(w: Any, count: int) -> None:
+        """Find the impact at place i to about eight digits: Newton's method on the first seven coefficients."""
         for base in range(0, count, 8):
             for k in range(8):
                 i = base + k
@@ -263,12 +258,29 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
                 inverse = 1.0 / v
                 s = clamped(s - y * inverse, low, high)
                 y, v = rough(a, s)
-                inverse = inverse * (2.0 - v * inverse)
-                s = s - y * inverse
+                w[at(WHEN + i)] = s - y * (inverse * (2.0 - v * inverse))
+
+    return guess
+
+
+@lru_cache(maxsize=64)
+def solve_of(harmonics: int) -> Callable[[Any, int], None]:
+    """Return the second part of the solver of impacts."""
+
+    def solve(w: Any, count: int) -> None:
+        """Find the impact at place i, where the series falls through zero, by one step of third order from the guess.
+
+        A cell holds at most one such point (the lemma), so a point where the series falls through zero, inside the
+        cell and fast enough for rounding, is the impact.
+        """
+        for base in range(0, count, 8):
+            for k in range(8):
+                i = base + k
+                a = series_at(w, i, harmonics)
+                low, high, s = w[at(SINCE + i)], w[at(UNTIL + i)], w[at(WHEN + i)]
                 y, v = value(a, s)
                 acceleration, jerk = bends(a, s)
-                inverse = inverse * (2.0 - v * inverse)
-                inverse = inverse * (2.0 - v * inverse)
+                inverse = 1.0 / v
                 step = -y * inverse
                 bent = acceleration * step * inverse
                 step = step * (1.0 - 0.5 * bent)

@@ -24,7 +24,7 @@ from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
 
 #: Cells of one period beyond which a parameter value is left to the scalar routine.
-MAX_CELLS = 48
+MAX_CELLS = 96
 #: Decay of the fast mode over a period beyond which the pair (c1, c2) would lose its digits.
 MAX_DECAY = 30.0
 
