@@ -1,10 +1,15 @@
 """What plain Python and a compiler say in two ways must be one thing: compiled and plain, bit for bit."""
 
+import os
+import subprocess
+import sys
 from collections import namedtuple
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import grazing
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import at, built, called, called_for_all, inlined, numbers_at, replaced
@@ -122,3 +127,30 @@ def test_an_inlined_kernel_is_the_same_kernel():
     assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [
         compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)
     ]
+
+
+ORDER = """
+import sys
+sys.path.insert(0, {source!r})
+from random import Random
+from grazing.kernel.compile import compiled
+
+def kernel(a, b, c, d):
+    z = complex(a, b) / complex(c, d) + complex(b, c) * complex(d, a)
+    return z.real + z.imag
+
+random = Random(0)
+rows = [[random.gauss(0.0, 1.0) for _ in range(4)] for _ in range(500)]
+for arithmetic in {order!r}:
+    found = [compiled(kernel, arithmetic)(*row) for row in rows]
+print(found == [kernel(*row) for row in rows])
+"""
+
+
+@pytest.mark.parametrize("order", [("strict",), ("fast", "strict")])
+def test_strict_bits_do_not_depend_on_what_was_compiled_before(tmp_path, order):
+    """Complex numbers too, whose operations are functions of the compiler's own."""
+    program = ORDER.format(source=str(Path(grazing.__file__).parents[1]), order=order)
+    env = {**os.environ, "GRAZING_CACHE": str(tmp_path), "NUMBA_DISABLE_JIT": "0"}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.stdout.split() == ["True"], done.stderr

@@ -40,7 +40,7 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
     """
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64)))
-    if workers == 1 or len(tasks) == 1:
+    if workers == 1 or len(tasks) <= 1:
         for done, i in enumerate(order, start=1):
             for _tile in tasks[i]():
                 pass

@@ -50,7 +50,17 @@ from grazing.oscillator.block import (
     strike_of,
     workspace_size,
 )  # fmt: skip
-from grazing.oscillator.cells import BAND, ONWARD, PAIR, STATE, fill_table, table_size
+from grazing.oscillator.cells import (
+    BAND,
+    CERTIFICATE,
+    MARGIN,
+    MAX_CERTIFICATE,
+    ONWARD,
+    PAIR,
+    STATE,
+    fill_table,
+    table_size,
+)
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.reset import Reset
 from grazing.outcome import AMBIGUOUS
@@ -58,6 +68,7 @@ from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
+NAN = float("nan")
 ANNOUNCEMENT = "compiling the oscillator's kernel, about ten seconds, once on this machine"
 #: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
 LAW = ("ratio", "speed", "law", "slope", "row")
@@ -101,8 +112,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         ``run(rows, strike, law_rows, job, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are the
         numbers of :func:`flight_fields`, column after column; ``strike`` and ``law_rows`` the addresses of
         :func:`strike_of` and of its numbers. ``job``: columns from, to; starts from, to; whether to use the block;
-        whether ``lanes`` (columns, 2, starts) hold states at the beginning and shall hold them at the end, else the
-        pairs of :mod:`grazing.oscillator.cells`; periods to pass over; those to keep from, to. Results are as in
+        periods to pass over; those to keep from, to. ``lanes`` (columns, 2, starts) hold the states. Results are as in
         :class:`grazing.maps.columns.Columns`.
     """
     fields = len(flight_fields(harmonics))
@@ -223,7 +233,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
         near: Any, slow: Any, undecided: Any,
     ) -> None:  # fmt: skip
-        top, bottom, left, right, blocks, begins, ends, transient, start, stop = job
+        top, bottom, left, right, blocks, transient, start, stop = job
         columns, starts = bottom - top, right - left
         last = outcomes.shape[1] - 1
         t = np.empty((columns, size))
@@ -232,26 +242,28 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         who, event = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
-        seg = np.zeros(columns + 1, np.int64)
+        seg, held = np.zeros(columns + 1, np.int64), np.zeros(WIDTH, np.int64)
         for q in range(columns):
             c = constants_at(rows, top + q)
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
             for j in range(starts):
                 i = q * starts + j
-                x, y = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
-                if begins and tabled[q]:
-                    x, y = pair_of(x, y, t, q)
-                w[C1 + i], w[C2 + i], w[NEAR + i], w[SLOW + i] = x, y, INFINITY, INFINITY
+                w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
+                w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
+                held[i] = held_back(w, i, t, q, tabled[q])
         for n in range(transient + stop - start):
             count = 0
             for q in range(columns):
                 first = q * starts
                 seg[q] = count
                 needy[q] = 0
-                if n >= transient or not tabled[q]:
+                if n >= transient:
                     for i in range(first, first + starts):
                         hits[i] = 0
                 if not tabled[q]:
+                    needy[q] = starts
+                    for i in range(first, first + starts):
+                        wanted[i] = 1
                     continue
                 certify(w, first, first + starts, t, q)
                 for i in range(first, first + starts):
@@ -264,45 +276,42 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             record = min(max(kept, 0), last)
             for q in range(columns):
                 first = q * starts
-                if tabled[q] and needy[q]:
+                if needy[q]:
                     for i in range(first, first + starts):
-                        if wanted[i]:
+                        if wanted[i] and not held[i]:
                             w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
-                elif not tabled[q]:
-                    for i in range(first, first + starts):
-                        wanted[i] = 1
-                        w[U + i], w[V + i] = w[C1 + i], w[C2 + i]
                 if tabled[q]:
                     onward(w, first, first + starts, t, q)
-                if needy[q] or not tabled[q]:
+                holding = 0
+                if needy[q]:
                     fly(w, first, first + starts, constants_at(rows, top + q), wanted, hits, flags)
                     for i in range(first, first + starts):
                         if wanted[i]:
                             j = left + i - first
                             outcomes[top + q, record, j] |= flags[i]
                             undecided[top + q, j] += 1 if flags[i] & AMBIGUOUS else 0
-                            x, y = w[U + i], w[V + i]
-                            if tabled[q]:
-                                x, y = pair_of(x, y, t, q)
-                            w[C1 + i], w[C2 + i] = x, y
+                            held[i] = held_back(w, i, t, q, tabled[q])
                             wanted[i] = 0
+                        holding += held[i]
                 if kept >= 0:
-                    u0, u1, u2, v0, v1, v2 = 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
                     if tabled[q]:
                         u0, u1, u2 = t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
                         v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
+                        for j in range(starts):
+                            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+                            points[top + q, kept, 0, left + j] = u0 + (u1 * x + u2 * y)
+                            points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
                     for j in range(starts):
-                        x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
-                        points[top + q, kept, 0, left + j] = u0 + (u1 * x + u2 * y)
-                        points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
                         letters[top + q, kept, left + j] = hits[first + j]
+                        if holding > 0 and held[first + j]:
+                            points[top + q, kept, 0, left + j] = w[U + first + j]
+                            points[top + q, kept, 1, left + j] = w[V + first + j]
         for q in range(columns):
             for j in range(starts):
                 i = q * starts + j
-                x, y = w[C1 + i], w[C2 + i]
-                if ends and tabled[q]:
-                    x, y = state_of(x, y, t, q)
-                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = x, y
+                if not held[i]:
+                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
+                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
                 measured = t[q, BAND] if tabled[q] else INFINITY
                 near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
@@ -310,10 +319,22 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
 
 
-def pair_of(u: float, v: float, t: Any, q: int) -> tuple[float, float]:
-    """Return the pair (c1, c2) of a state at the strobe."""
-    y, v = u - t[q, STATE], v - t[q, STATE + 3]
-    return t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
+def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
+    """Turn the state of orbit i into a pair; return 1 where it must stay a state, for the scalar routine.
+
+    That is a ball on the wall, or so near that the way to a pair and back might put it inside.
+    """
+    if tabled:
+        y, v = w[U + i] - t[q, STATE], w[V + i] - t[q, STATE + 3]
+        x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
+        margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
+        at = CERTIFICATE
+        height = t[q, at] * x + (t[q, at + MAX_CERTIFICATE] * y + t[q, at + 2 * MAX_CERTIFICATE])
+        if height > 2.0 * margin:
+            w[C1 + i], w[C2 + i] = x, y
+            return 0
+    w[C1 + i], w[C2 + i] = NAN, NAN  # fails every row of the certificate, the first one first
+    return 1
 
 
 def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
@@ -391,8 +412,7 @@ def ensemble_tasks(
             end = min(n + PERIODS, transient + keep)
             passed = max(0, min(end, transient) - n)
             job = (
-                *box, int(block), int(n == 0), int(end == transient + keep), passed,
-                max(n - transient, 0), max(end - transient, 0),
+                *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
             )  # fmt: skip
             entry(flat, strike, float(where[top]), job, lanes, *found)
             yield

@@ -273,7 +273,8 @@ class Map:
         """
         names = tuple(self.params)
         table = np.array(rows, np.float64, ndmin=2)
-        if table.shape[1:] != (max(len(names), 1),) or lanes.shape[:2] != (len(table), self.dimension):
+        fits = lanes.ndim == 3 and lanes.shape[:2] == (len(table), self.dimension)
+        if table.ndim != 2 or table.shape[1] != max(len(names), 1) or not fits:
             raise InputError(
                 f"rows have shape {table.shape} and lanes {lanes.shape}; {self.name} needs (columns, {len(names)}): "
                 f"{', '.join(names)}; and (columns, {self.dimension}, n): {', '.join(self.coordinates)}"
@@ -283,6 +284,8 @@ class Map:
             raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
         if algorithm not in (None, "block", "scalar"):
             raise InputError(f"algorithm is {algorithm!r}; allowed are 'block' and 'scalar'")
+        if records not in (1, max(keep, 1)):
+            raise InputError(f"records = {records!r}; allowed are 1 and keep = {keep}")
         shape = len(table), self.dimension, lanes.shape[2], keep, records
         refuse_too_large(
             size_of_columns(*shape),
@@ -292,14 +295,16 @@ class Map:
         whole_lanes = np.ascontiguousarray(lanes, np.float64)
         starts = None if self.settle is None else whole_lanes.copy()
 
-        def run(table: Floats, lanes: Floats, transient: int, found: Columns) -> Columns:
-            run_columns(self._tasks(table, lanes, transient, found, arithmetic, block), lanes, found, threads, progress)
-            return found
-
         def again(row: Floats, state: Floats, n: int) -> Columns:
-            return run(row[None], state.reshape(1, -1, 1).copy(), 0, empty_columns(1, self.dimension, 1, n, n))
+            one, lane = empty_columns(1, self.dimension, 1, n, n), state.reshape(1, -1, 1).copy()
+            run_columns(self._tasks(row[None], lane, 0, one, arithmetic, block), lane, one, 1, None)
+            return one
 
-        found = run(table, whole_lanes, transient, empty_columns(*shape))
+        found = empty_columns(*shape)
+        if 0 in (shape[0], shape[2]):
+            return found
+        tasks = self._tasks(table, whole_lanes, transient, found, arithmetic, block)
+        run_columns(tasks, whole_lanes, found, threads, progress)
         if self.settle is not None and starts is not None and found.undecided.any():
             settle_orbits(table, starts, whole_lanes, transient, found, self.settle, again)
         if starts is not None and self.explain is not None and (found.outcomes & BAD_LAW).any():

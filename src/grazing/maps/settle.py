@@ -80,7 +80,8 @@ def settle_orbit(
         for j in range(sure):
             record(n + j, part.points[0, j, :, 0], part.letters[0, j, 0], part.outcomes[0, j, 0])
         if sure > 0:
-            near, slow = min(near, part.near_miss[0, 0]), min(slow, part.slowest[0, 0])
+            kept = part if sure == total - n else again(row, state, sure)  # what was undone says nothing of the orbit
+            near, slow = min(near, kept.near_miss[0, 0]), min(slow, kept.slowest[0, 0])
             state = part.points[0, sure - 1, :, 0]
         n += sure
         if n == total:
@@ -107,7 +108,8 @@ def warn_of_bad_law(rows: Floats, starts: Floats, steps: int, found: Columns, ex
     bad = np.argwhere((found.outcomes & BAD_LAW).any(axis=1))
     q, i = bad[0]
     part = again(rows[q], starts[q, :, i], steps)
-    n = int(np.flatnonzero(part.outcomes[0, :, 0] & BAD_LAW)[0])
+    ended = np.flatnonzero(part.outcomes[0, :, 0] & BAD_LAW)
+    n = int(ended[0]) if ended.size else steps - 1
     state = part.points[0, n - 1, :, 0] if n > 0 else starts[q, :, i]
     said = explain(rows[q].tolist(), tuple(state.tolist()))
     many = f"{len(bad)} of {found.near_miss.size} orbits ended" if len(bad) > 1 else "the orbit ended"

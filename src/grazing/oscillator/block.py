@@ -214,9 +214,9 @@ def clamped(s: float, low: float, high: float) -> float:
 
 @inlined
 def derivatives(w: Any, i: int, harmonics: int) -> Any:
-    """Return the derivatives 0 to 10 of the force at the middle of the cell at place i."""
+    """Return the derivatives 0 to 11 of the force at the middle of the cell at place i."""
     f0, f1 = w[at(F + i)], 0.0
-    f2, f3, f4, f5, f6, f7, f8, f9, f10 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    f2, f3, f4, f5, f6, f7, f8, f9, f10, f11 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for h in range(harmonics):
         n = -(h + 1.0) * (h + 1.0) * w[at(W2 + i)]
         g, d = w[at(WAVES + 2 * h * WIDTH + i)], w[at(WAVES + (2 * h + 1) * WIDTH + i)]
@@ -229,8 +229,8 @@ def derivatives(w: Any, i: int, harmonics: int) -> Any:
         f6, f7 = f6 + g, f7 + d
         g, d = g * n, d * n
         f8, f9 = f8 + g, f9 + d
-        f10 = f10 + g * n
-    return f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10
+        f10, f11 = f10 + g * n, f11 + d * n
+    return f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11
 
 
 @inlined
@@ -313,7 +313,7 @@ def kick(w: Any, count: int) -> None:
             press = -(w[at(PULL + i)] + alpha * v)
             ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[at(GAP + i)])
             flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (u < 1e300) & (not ends)
-            free = expand(0.0, 1.0, alpha, w[at(K + i)], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+            free = expand(0.0, 1.0, alpha, w[at(K + i)], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
             y, d = value(free, -s)
             change = u - v
             b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]

@@ -63,6 +63,22 @@ def exp_complex(z: complex) -> complex:
     return complex(size * cosine, size * sine)
 
 
+def scaled(z: complex, x: float) -> complex:
+    """Return x z. Products and quotients are written out: the compiler's own depend on what else it has compiled."""
+    return complex(z.real * x, z.imag * x)
+
+
+def times(a: complex, b: complex) -> complex:
+    """Return a b."""
+    return complex(a.real * b.real - a.imag * b.imag, a.real * b.imag + a.imag * b.real)
+
+
+def over(a: complex, b: complex) -> complex:
+    """Return a/b."""
+    size = square(b)
+    return complex((a.real * b.real + a.imag * b.imag) / size, (a.imag * b.real - a.real * b.imag) / size)
+
+
 def square(z: complex) -> float:
     """Return |z|^2; abs would call the C library, whose last digit differs between machines."""
     return z.real * z.real + z.imag * z.imag
@@ -70,14 +86,14 @@ def square(z: complex) -> float:
 
 def divided2(a: complex, b: complex, s: float) -> complex:
     """Return the divided difference exp[a, b](s) = (e^{as} - e^{bs})/(a - b), continued to a = b."""
-    w = 0.5 * (a - b) * s
-    z = w * w
+    w = scaled(a - b, 0.5 * s)
+    z = times(w, w)
     if abs(z.real) + abs(z.imag) > 0.25:
-        return (exp_complex(a * s) - exp_complex(b * s)) / (a - b)
-    sinhc = 1.0 + z / 6.0 * (
-        1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0 * (1.0 + z / 110.0 * (1.0 + z / 156.0))))
-    )
-    return s * exp_complex(0.5 * (a + b) * s) * sinhc
+        return over(exp_complex(scaled(a, s)) - exp_complex(scaled(b, s)), a - b)
+    sinhc = complex(1.0)  # sinh(w)/w by its series
+    for n in (156.0, 110.0, 72.0, 42.0, 20.0, 6.0):
+        sinhc = 1.0 + scaled(times(z, sinhc), 1.0 / n)
+    return scaled(times(exp_complex(scaled(a + b, 0.5 * s)), sinhc), s)
 
 
 def divided3(a: complex, b: complex, c: complex, s: float) -> complex:
@@ -85,23 +101,23 @@ def divided3(a: complex, b: complex, c: complex, s: float) -> complex:
     ab, bc, ac = square(a - b), square(b - c), square(a - c)
     if max(ab, bc, ac) * s * s < 1.0:
         # Taylor series about the mean node: s^2 e^{ms} sum_n h_n/(n+2)!, h_n the complete symmetric polynomials
-        m = (a + b + c) / 3.0
-        x, y, w = (a - m) * s, (b - m) * s, (c - m) * s
-        e2, e3 = x * y + y * w + w * x, x * y * w
+        m = scaled(a + b + c, 1.0 / 3.0)
+        x, y, w = scaled(a - m, s), scaled(b - m, s), scaled(c - m, s)
+        e2, e3 = times(x, y) + times(y, w) + times(w, x), times(times(x, y), w)
         h0, h1, h2 = complex(1.0), complex(0.0), -e2
-        total = 0.5 * h0 + h2 / 24.0
+        total = scaled(h0, 0.5) + scaled(h2, 1.0 / 24.0)
         factorial = 24.0
         for n in range(3, 19):
             factorial *= n + 2.0
-            h0, h1, h2 = h1, h2, e3 * h0 - e2 * h1
-            total += h2 / factorial
-        return s * s * exp_complex(m * s) * total
+            h0, h1, h2 = h1, h2, times(e3, h0) - times(e2, h1)
+            total += scaled(h2, 1.0 / factorial)
+        return scaled(times(exp_complex(scaled(m, s)), total), s * s)
     # the two nodes farthest apart divide: no digits are lost
     if ac >= ab and ac >= bc:
-        return (divided2(a, b, s) - divided2(b, c, s)) / (a - c)
+        return over(divided2(a, b, s) - divided2(b, c, s), a - c)
     if ab >= bc:
-        return (divided2(a, c, s) - divided2(c, b, s)) / (a - b)
-    return (divided2(b, a, s) - divided2(a, c, s)) / (b - c)
+        return over(divided2(a, c, s) - divided2(c, b, s), a - b)
+    return over(divided2(b, a, s) - divided2(a, c, s), b - c)
 
 
 def duhamel(s: float, t: float, c: Constants) -> tuple[float, float]:
@@ -113,18 +129,18 @@ def duhamel(s: float, t: float, c: Constants) -> tuple[float, float]:
     still = complex(0.0)
     y3 = divided3(a, b, still, s)
     y = c.F0 * y3.real
-    v = c.F0 * (a * y3 + divided2(b, still, s)).real
+    v = c.F0 * (times(a, y3) + divided2(b, still, s)).real
     s1, c1 = sincos(c.omega * t + c.theta)
     turn = complex(c1, s1)
     phase = turn
     for j in range(len(c.cos)):
         if c.cos[j] != 0.0 or c.sin[j] != 0.0:
             node = complex(0.0, (j + 1) * c.omega)
-            amplitude = complex(c.cos[j], -c.sin[j]) * phase
+            amplitude = times(complex(c.cos[j], -c.sin[j]), phase)
             y3 = divided3(a, b, node, s)
-            y += (amplitude * y3).real
-            v += (amplitude * (a * y3 + divided2(b, node, s))).real
-        phase = phase * turn
+            y += times(amplitude, y3).real
+            v += times(amplitude, times(a, y3) + divided2(b, node, s)).real
+        phase = times(phase, turn)
     return y, v
 
 
