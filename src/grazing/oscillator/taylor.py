@@ -1,8 +1,8 @@
 """The flight over one cell as a Taylor polynomial about the middle of the cell, coefficients from the equation itself.
 
 A series is used up to (fastest rate) * |s| = 0.3 from its middle. The first term left out is then below
-0.3^14 / 14! = 5e-19 of the flight's size, and of its velocity 3e-17 in units of size and rate. No exponential or sine is
-evaluated, so one loop serves every damping.
+0.3^14 / 14! = 5e-19 of the flight's size, and of its velocity 3e-17 in units of size and rate. No exponential or sine
+is evaluated, so one loop serves every damping.
 """
 
 from __future__ import annotations
