@@ -150,7 +150,7 @@ print(found == [kernel(*row) for row in rows])
 
 @pytest.mark.parametrize("order", [("strict",), ("fast", "strict")])
 def test_strict_bits_do_not_depend_on_what_was_compiled_before(tmp_path, order):
-    """Complex products and quotients are functions of the compiler's own, shared by both arithmetics: we write ours out."""
+    """The compiler shares its complex products between both arithmetics; ours are written out."""
     program = ORDER.format(source=str(Path(grazing.__file__).parents[1]), order=order)
     env = {**os.environ, "GRAZING_CACHE": str(tmp_path), "NUMBA_DISABLE_JIT": "0"}
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 
 import grazing as gz
-from grazing import theory
-from grazing import memory
+from grazing import memory, theory
 from grazing.studies.attractors import attractors
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.starts import random_starts

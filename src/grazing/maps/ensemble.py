@@ -29,6 +29,7 @@ from grazing.oscillator.block import (
     NEXT,
     NOTHING,
     PROVEN,
+    PULL,
     SINCE,
     SLOW,
     WHEN,
@@ -57,6 +58,7 @@ from grazing.oscillator.cells import (
     MAX_CERTIFICATE,
     ONWARD,
     PAIR,
+    SIGMA,
     STATE,
     fill_table,
     table_size,
@@ -70,6 +72,8 @@ Floats = NDArray[np.float64]
 INFINITY = float("inf")
 NAN = float("nan")
 ANNOUNCEMENT = "compiling the oscillator's kernel, about ten seconds, once on this machine"
+#: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
+FLOWN, FRESH, HELD = 0, 1, 2
 #: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
 LAW = ("ratio", "speed", "law", "slope", "row")
 
@@ -206,7 +210,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     wanted[i] = 1
                     needy[q] += 1
                     continue
-                w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
+                if low[at(PULL + k)] > 0.0:
+                    w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
                 x, y, doubt = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)]
                 found = next_event(t, q, x, y, doubt, int(low[at(C2 + k)]) + 1)
                 if found == NOTHING:
@@ -242,7 +247,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         who, event = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
-        seg, held = np.zeros(columns + 1, np.int64), np.zeros(WIDTH, np.int64)
+        seg, held, fresh = np.zeros(columns + 1, np.int64), np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
         for q in range(columns):
             c = constants_at(rows, top + q)
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
@@ -278,11 +283,14 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 first = q * starts
                 if needy[q]:
                     for i in range(first, first + starts):
-                        if wanted[i] and not held[i]:
+                        if wanted[i] and held[i] == FLOWN:
                             w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
                 if tabled[q]:
                     onward(w, first, first + starts, t, q)
-                holding = 0
+                if fresh[q]:
+                    for i in range(first, first + starts):
+                        held[i] = held[i] if wanted[i] else FLOWN
+                fresh[q] = 0
                 if needy[q]:
                     fly(w, first, first + starts, constants_at(rows, top + q), wanted, hits, flags)
                     for i in range(first, first + starts):
@@ -292,24 +300,24 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             undecided[top + q, j] += 1 if flags[i] & AMBIGUOUS else 0
                             held[i] = held_back(w, i, t, q, tabled[q])
                             wanted[i] = 0
-                        holding += held[i]
+                        fresh[q] += held[i]
                 if kept >= 0:
                     if tabled[q]:
-                        u0, u1, u2 = t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
+                        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
                         v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
                         for j in range(starts):
                             x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
-                            points[top + q, kept, 0, left + j] = u0 + (u1 * x + u2 * y)
+                            points[top + q, kept, 0, left + j] = sigma + (u0 + (u1 * x + u2 * y))
                             points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
                     for j in range(starts):
                         letters[top + q, kept, left + j] = hits[first + j]
-                        if holding > 0 and held[first + j]:
+                        if fresh[q] and held[first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]
                             points[top + q, kept, 1, left + j] = w[V + first + j]
         for q in range(columns):
             for j in range(starts):
                 i = q * starts + j
-                if not held[i]:
+                if held[i] == FLOWN:
                     w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
                 lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
                 measured = t[q, BAND] if tabled[q] else INFINITY
@@ -320,26 +328,27 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
 
 
 def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
-    """Turn the state of orbit i into a pair; return 1 where it must stay a state, for the scalar routine.
+    """Turn the state of orbit i into a pair as well: FRESH; return HELD where the block must not have it.
 
-    That is a ball on the wall, or so near that the way to a pair and back might put it inside.
+    That is a ball on the wall, or so near that the certificate cannot tell. A fresh state is what the scalar routine
+    gets if it must fly the next period: the way to a pair and back would cost a rounding.
     """
     if tabled:
-        y, v = w[U + i] - t[q, STATE], w[V + i] - t[q, STATE + 3]
+        y, v = (w[U + i] - t[q, SIGMA]) - t[q, STATE], w[V + i] - t[q, STATE + 3]
         x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
         margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
         at = CERTIFICATE
         height = t[q, at] * x + (t[q, at + MAX_CERTIFICATE] * y + t[q, at + 2 * MAX_CERTIFICATE])
         if height > 2.0 * margin:
             w[C1 + i], w[C2 + i] = x, y
-            return 0
+            return FRESH
     w[C1 + i], w[C2 + i] = NAN, NAN  # fails every row of the certificate, the first one first
-    return 1
+    return HELD
 
 
 def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
     """Return the state at the strobe of a pair (c1, c2)."""
-    u = t[q, STATE] + (t[q, STATE + 1] * x + t[q, STATE + 2] * y)
+    u = t[q, SIGMA] + (t[q, STATE] + (t[q, STATE + 1] * x + t[q, STATE + 2] * y))
     return u, t[q, STATE + 3] + (t[q, STATE + 4] * x + t[q, STATE + 5] * y)
 
 

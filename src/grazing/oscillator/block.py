@@ -355,6 +355,7 @@ def dip_of(harmonics: int) -> Callable[[Any, int], None]:
                 settled = (acceleration > 0.0) & (abs(step) < 1e-4 * high)
                 w[at(WHEN + i)] = s + step
                 w[at(AFTER + i)] = y
+                w[at(PULL + i)] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
                 w[at(PROVEN + i)] = 1.0 if settled & (0.4 * y > w[at(DOUBT + i)]) else 0.0
 
     return dip
@@ -364,8 +365,8 @@ def dip_of(harmonics: int) -> Callable[[Any, int], None]:
 def strike_of(law: Callable[..., float], unpack: Callable[..., Any], fields: int) -> Callable[..., None]:
     """Return ``strike(work, start, end, rows)``: the reset law for all impacts at hand, column by column.
 
-    AFTER gets the velocity, STEEP the slope. A law that jumps beside the velocity makes AFTER NaN, as only the scalar
-    routine knows how certain that velocity is.
+    AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity makes AFTER
+    NaN: that is left to the scalar routine.
     """
 
     def strike(w: Any, start: int, end: int, rows: Any) -> None:
@@ -378,10 +379,11 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any], fields: int
             p = unpack(rows, fields * int(column))
             for j in range(i, last):
                 v = w[at(BEFORE + j)]
-                h = 1e-6 * max(abs(v), 1e-6)
-                u, less, more = law(v, p), law(v - h, p), law(min(v + h, 0.0), p)
+                error = w[at(DOUBT + j)] * w[at(WORSE + j)] * (1.0 - w[at(M + j)] / v)
+                h = min(max(1e-8 * -v, error), -v)
+                u, less, more = law(v, p), law(v - h, p), law(v + h, p)
                 w[at(STEEP + j)] = abs(less - more) / h
-                w[at(AFTER + j)] = u if abs(less - more) <= 1e-3 * (u - v) else NAN
+                w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-12 * (u - v) else NAN
             i = last
 
     return strike

@@ -33,10 +33,11 @@ ALPHA, K2, F0, OMEGA2, FORCE, RATIO, SLOWEST, BAND = 0, 1, 2, 3, 4, 5, 6, 7
 # margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|, and the growth of errors at an impact,
 MARGIN = 8
 GROWTH = 11
-# one period on: c -> s + A c, row by row; states from pairs: (u, v) = (u0 + u1 c1 + u2 c2, ...); pairs from states,
+# one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
+# states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, padded to a multiple of 4;
-COUNT = 28
+# how many rows the certificate has, padded to a multiple of 4, and the wall;
+COUNT, SIGMA = 28, 29
 # then the certificate: p of all rows, q, r, and the place of each in the order of time;
 CERTIFICATE = 32
 MAX_CERTIFICATE = 2 * MAX_CELLS + 16
@@ -144,10 +145,10 @@ def chord(
     """
     x1, x2 = h1 - g1, h2 - g2
     cross = f1 * x2 - f2 * x1
-    blur = (abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))) / abs(cross)
-    if not blur < 1e4:
+    size = abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))
+    if not size < 1e4 * abs(cross):
         return 0.0, 0.0, ALWAYS, 1.0
-    return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, blur
+    return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, size / abs(cross)
 
 
 def fill_window(
@@ -249,7 +250,8 @@ def put_maps(t: Any, q: int, c: Constants) -> None:
     Y_T, dY_T, e1, f1, e2, f2 = t[q, end], t[q, end + 1], t[q, end + 2], t[q, end + 3], t[q, end + 4], t[q, end + 5]
     W = b1 * d2 - b2 * d1
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
-    put_row(t, q, STATE, 1, c.sigma + Y, b1, b2)
+    put_row(t, q, STATE, 1, Y, b1, b2)
+    t[q, SIGMA] = c.sigma
     put_row(t, q, STATE + 3, 1, dY, d1, d2)
     t[q, PAIR], t[q, PAIR + 1], t[q, PAIR + 2], t[q, PAIR + 3] = i11, i12, i21, i22
     x1, x2 = (0.0, 0.0) if c.steady else (Y_T - Y, dY_T - dY)
