@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,8 +15,9 @@ from grazing.kernel.lanes import runner
 from grazing.kernel.pool import Progress, Task, run_tasks
 from grazing.outcome import DIVERGED, FATAL
 
-#: Steps of a tile, over all its orbits.
+#: Steps of the first tile, over all its orbits; tiles then grow, up to the longest time between two looks at Ctrl-C.
 TILE = 1_000_000
+LONGEST = 0.2
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -93,23 +95,25 @@ def step_tasks(
         Who is to blame if the step does not compile.
     """
     entry = runner(step, prepare, kind, lanes.shape[1], arithmetic)
-    stride = max(1, TILE // lanes.shape[2])
-    keep, records = found.points.shape[1], found.outcomes.shape[1]
+    starts, keep, records = lanes.shape[2], found.points.shape[1], found.outcomes.shape[1]
 
     def column(q: int) -> Iterator[None]:
-        for n in range(0, transient, stride):
-            nothing = found.points[q, :0], found.letters[q, :0], found.outcomes[q, :1]
-            call(entry, rows[q], lanes[q], min(stride, transient - n), *nothing, who=who)
-            yield
-        for n in range(0, max(keep, 1), stride):
-            part = slice(n, min(n + stride, keep))
-            outcomes = found.outcomes[q, part] if records > 1 else found.outcomes[q]
-            call(entry, rows[q], lanes[q], 0, found.points[q, part], found.letters[q, part], outcomes, who=who)
+        n, stride = 0, max(1, TILE // starts)
+        while n < transient + keep:
+            end = min(n + stride, transient + keep)
+            part = slice(max(n - transient, 0), max(end - transient, 0))
+            outcomes = found.outcomes[q, part] if records > 1 and end > transient else found.outcomes[q, :1]
+            before = perf_counter()
+            kept = found.points[q, part], found.letters[q, part], outcomes
+            call(entry, rows[q], lanes[q], max(0, min(end, transient) - n), *kept, who=who)
+            if perf_counter() - before < 0.25 * LONGEST:  # long tiles cost less; the bits do not depend on them
+                stride *= 2
+            n = end
             yield
 
     def some(first: int, last: int) -> Iterator[None]:
         for q in range(first, last):
             yield from column(q)
 
-    together = max(1, TILE // (4 * lanes.shape[2] * (transient + keep + 1)))  # a task must be worth its handling
+    together = max(1, TILE // (4 * starts * (transient + keep + 1)))  # a task must be worth its handling
     return [partial(some, q, min(q + together, len(rows))) for q in range(0, len(rows), together)]
