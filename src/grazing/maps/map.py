@@ -269,7 +269,7 @@ class Map:
         >>> G = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
         >>> found = G.run_columns([[0.5, 0.1, 0.1], [0.5, 0.07, 0.1]], np.zeros((2, 1, 4)), 100, 6)
         >>> found.letters[1, :, 0].tolist()
-        [0, 0, 1, 0, 0, 1]
+        [0, 1, 0, 0, 1, 0]
         """
         names = tuple(self.params)
         table = np.array(rows, np.float64, ndmin=2)
