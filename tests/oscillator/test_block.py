@@ -11,7 +11,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.outcome import AMBIGUOUS, CHATTER, FATAL
+from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, STUCK
 from tests.models import MODELS, model_of, packed
 from tests.reference import PROBLEMS, advance, load_dips
 
@@ -183,7 +183,9 @@ def test_block_and_scalar_agree_along_every_parameter(base, arithmetic):
     off = np.abs(block.points - scalar.points).max(axis=(1, 2)) * np.minimum(scalar.slowest, 1.0)
     assert (off <= 1e-12 * (1.0 + np.abs(scalar.points).max(axis=(1, 2, 3))[:, None])).all()
     moved = (block.points != scalar.points).any(axis=(1, 2, 3))
-    assert moved.mean() > 0.9  # nearly every column goes through the block
+    # every column goes through the block, unless each period rests on the wall or has more impacts than margins allow
+    rests = ((scalar.outcomes & STUCK) != 0).all(axis=(1, 2))
+    assert moved[~rests & (scalar.letters.min(axis=(1, 2)) < 6)].all()
     assert {CHATTER_LETTER, 0, 1, 2, 3} <= set(scalar.letters.ravel().tolist())
 
 

@@ -29,6 +29,7 @@ from grazing.oscillator.cells import (
     GROWTH,
     HIGH_END,
     K2,
+    LEVER,
     LOW_END,
     MARGIN,
     MAX_CELLS,
@@ -52,11 +53,11 @@ X1, X2, DOUBT, NEXT = (i * WIDTH for i in range(8, 12))
 # the cell: Y, Y', b1, b1', b2, b2', where its series begins and ends, time left in the window, place to go on from,
 YM, VM, B1, D1, B2, D2, SINCE, UNTIL, ROOM, ONE_ON = (i * WIDTH for i in range(12, 22))
 # constants of the column, and which it is,
-A, K, F, W2, M, GAP, SLOWEST_ALLOWED, WORSE, COLUMN = (i * WIDTH for i in range(22, 31))
+A, K, F, W2, M, FAR, GAP, SLOWEST_ALLOWED, WORSE, COLUMN = (i * WIDTH for i in range(22, 32))
 # results: time, velocity before and after, slope of the law, acceleration, 1 where proven;
-WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(31, 37))
+WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 38))
 # harmonics of the force at the middle of the series, two arrays each.
-WAVES = 37 * WIDTH
+WAVES = 38 * WIDTH
 
 NAN = float("nan")
 #: No event in the rest of the period.
@@ -183,7 +184,7 @@ def spread_constants(w: Any, count: int, t: Any) -> None:
             end += 1
         q = int(column)
         a, k2, f0, omega2, force = t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2], t[q, FORCE]
-        gap, slowest, growth = 1.0 - t[q, RATIO], t[q, SLOWEST], t[q, GROWTH]
+        gap, slowest, growth, lever = 1.0 - t[q, RATIO], t[q, SLOWEST], t[q, GROWTH], t[q, LEVER]
         for base in range(start, end, 32):
             for k in range(32):
                 i = base + k
@@ -192,6 +193,7 @@ def spread_constants(w: Any, count: int, t: Any) -> None:
                 w[at(F + i)] = f0
                 w[at(W2 + i)] = omega2
                 w[at(M + i)] = force
+                w[at(FAR + i)] = lever
                 w[at(GAP + i)] = gap
                 w[at(SLOWEST_ALLOWED + i)] = slowest
                 w[at(WORSE + i)] = growth
@@ -322,8 +324,9 @@ def kick(w: Any, count: int) -> None:
             w[at(X1 + i)] = x + (d2 * y - b2 * d) * scale if flies else x
             w[at(X2 + i)] = y1 + (b1 * d - d1 * y) * scale if flies else y1
             # what an impact makes of the errors before it, see next_launch in contact.py
-            worse = (1.0 + w[at(STEEP + i)]) * (1.0 - (u + w[at(M + i)]) / v)
-            w[at(DOUBT + i)] = w[at(DOUBT + i)] * (w[at(WORSE + i)] * worse)
+            worse, steep = w[at(WORSE + i)], 1.0 + w[at(STEEP + i)]
+            carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
+            w[at(DOUBT + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
             w[at(PROVEN + i)] = 1.0 if flies else 0.0
 
 
@@ -380,7 +383,8 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any], fields: int
             for j in range(i, last):
                 v = w[at(BEFORE + j)]
                 # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                error = w[at(DOUBT + j)] * (0.25 * w[at(WORSE + j)] - w[at(M + j)] / v) * 0.015625
+                rough_rate = (w[at(WORSE + j)] - 1.0) / w[at(FAR + j)] + w[at(A + j)]
+                error = w[at(DOUBT + j)] * (rough_rate - w[at(M + j)] / v) * 0.015625
                 h = min(max(1e-8 * -v, error), -v)
                 u, less, more = law(v, p), law(v - h, p), law(v + h, p)
                 w[at(STEEP + j)] = abs(less - more) / h

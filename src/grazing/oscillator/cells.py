@@ -36,8 +36,8 @@ GROWTH = 11
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, padded to a multiple of 4, and the wall;
-COUNT, SIGMA = 28, 29
+# how many rows the certificate has, padded to a multiple of 4, the wall, and how far a velocity carries;
+COUNT, SIGMA, LEVER = 28, 29, 30
 # then the certificate: p of all rows, q, r, and the place of each in the order of time;
 CERTIFICATE = 32
 MAX_CERTIFICATE = 2 * MAX_CELLS + 16
@@ -233,7 +233,8 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
     t[q, COUNT], t[q, RATIO], t[q, BAND] = n, ratio, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
-    t[q, FORCE], t[q, GROWTH] = c.force * (1.0 + reach), 4.0 * (1.0 + fastest(c) * reach)
+    lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
+    t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
     t[q, SLOWEST] = 1e-5 * c.force * reach
     small = 2.0**-40 * extent.blur
     t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
