@@ -50,18 +50,21 @@ def test_the_order_is_scattered_and_always_the_same():
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_nothing_to_do_is_done(threads):
-    run_tasks([], threads)
+    said = []
+    run_tasks([], threads, lambda done, total: said.append((done, total)))
+    assert said == []
 
 
 def test_threads_work_side_by_side():
     """Two tasks wait for each other: one thread alone would wait for ever."""
-    meeting = threading.Barrier(2)
+    meeting, met = threading.Barrier(2), []
 
     def task():
-        meeting.wait(PATIENCE)
+        met.append(meeting.wait(PATIENCE))
         yield
 
     run_tasks([task, task], 2)
+    assert sorted(met) == [0, 1]
 
 
 class Endless:
@@ -144,10 +147,11 @@ def test_threads_must_be_a_whole_number(threads):
 
 def test_no_number_of_threads_is_one_per_processor(monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 3)
-    meeting = threading.Barrier(3)
+    meeting, met = threading.Barrier(3), []
 
     def task():
-        meeting.wait(PATIENCE)
+        met.append(meeting.wait(PATIENCE))
         yield
 
     run_tasks([task] * 3)
+    assert sorted(met) == [0, 1, 2]

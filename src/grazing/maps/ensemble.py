@@ -71,7 +71,7 @@ from grazing.parameter import parameter_tuple
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
 NAN = float("nan")
-ANNOUNCEMENT = "compiling the oscillator's kernel, about ten seconds, once on this machine"
+ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0, 1, 2
 #: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
