@@ -41,7 +41,7 @@ def test_every_lane_is_the_plain_loop(lanes, transient, keep):
     states = starts.copy()
     points = np.full((keep, 3, lanes), np.nan)
     letters, outcomes = np.zeros((keep, lanes), np.int64), np.zeros((1, lanes), np.int64)
-    run(np.array(p), states, transient, points, letters, outcomes)
+    run(np.array([p]), states[None], transient, points[None], letters[None], outcomes[None])
     for j in range(lanes):
         expected, said, flags = by_hand(starts[:, j], p, transient, keep)
         assert np.array_equal(points[:, :, j], np.array(expected).reshape(keep, 3))
@@ -51,11 +51,43 @@ def test_every_lane_is_the_plain_loop(lanes, transient, keep):
     assert tuple(states[:, 0]) == last[-1]
 
 
+def turn_prepared(state, c):
+    return turn(state, c)
+
+
+def doubled(p):
+    return Pair(2.0 * p.a, p.b)
+
+
+@pytest.mark.parametrize("prepare", [None, doubled])
+@pytest.mark.parametrize(("columns", "lanes"), [(1, 3), (7, 1), (3, 40), (9, BLOCK), (2, BLOCK + 3)])
+def test_a_column_does_not_depend_on_its_neighbours_in_a_block(columns, lanes, prepare):
+    run = runner(turn_prepared, prepare, Pair, 3, "strict")
+    rng = np.random.default_rng(columns)
+    rows, starts = rng.uniform(0.1, 0.5, (columns, 2)), rng.normal(size=(columns, 3, lanes))
+
+    def found(q):
+        states, n = starts[q].copy(), len(rows[q])
+        points, letters = np.empty((n, 5, 3, lanes)), np.zeros((n, 5, lanes), np.int64)
+        outcomes = np.zeros((n, 1, lanes), np.int64)
+        run(rows[q], states, 3, points, letters, outcomes)
+        return points, letters, outcomes, states
+
+    together = found(slice(None))
+    for q in range(columns):
+        assert all(np.array_equal(a[q], b[0]) for a, b in zip(together, found(slice(q, q + 1)), strict=True))
+    p = Pair(*rows[-1]) if prepare is None else doubled(Pair(*rows[-1]))
+    expected, said, _flags = by_hand(starts[-1, :, -1], p, 3, 5)
+    assert np.array_equal(together[0][-1, :, :, -1], np.array(expected))
+    assert together[1][-1, :, -1].tolist() == said
+
+
 def test_outcomes_can_be_kept_apart():
     run = runner(turn, None, Pair, 3, "strict")
-    outcomes = np.zeros((6, 1), np.int64)
-    run(np.array([1.0, 0.0]), np.zeros((3, 1)), 0, np.empty((6, 3, 1)), np.zeros((6, 1), np.int64), outcomes)
-    assert outcomes[:, 0].tolist() == [0, 0, 0, 4, 0, 0]
+    outcomes = np.zeros((1, 6, 1), np.int64)
+    letters = np.zeros((1, 6, 1), np.int64)
+    run(np.array([[1.0, 0.0]]), np.zeros((1, 3, 1)), 0, np.empty((1, 6, 3, 1)), letters, outcomes)
+    assert outcomes[0, :, 0].tolist() == [0, 0, 0, 4, 0, 0]
 
 
 @given(st.tuples(st.floats(), st.floats(), st.floats()), st.integers(0, 2), st.floats())

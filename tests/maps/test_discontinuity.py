@@ -1,5 +1,7 @@
 """The zero-time discontinuity map: the paper's Figure 2.2, the four points, and the measured orders of error."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -102,7 +104,7 @@ def test_without_damping_the_full_form_gains_orders():
 def test_images_below_the_wall_have_a_time_to_the_wall_in_the_past(order):
     Z = gz.discontinuity_map(gz.pinball(), order=order)
     state = np.array([-0.01, -0.2])
-    assert Z.jacobian(state) == pytest.approx(Z._differences(state), abs=1e-7)
+    assert Z.jacobian(state) == pytest.approx(replace(Z, tangent=None).jacobian(state), abs=1e-7)
 
 
 def test_acceleration_may_vanish_or_be_negative():

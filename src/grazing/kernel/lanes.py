@@ -64,45 +64,62 @@ def runner(
     Returns
     -------
     callable
-        ``run(row, lanes, transient, points, letters, outcomes)``: lanes (dimension, n) hold the starts and then the
-        last states; points (keep, dimension, n), letters (keep, n) and outcomes (records, n) are filled. With
-        records = 1 outcomes are folded over all iterates, with records = keep they are kept apart.
+        ``run(rows, lanes, transient, points, letters, outcomes)``: rows (columns, fields) hold parameter values, lanes
+        (columns, dimension, n) the starts and then the last states; points (columns, keep, dimension, n), letters
+        (columns, keep, n) and outcomes (columns, records, n) are filled. With records = 1 outcomes are folded over all
+        iterates, with records = keep they are kept apart. Where the parameters are used as they are, a block holds
+        lanes of several columns, so that few starts a column are no slower than many.
     """
     unpack = unpacker(kind)
     zero = (0.0,) * dimension
+    fields = len(kind._fields)  # type: ignore[attr-defined]
+    blank = (0.0,) * fields
     constants = prepare if prepare is not None else _same
+    packed = prepare is None
 
-    def run(row: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
-        c = constants(unpack(row))
-        n = lanes.shape[1]
-        keep = points.shape[0]
-        last = outcomes.shape[0] - 1
+    def own(c: Any, table: Any, j: int) -> Any:
+        return built(kind, column(table, j, blank))
+
+    at_lane = own if packed else _shared
+
+    def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
+        columns, n = lanes.shape[0], lanes.shape[2]
+        keep = points.shape[1]
+        last = outcomes.shape[1] - 1
         x = np.empty((len(zero), BLOCK))  # a block of its own: contiguous, so the loops below vectorise
+        table = np.empty((fields, BLOCK))
         folded = np.empty(BLOCK, np.int64)
-        for start in range(0, n, BLOCK):
-            width = min(BLOCK, n - start)
-            for j in range(width):
-                put(x, j, column(lanes, start + j, zero))
-                folded[j] = 0
-            for _ in range(transient):
+        which, lane = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
+        size = columns * n if packed else n
+        for top in range(0, columns * n, size):
+            c = constants(unpack(rows[top // n]))
+            for start in range(top, top + size, BLOCK):
+                width = min(BLOCK, top + size - start)
                 for j in range(width):
-                    state, _letter, outcome = step(column(x, j, zero), c)
-                    put(x, j, state)
-                    folded[j] |= outcome
-            for j in range(width):
-                outcomes[0, start + j] |= folded[j]
-            for i in range(keep):
-                record = min(i, last)
-                for j in range(width):
-                    state, letter, outcome = step(column(x, j, zero), c)
-                    put(x, j, state)
-                    letters[i, start + j] = letter
-                    outcomes[record, start + j] |= outcome
-                for k in range(len(zero)):
+                    which[j], lane[j] = (start + j) // n, (start + j) % n
+                    put(x, j, column(lanes[which[j]], lane[j], zero))
+                    for k in range(fields):
+                        table[k, j] = rows[which[j], k]
+                    folded[j] = 0
+                for _ in range(transient):
                     for j in range(width):
-                        points[i, k, start + j] = x[k, j]
-            for j in range(width):
-                put(lanes, start + j, column(x, j, zero))
+                        state, _letter, outcome = step(column(x, j, zero), at_lane(c, table, j))
+                        put(x, j, state)
+                        folded[j] |= outcome
+                for j in range(width):
+                    outcomes[which[j], 0, lane[j]] |= folded[j]
+                for i in range(keep):
+                    record = min(i, last)
+                    for j in range(width):
+                        state, letter, outcome = step(column(x, j, zero), at_lane(c, table, j))
+                        put(x, j, state)
+                        letters[which[j], i, lane[j]] = letter
+                        outcomes[which[j], record, lane[j]] |= outcome
+                    for k in range(len(zero)):
+                        for j in range(width):
+                            points[which[j], i, k, lane[j]] = x[k, j]
+                for j in range(width):
+                    put(lanes[which[j]], lane[j], column(x, j, zero))
 
     return compiled(run, arithmetic)
 
@@ -135,3 +152,7 @@ def tangent_runner(
 
 def _same(p: Any) -> Any:
     return p
+
+
+def _shared(c: Any, table: Any, j: int) -> Any:
+    return c

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST = np.uint64(0xBF58476D1CE4E5B9)
@@ -27,25 +25,29 @@ def mixed(z: Words) -> Words:
     return z ^ (z >> np.uint64(31))
 
 
-def uniform(seed: int, cell: Sequence[float], lanes: int, dimension: int) -> NDArray[np.float64]:
-    """Return numbers in [0, 1), shape (lanes, dimension).
+def uniform(seed: int, cell: ArrayLike, lanes: int, dimension: int) -> NDArray[np.float64]:
+    """Return numbers in [0, 1), shape (lanes, dimension); for many cells (cells, lanes, dimension).
 
     Parameters
     ----------
     seed : int
         0 <= seed < 2^64.
-    cell : sequence of float
-        The parameter values that name the cell.
+    cell : array_like of float, shape (n,) or (cells, n)
+        The parameter values that name a cell.
     lanes, dimension : int
 
     Examples
     --------
     >>> bool((uniform(1, (0.5,), 10, 2)[:4] == uniform(1, (0.5,), 4, 2)).all())
     True
+    >>> bool((uniform(1, [[0.5], [0.7]], 4, 2)[1] == uniform(1, (0.7,), 4, 2)).all())
+    True
     """
-    key = mixed(np.array([seed], np.uint64))
-    for bits in (np.asarray(cell, np.float64) + 0.0).view(np.uint64):  # + 0.0: -0 and 0 are one value
-        key = mixed(key ^ mixed(np.array([bits])))
-    lane = mixed(key[:, None] ^ mixed(np.arange(lanes, dtype=np.uint64))[:, None])
-    number = mixed(lane ^ mixed(np.arange(dimension, dtype=np.uint64) ^ _GOLDEN))
-    return (number >> np.uint64(11)).astype(np.float64) * 2.0**-53
+    names = np.atleast_2d(np.asarray(cell, np.float64)) + 0.0  # + 0.0: -0 and 0 are one value
+    key = mixed(np.full(len(names), seed, np.uint64))
+    for bits in np.ascontiguousarray(names.T).view(np.uint64):
+        key = mixed(key ^ mixed(bits))
+    lane = mixed(key[:, None] ^ mixed(np.arange(lanes, dtype=np.uint64)))
+    number = mixed(lane[:, :, None] ^ mixed(np.arange(dimension, dtype=np.uint64) ^ _GOLDEN))
+    numbers = (number >> np.uint64(11)).astype(np.float64) * 2.0**-53
+    return numbers if np.ndim(cell) == 2 else numbers[0]

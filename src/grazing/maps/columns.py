@@ -96,11 +96,12 @@ def step_tasks(
     """
     entry = runner(step, prepare, kind, lanes.shape[1], arithmetic)
     starts, keep, records = lanes.shape[2], found.points.shape[1], found.outcomes.shape[1]
+    total = transient + keep
 
-    def column(q: int) -> Iterator[None]:
-        n, stride = 0, max(1, TILE // starts)
-        while n < transient + keep:
-            end = min(n + stride, transient + keep)
+    def some(first: int, last: int) -> Iterator[None]:
+        n, stride, q = 0, max(1, TILE // (starts * (last - first))), slice(first, last)
+        while n < total:
+            end = min(n + stride, total)
             part = slice(max(n - transient, 0), max(end - transient, 0))
             outcomes = found.outcomes[q, part] if records > 1 and end > transient else found.outcomes[q, :1]
             before = perf_counter()
@@ -111,9 +112,6 @@ def step_tasks(
             n = end
             yield
 
-    def some(first: int, last: int) -> Iterator[None]:
-        for q in range(first, last):
-            yield from column(q)
-
-    together = max(1, TILE // (4 * starts * (transient + keep + 1)))  # a task must be worth its handling
+    # a task must be worth its handling; one that holds several columns is a single tile, whose arrays lie in one piece
+    together = max(1, TILE // (4 * starts * (total + 1)))
     return [partial(some, q, min(q + together, len(rows))) for q in range(0, len(rows), together)]

@@ -7,7 +7,7 @@ a correction of the state in zero time, after which the whole period is flown as
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
 from grazing.maps.period import product
-from grazing.maps.stroboscopic import above_wall
+from grazing.maps.stroboscopic import above_wall, periods_passed
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
@@ -185,6 +185,9 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         check=above_wall if not flown else None,
         exact=law.exact_slope,
         source=again,
+        describe=describe_parameter,
+        model=model,
+        clock=partial(periods_passed, list(model.params).index("omega")) if flown else None,
     )
 
 

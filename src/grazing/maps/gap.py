@@ -7,6 +7,16 @@ from typing import Any
 
 from grazing.maps.map import Map
 from grazing.outcome import AMBIGUOUS, OK
+from grazing.parameter import Parameter
+
+PARAMETERS = {
+    parameter.name: parameter
+    for parameter in (
+        Parameter("lam", r"\lambda", "slope of the map for x < 0"),
+        Parameter("mu", r"\mu", "distance from the graze, which is at 0"),
+        Parameter("l", "l", "size of the gap, in proportion to the bumper's V"),
+    )
+}
 
 
 def gap_step(state: Any, p: Any) -> Any:
@@ -63,5 +73,6 @@ def gap_map(lam: float, mu: float, l: float) -> Map:
         letters="LR",
         tangent=gap_tangent,
         name="gap map",
+        describe=PARAMETERS.__getitem__,
         source=lambda values: gap_map(**values),
     )

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import nan
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from grazing.maps.map import Map
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
 from grazing.oscillator.flight import modes
-from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
 #: Periods without an impact after which the step gives up by name.
 MAX_PERIODS = 1000
 INFINITY = float("inf")
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @lru_cache(maxsize=256)
@@ -103,6 +108,11 @@ def leaves_wall(state: Any, params: Any) -> None:
         raise InputError(f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0")
 
 
+def time_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+    """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""
+    return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / rows[:, omega, None])
+
+
 def impact_map(model: Oscillator) -> Map:
     """Return the oscillator as a map from one impact to the next.
 
@@ -138,4 +148,7 @@ def impact_map(model: Oscillator) -> Map:
         check=leaves_wall,
         exact=law.exact_slope,
         source=lambda values: impact_map(model.replace(**values)),
+        describe=describe_parameter,
+        model=model,
+        clock=partial(time_passed, list(model.params).index("omega")),
     )

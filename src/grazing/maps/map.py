@@ -16,10 +16,12 @@ from grazing.kernel.lanes import tangent_runner
 from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
+from grazing.maps.derivative import differences_of
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
+from grazing.oscillator.model import Oscillator
 from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError
-from grazing.parameter import checked_box, checked_params, parameter_tuple, updated, whole
+from grazing.parameter import Parameter, checked_box, checked_params, parameter_tuple, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
@@ -85,6 +87,13 @@ class Map:
         Decides a step that double precision could not decide, see :mod:`grazing.maps.settle`.
     explain : callable, optional
         ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
+    describe : callable, optional
+        ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
+    model : Oscillator, optional
+        The oscillator behind the map.
+    clock : callable, optional
+        ``clock(rows, first, last, letters, steps)``: the time, shape (columns, n), that orbits took for so many steps
+        from the first states to the last ones (columns, dim, n), ``letters`` (columns, n) being their sum.
 
     Raises
     ------
@@ -121,6 +130,9 @@ class Map:
     source: Callable[..., Map] | None = None
     settle: Settle | None = None
     explain: Explain | None = None
+    describe: Callable[[str], Parameter] | None = None
+    model: Oscillator | None = None
+    clock: Callable[..., NDArray[np.float64]] | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -184,7 +196,7 @@ class Map:
         n = whole(n, "n", 0)
         start = self._start(state)
         lanes = start.reshape(1, -1, 1).copy()
-        found = self.run_columns(self._packed()[1], lanes, 0, n, records=max(n, 1), arithmetic="strict", threads=1)
+        found = self.run_columns(self.packed()[1], lanes, 0, n, records=max(n, 1), arithmetic="strict", threads=1)
         return Segment(
             np.vstack([start, found.points[0, :, :, 0]]),
             found.letters[0, :, 0],
@@ -213,7 +225,7 @@ class Map:
         -------
         points (keep, dim, n), letters (keep, n), outcomes (records, n)
         """
-        row = self._packed()[1][None]
+        row = self.packed()[1][None]
         found = self.run_columns(row, lanes[None], transient, keep, records=records, arithmetic=arithmetic, threads=1)
         return found.points[0], found.letters[0], found.outcomes[0]
 
@@ -329,23 +341,16 @@ class Map:
         it is undefined (a graze, an impact of zero speed).
         """
         start = self._start(state)
-        if self.tangent is None:
-            return self._differences(start)
         matrix = np.empty((self.dimension, self.dimension))
-        kind, row = self._packed()
-        entry = tangent_runner(self.tangent, self.prepare, kind, self.dimension)
+        kind, row = self.packed()
+        entry = tangent_runner(self.derivative, self.prepare, kind, self.dimension)
         call(entry, row, start.reshape(-1, 1).copy(), matrix, who=f"the tangent of {self.name}")
         return matrix
 
-    def _differences(self, start: NDArray[np.float64]) -> NDArray[np.float64]:
-        steps = 6e-6 * np.maximum(1.0, np.abs(start))  # cube root of the rounding error: balances it against curvature
-        plus = start[:, None] + np.diag(steps)
-        minus = start[:, None] - np.diag(steps)
-        lanes = np.concatenate([plus, minus], axis=1)
-        self.run(lanes, 1, 0)
-        d = self.dimension
-        slopes: NDArray[np.float64] = (lanes[:, :d] - lanes[:, d:]) / np.diagonal(plus - minus)
-        return slopes
+    @property
+    def derivative(self) -> Callable[..., Any]:
+        """``derivative(state, c) -> (state, letter, outcome, J)``: the map's tangent, else central differences."""
+        return self.tangent if self.tangent is not None else differences_of(self._full_step, self.dimension)
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:
@@ -364,14 +369,15 @@ class Map:
             self.check(start, self.params)
         return start
 
-    def _packed(self) -> tuple[type, NDArray[np.float64]]:
+    def packed(self) -> tuple[type, NDArray[np.float64]]:
+        """Return the type of the parameters' named tuple and their values: how a kernel gets them."""
         return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()) or [0.0], dtype=np.float64)
 
 
 def _normalised(P: Map) -> Callable[..., Any]:
     """Wrap a step so that it returns (state, letter, outcome) whatever form the user chose; try it once first."""
     step, escape, dimension = P.step, P.escape, P.dimension
-    kind, row = P._packed()
+    kind, row = P.packed()
     p = kind(*row.tolist())
     middle = tuple(0.5 * (low + high) for low, high in P.box)
     try:

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.period import period_of
@@ -17,6 +20,8 @@ from grazing.outcome import CHATTER, InputError
 from grazing.parameter import parameters
 
 INFINITY = float("inf")
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @lru_cache(maxsize=256)
@@ -53,6 +58,11 @@ def above_wall(state: Any, params: Any) -> None:
         raise InputError(
             f"the ball starts inside the wall: u = {state[0]:g}, sigma = {params['sigma']:g}; start with u >= sigma"
         )
+
+
+def periods_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+    """Return the time that so many periods take; ``omega`` is the place of the frequency in a row."""
+    return np.broadcast_to(steps * 2.0 * np.pi / rows[:, omega, None], letters.shape)
 
 
 def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
@@ -124,4 +134,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         source=again,
         settle=settle,
         explain=explain,
+        describe=describe_parameter,
+        model=model,
+        clock=partial(periods_passed, list(model.params).index("omega")),
     )
