@@ -20,6 +20,8 @@ LAYERS = (
     ("maps",),
     ("orbits",),
     ("studies",),
+    ("plans",),
+    ("config",),
     ("sweep", "compare"),
     ("plot",),
     ("paper",),
@@ -35,12 +37,18 @@ RANK = {part: rank for rank, line in enumerate(LAYERS) for part in line}
 # Theory is closed forms in plain Python: of what lies below it may use one part only.
 ALLOWED_ONLY = {"theory": {"outcome"}}
 # A study knows no other study, except for what they share.
-SHARED_BY_STUDIES = {"cells", "classify", "cycles", "labels", "starts"}
+SHARED_BY_STUDIES = {
+    "attractors", "boundary", "changes", "classify", "cycles", "growth", "labels", "plan", "recurrence", "runs", "starts",
+}  # fmt: skip
 # Heavy packages, each with the parts that may name it.
 OWNERS = {
     "numba": {"kernel"},
     "llvmlite": {"kernel"},
     "matplotlib": {"plot", "paper"},
+    "zarr": {"sweep"},
+    "dask": {"sweep"},
+    "distributed": {"sweep"},
+    "pydantic": {"config"},
 }
 # The command line parses, calls and saves: no mathematics.
 FORBIDDEN = {"cli": {"numpy", "scipy"}}

@@ -41,10 +41,17 @@ _PUBLIC = {
     "windows": "orbits.windows",
     "Attractor": "studies.attractors",
     "attractors": "studies.attractors",
+    "basins": "studies.basins",
+    "chart": "studies.chart",
+    "coexistence": "studies.coexistence",
+    "density": "studies.density",
+    "lyapunov": "studies.lyapunov",
     "orbit_diagram": "studies.orbit_diagram",
+    "zero_one": "studies.zero_one",
     "load": "io",
     "save": "io",
     "cite": "citation",
+    "plans": "",
     "plot": "",
     "testing": "",
     "theory": "",
@@ -53,6 +60,7 @@ _PUBLIC = {
 __all__ = sorted([*_PUBLIC, "__version__"])
 
 if TYPE_CHECKING:
+    from grazing import plans as plans
     from grazing import plot as plot
     from grazing import testing as testing
     from grazing import theory as theory
@@ -87,7 +95,13 @@ if TYPE_CHECKING:
     from grazing.outcome import describe as describe
     from grazing.studies.attractors import Attractor as Attractor
     from grazing.studies.attractors import attractors as attractors
+    from grazing.studies.basins import basins as basins
+    from grazing.studies.chart import chart as chart
+    from grazing.studies.coexistence import coexistence as coexistence
+    from grazing.studies.density import density as density
+    from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
+    from grazing.studies.zero_one import zero_one as zero_one
 
 
 def __getattr__(name: str) -> Any:

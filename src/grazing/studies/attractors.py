@@ -2,10 +2,58 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+class Class(NamedTuple):
+    """A class of orbits: how many there are, and a point of theirs."""
+
+    period: int
+    word: str
+    orbits: int
+    point: NDArray[np.float64]
+
+
+def attractors_of(
+    period: NDArray[np.int32], words: NDArray[Any], points: NDArray[np.float64], same: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], list[Class]]:
+    """Sort orbits by the attractor they are on, the one with most orbits first.
+
+    Parameters
+    ----------
+    period, words : ndarray, shape (n,)
+    points : ndarray, shape (n, dim)
+        A point of each orbit's attractor, chosen by the same rule for all.
+    same : ndarray, shape (dim,)
+        Points of one attractor differ by less along each coordinate.
+
+    Returns
+    -------
+    which : ndarray of int, shape (n,)
+    classes : list of Class
+        Orbits without a period are on one attractor for each kind, without a point.
+    """
+    texts, code = np.unique(words.astype(np.str_), return_inverse=True)
+    found: list[tuple[Class, NDArray[np.int64]]] = []
+    for N, k in np.unique(np.column_stack([period, code]), axis=0).tolist():
+        left = np.flatnonzero((period == N) & (code == k))
+        while left.size:
+            first = points[left[0]]
+            near = np.ones(left.size, bool) if N < 1 else (np.abs(points[left] - first) < same).all(axis=1)
+            near[0] = True
+            found.append((Class(N, str(texts[k]), int(near.sum()), first), left[near]))
+            left = left[~near]
+    found.sort(key=lambda one: (-one[0].orbits, one[0].period, one[0].word, one[0].point.tolist()))
+    which = np.empty(len(period), np.int64)
+    for i, (_class, rows) in enumerate(found):
+        which[rows] = i
+    return which, [one for one, _rows in found]
 
 
 class Attractor(NamedTuple):

@@ -17,32 +17,35 @@ The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * exte
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.compile import call
+from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.orbits.word import word
-from grazing.outcome import AMBIGUOUS, FATAL
-from grazing.studies.cycles import NoTangent, approaches, find_cycle
+from grazing.outcome import AMBIGUOUS
+from grazing.studies.cycles import settler
+from grazing.studies.recurrence import APERIODIC as APERIODIC
+from grazing.studies.recurrence import ENDED as ENDED
+from grazing.studies.recurrence import FLOOR as FLOOR
+from grazing.studies.recurrence import UNDECIDED as UNDECIDED
+from grazing.studies.recurrence import compiled_recurrence, compiled_spelling
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-UNDECIDED, APERIODIC, ENDED = 0, -1, -2
 CERTIFIED, NUMERICAL, AMBIGUOUS_TRUST = 0, 1, 2
 
 #: Relative tolerance of recurrence unless told otherwise.
 TOLERANCE = 1e-9
-#: The absolute part of the tolerance, in units of the orbit's greatest coordinate.
-FLOOR = 1e-13
-#: An orbit nearly recurs within this share of its extent; others are not worth a search for a cycle.
-NEAR = 0.1
 
 
 class Classified(NamedTuple):
-    """What n orbits are: ``period`` (n,) int32, ``word`` (n,) text, ``trust`` (n,) int8."""
+    """What orbits are: ``period`` int32, ``word`` text, ``trust`` int8, all of one shape."""
 
     period: NDArray[np.int32]
     word: NDArray[np.str_]
@@ -81,109 +84,83 @@ def classify(
     >>> found.period.tolist(), found.word.tolist(), found.trust.tolist()
     ([3, 3], ['LLR', 'LLR'], [0, 0])
     """
-    keep, _dim, n = points.shape
-    period = np.full(n, UNDECIDED, np.int32)
-    ended = ((outcomes & FATAL) != 0) | ~np.isfinite(points).all(axis=(0, 1))
-    period[ended] = ENDED
-    alive = np.flatnonzero(~ended)
-    if keep > 1 and alive.size:
-        everything = alive.size == n
-        x, s = (points, letters) if everything else (points[:, :, alive], letters[:, alive])
-        scales = _scales(x, tolerance)
-        period[alive] = _settled(P, x, s, scales, _recurrence(x, s, scales.tolerance))
-    trust = np.full(n, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)
-    trust[(outcomes & AMBIGUOUS) != 0] = AMBIGUOUS_TRUST
-    return Classified(period, _words(letters, period, P.letters), trust)
+    row = np.array([list(P.params.values()) or [0.0]])
+    settled = settle_columns(P, row, points[None], letters[None], outcomes[None, None], tolerance)
+    return Classified(settled.period[0], settled.words[0].astype(np.str_), settled.trust[0])
 
 
-class _Scales(NamedTuple):
-    """Lengths that belong to n orbits, each (dim, n)."""
+class Settled(NamedTuple):
+    """What the orbits of many columns are, each (columns, starts): ``period``, ``trust`` and the word's ``key``.
 
-    extent: Floats
-    tolerance: Floats
+    ``table`` turns a key into a word. ``begin`` says with which of the kept letters, counted from 0, the word begins,
+    and ``length`` how many letters it has.
+    """
 
+    period: NDArray[np.int32]
+    trust: NDArray[np.int8]
+    key: Ints
+    begin: NDArray[np.int32]
+    length: NDArray[np.int32]
+    table: dict[int, str]
 
-def _scales(points: Floats, rtol: float) -> _Scales:
-    high, low = points.max(axis=0), points.min(axis=0)
-    floor = FLOOR * np.maximum(high, -low).max(axis=0)
-    extent = high - low
-    return _Scales(np.maximum(extent, 10.0 * floor + 1e-300), rtol * extent + floor)
-
-
-def _recurrence(points: Floats, letters: NDArray[np.signedinteger], tolerance: Floats) -> NDArray[np.int32]:
-    """Return the least lag N <= keep/2 after which each orbit recurs, 0 for none."""
-    keep, n = letters.shape
-    lags = np.arange(1, keep // 2 + 1)
-    # the last point alone rules out nearly every lag; what is left is checked in full
-    close = (np.abs(points[keep - 1 - lags] - points[-1]) <= tolerance).all(axis=1)
-    close &= letters[keep - 1 - lags] == letters[-1]
-    period = np.zeros(n, np.int32)
-    remaining = np.flatnonzero(close.any(axis=0))
-    while remaining.size:
-        candidates = lags[close[:, remaining].argmax(axis=0)]
-        for N in np.unique(candidates):
-            rows = remaining[candidates == N]
-            x, s = points[:, :, rows], letters[:, rows]
-            good = (np.abs(x[N:] - x[:-N]) <= tolerance[:, rows]).all(axis=(0, 1)) & (s[N:] == s[:-N]).all(axis=0)
-            period[rows[good]] = N
-            close[N - 1, rows] = False
-        remaining = remaining[(period[remaining] == 0) & close[:, remaining].any(axis=0)]
-    return period
+    @property
+    def words(self) -> NDArray[Any]:
+        """The words as Python objects, equal ones the same object."""
+        keys, which = np.unique(self.key, return_inverse=True)
+        return np.array([self.table[key] for key in keys.tolist()], object)[which].reshape(self.key.shape)
 
 
-def _settled(
-    P: Map, points: Floats, letters: NDArray[np.signedinteger], scales: _Scales, candidate: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """Return the period after the multiplier has had its say (step 2 of the rule), -1 or 0 where there is none."""
-    keep = len(points)
-    period = np.where(candidate > 0, candidate, APERIODIC).astype(np.int32)
-    open_ = candidate != 1
-    for N in range(1, keep // 3 + 1):
-        divides = (candidate > N) & (candidate % N == 0)
-        rows = np.flatnonzero(open_ & (divides | ((candidate == 0) & (5 * N <= keep))))
-        rows = rows[(letters[N:, rows] == letters[:-N, rows]).all(axis=0)]
-        rows = rows[_settling(points[:, :, rows] / scales.extent[:, rows], N)]
-        while rows.size:
-            x, s, tolerance = points[:, :, rows], letters[:, rows], scales.tolerance[:, rows]
-            near = np.zeros(rows.size, bool)
-            try:
-                cycle = find_cycle(P, x[-1, :, 0], s[-N:, 0].astype(np.int64), tolerance[:, 0])
-                if cycle is not None:
-                    near = approaches(cycle, x, s, tolerance)
-            except NoTangent:
-                period[rows[0]] = max(period[rows[0]], UNDECIDED)
-            period[rows[near]] = N
-            open_[rows[near]] = False
-            near[0] = True  # its turn is over, one way or the other
-            rows = rows[~near]
-    return period
+def settle_columns(
+    P: Map, rows: Floats, points: Floats, letters: NDArray[np.signedinteger], outcomes: Ints, tolerance: float
+) -> Settled:
+    """Find period and word of the orbits of many columns, see :func:`classify`.
+
+    Parameters
+    ----------
+    P : Map
+    rows : ndarray, shape (columns, parameters)
+    points, letters, outcomes
+        As in :class:`grazing.maps.columns.Columns`, outcomes folded.
+    tolerance : float
+    """
+    shape = letters.shape[0], letters.shape[2]
+    period, doubtful = np.empty(shape, np.int32), np.empty(shape, np.int8)
+    found = (np.ascontiguousarray(points), np.ascontiguousarray(letters, np.int64))
+    call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, period, doubtful)
+    which = np.argwhere(doubtful)
+    if which.size:
+        kind, _row = P.packed()
+        entry = settler(P.derivative, P.prepare, kind, P.dimension)
+        call(entry, np.ascontiguousarray(rows), *found, tolerance, which, period, who=f"the step of {P.name}")
+    key, begin, length = np.empty(shape, np.int64), np.empty(shape, np.int32), np.empty(shape, np.int32)
+    call(compiled_spelling(), found[1], period, key, begin, length)
+    trust = np.full(shape, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)
+    trust[(outcomes[:, 0] & AMBIGUOUS) != 0] = AMBIGUOUS_TRUST
+    return Settled(period, trust, key, begin, length, _table(found[1], key, begin, length, period, P.letters))
 
 
-def _settling(scaled: Floats, N: int) -> NDArray[np.bool_]:
-    """Say which orbits recur better and better after N steps, and nearly so after N or 2N; points in extents."""
-    keep, dimension, n = scaled.shape
-    if not n:
-        return np.zeros(0, bool)
-    after = np.abs(scaled[N:] - scaled[:-N]).max(axis=1)
-    groups = min(4, len(after) // N)
-    worst = np.array([part.max(axis=0) for part in np.array_split(after, groups)])
-    better = (worst[1:] < worst[:-1] * (1.0 - 1e-10)).all(axis=0)  # more than rounding
-    if N == 1 and dimension > 1:  # a spiral into a fixed point: its extent is itself the distance that shrinks
-        return np.asarray(better)
-    after_two = np.abs(scaled[-N:] - scaled[keep - 3 * N : keep - 2 * N]).max(axis=(0, 1))
-    return np.asarray(better & (np.minimum(worst[-1], after_two) <= NEAR))
+def settled_columns(P: Map, rows: Floats, found: Columns, tolerance: float = TOLERANCE) -> Settled:
+    """Find period and word of all orbits that :meth:`grazing.Map.run_columns` returned."""
+    return settle_columns(P, rows, found.points, found.letters, found.outcomes, tolerance)
 
 
-def _words(letters: NDArray[np.signedinteger], period: NDArray[np.int32], symbols: str | None) -> NDArray[np.str_]:
-    known: dict[tuple[int, bytes], str] = {}
-    rows = np.ascontiguousarray(letters.T)
-    words = []
-    for row, N in zip(rows, period.tolist(), strict=True):
-        if N < 1:
-            words.append("")
-            continue
-        key = (N, row[-N:].tobytes())
-        if key not in known:
-            known[key] = word(row[-N:].tolist(), symbols)
-        words.append(known[key])
-    return np.array(words, dtype=np.str_)
+def _table(
+    letters: Ints, key: Ints, begin: NDArray[np.int32], length: NDArray[np.int32], period: NDArray[np.int32],
+    symbols: str | None,
+) -> dict[int, str]:  # fmt: skip
+    """Return the word of each key; one orbit spells it for all."""
+    table = {0: ""}
+    keys, first = np.unique(key, return_index=True)
+    keep = letters.shape[1]
+    for code, where in zip(keys.tolist(), first.tolist(), strict=True):
+        q, j = divmod(where, key.shape[1])
+        if code:
+            s, N = letters[q, :, j], int(length[q, j])
+            turned = np.roll(s[keep - int(period[q, j]) :][:N], -int(begin[q, j] - keep + period[q, j]))
+            table[code] = _spelled(tuple(turned.tolist()), symbols)
+    return table
+
+
+@lru_cache(maxsize=65536)
+def _spelled(letters: tuple[int, ...], symbols: str | None) -> str:
+    return word(letters, symbols)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import digest
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
-from grazing.oscillator.model import describe_parameter
 from grazing.outcome import Outcome
 
 Attributes = dict[str, Any]
@@ -28,8 +27,8 @@ _GREEK = ("alpha", "beta", "gamma", "delta", "lambda", "mu", "nu", "omega", "phi
 
 def quantity(P: Map, name: str) -> Attributes:
     """Return the attributes of a parameter or coordinate of a map."""
-    if name in P.params and P.source is not None:  # a model stands behind the map and says what its parameters are
-        known = describe_parameter(name)
+    if name in P.params and P.describe is not None:
+        known = P.describe(name)
         return {"long_name": known.meaning, "units": "1", "symbol": known.symbol}
     kind = "parameter" if name in P.params else "coordinate"
     full = "lambda" if name == "lam" else name
@@ -50,6 +49,11 @@ def period_attributes(limit: int) -> Attributes:
 def word_attributes() -> Attributes:
     """Return the attributes of a word."""
     return {"long_name": "primitive cyclic word in its least rotation; empty where there is no period"}
+
+
+def longest_word(limit: int) -> int:
+    """Return how many characters a word of so many letters may take: a count is at most 10,001, in parentheses."""
+    return 7 * max(limit, 1)
 
 
 def letter_attributes(P: Map) -> Attributes:

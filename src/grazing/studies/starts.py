@@ -18,29 +18,29 @@ from grazing.parameter import checked_box as checked_box
 from grazing.parameter import whole
 
 
-def random_starts(
-    seed: int, cell: Sequence[float], lanes: int, box: Sequence[tuple[float, float]]
-) -> NDArray[np.float64]:
-    """Return random states in a box, shape (dim, lanes).
+def random_starts(seed: int, cell: ArrayLike, lanes: int, box: ArrayLike) -> NDArray[np.float64]:
+    """Return random states in a box, shape (dim, lanes); for many cells (cells, dim, lanes).
 
     Parameters
     ----------
     seed : int
         0 <= seed < 2^64.
-    cell : sequence of float
-        The parameter values that name the cell.
+    cell : array_like of float, shape (n,) or (cells, n)
+        The parameter values that name a cell.
     lanes : int
         Number of states; a state does not depend on how many there are.
-    box : sequence of (low, high)
-        One pair per coordinate.
+    box : array_like, shape (dim, 2) or (cells, dim, 2)
+        (low, high) of each coordinate.
 
     Examples
     --------
     >>> random_starts(0, (0.1,), 3, ((0.0, 1.0), (5.0, 6.0))).shape
     (2, 3)
     """
-    low, high = np.array(box, np.float64).T[:, :, None]
-    return np.ascontiguousarray(low + (high - low) * uniform(seed, cell, lanes, len(box)).T)
+    ends = np.asarray(box, np.float64)
+    low, high = ends[..., 0, None], ends[..., 1, None]
+    numbers = np.swapaxes(uniform(seed, cell, lanes, ends.shape[-2]), -1, -2)
+    return np.ascontiguousarray(low + (high - low) * numbers)
 
 
 def checked_seed(seed: object) -> int:

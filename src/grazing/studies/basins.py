@@ -1,0 +1,304 @@
+"""Basins: which attractor each initial state reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.maps.columns import Columns
+from grazing.maps.map import Map
+from grazing.maps.pieces import joined, pieces
+from grazing.memory import refuse_too_large
+from grazing.orbits.grazing_curve import grazing_arrays
+from grazing.outcome import InputError
+from grazing.parameter import real, whole
+from grazing.studies import labels
+from grazing.studies.attractors import attractors_of
+from grazing.studies.boundary import basin_entropy, uncertainty
+from grazing.studies.classify import Settled, settled_columns
+from grazing.studies.growth import on_cycles
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.runs import (
+    MANY,
+    TOGETHER,
+    checked_arithmetic,
+    checked_map,
+    checked_values,
+    describe_values,
+    tolerance_config,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Names of variables and dimensions of the result, which a coordinate must not have.
+TAKEN = (
+    "basin",
+    "attractor",
+    "coordinate",
+    "period",
+    "word",
+    "fraction",
+    "point",
+    "trust",
+    "outcome",
+    "graze",
+    "graze_order",
+)
+#: Two orbits of the same word and period are on one attractor if their points differ by less than this share of the
+#: grid's extent.
+SAME = 1e-6
+#: Points of the grazing curve and of each of its preimages.
+CURVE = 2000
+
+
+def basins(
+    P: Map,
+    grid: Mapping[str, ArrayLike] | None = None,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    transient: int = 500,
+    keep: int = 64,
+    preimages: int = 3,
+    threads: int | None = None,
+    arithmetic: str = "fast",
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return which attractor each initial state of a grid reaches.
+
+    Parameters
+    ----------
+    P : Map
+        Any map.
+    grid : mapping of str to array_like, optional
+        One or two coordinates of the map with their values; None for 200 values of each of the first two over the
+        map's box.
+    fixed : mapping of str to float, optional
+        The other coordinates; each is in the middle of the map's box unless said.
+    transient, keep : int
+        Steps that are thrown away, then steps in which a period up to keep/2 is looked for.
+    preimages : int
+        How many preimages of the grazing curve come with it, for a stroboscopic map.
+    threads, arithmetic, progress
+        As in :func:`grazing.orbit_diagram`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``basin`` on the grid: the row in the tables on the dimension "attractor", the one with the largest basin
+        first: ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word``, ``fraction`` of the grid,
+        ``point``, a point of the attractor. Orbits without a period are one row for each kind. ``trust`` and
+        ``outcome`` on the grid as in :func:`grazing.orbit_diagram`.
+        Attributes: ``basin_entropy`` and ``boundary_basin_entropy`` in boxes of 5 cells a side;
+        ``uncertainty_exponent`` with its standard error ``uncertainty_error``, and ``boundary_dimension``: not a
+        number where no boundary was met.
+        For a stroboscopic map ``graze`` (graze_point, coordinate), the states that touch the wall within a period,
+        and their preimages, with ``graze_order``; rows that are not numbers separate pieces. The boundaries lie on
+        them or on the stable manifolds of saddles.
+
+    Raises
+    ------
+    InputError
+        For an input out of range, a state that is not allowed, or a result larger than half of the memory.
+
+    References
+    ----------
+    McDonald, Grebogi, Ott and Yorke, Physica D 17 (1985) 125-153; Daza, Wagemakers, Georgeot, Guery-Odelin and
+    Sanjuan, Scientific Reports 6 (2016) 31416.
+
+    Examples
+    --------
+    >>> import grazing as gz, numpy as np
+    >>> from grazing.studies.basins import basins
+    >>> found = basins(gz.gap_map(lam=0.5, mu=0.043, l=0.1), {"x": np.linspace(-1, 1, 400)})
+    >>> found.word.values.tolist(), bool(found.fraction.sum() == 1.0)
+    (['LLR', 'LLLR'], True)
+    """
+    made = plan(
+        P, grid, fixed=fixed, transient=transient, keep=keep, preimages=preimages, arithmetic=arithmetic
+    )  # fmt: skip
+    return run_plan(made, threads, progress)
+
+
+def plan(
+    P: Map,
+    grid: Mapping[str, ArrayLike] | None = None,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    transient: int = 500,
+    keep: int = 64,
+    preimages: int = 3,
+    arithmetic: str = "fast",
+) -> Plan:
+    """Return the plan of basins, see :func:`basins`."""
+    checked_map(P)
+    axes, others = _checked_grid(P, grid), _checked_fixed(P, grid, fixed)
+    transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 1)
+    preimages, arithmetic = whole(preimages, "preimages", 0), checked_arithmetic(arithmetic)
+    shape = tuple(len(values) for values in axes.values())
+    size = int(np.prod(shape)) * (4 + 8 + 8 * P.dimension + 4 + 1 + 4)
+    refuse_too_large(size, "reduce " + ", ".join(f"{name} ({n})" for name, n in zip(axes, shape, strict=True)))
+    if P.check is not None:
+        for corner in product(*[(0, n - 1) for n in shape]):
+            state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
+            P.check(tuple(state[:, 0].tolist()), P.params)
+    row = np.array([list(P.params.values()) or [0.0]])
+
+    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
+        lanes, parts = _states(P, axes, others, cells)[None], []
+        for part in pieces(P, row, lanes, transient, keep, arithmetic):
+            parts.append(part)
+            yield
+        found = joined(parts)
+        settled = settled_columns(P, row, found)
+        arrays["reached_period"][...], arrays["reached_word"][...] = settled.period[0], settled.words[0]
+        arrays["reached_point"][...] = _points(P, row, found, settled)
+        arrays["outcome"][...], arrays["trust"][...] = found.outcomes[0, 0], settled.trust[0]
+
+    name = P.name or "map"
+    return Plan(
+        P=P,
+        title=f"basins of the {name}",
+        config={
+            "study": "basins",
+            "params": dict(P.params),
+            "grid": {name: describe_values(values) for name, values in axes.items()},
+            "fixed": others,
+            "transient": transient,
+            "keep": keep,
+            "preimages": preimages,
+            "same": SAME,
+            "arithmetic": arithmetic,
+            **tolerance_config(keep),
+        },
+        axes=axes,
+        axis_attrs={name: labels.quantity(P, name) for name in axes},
+        sizes={"coordinate": P.dimension},
+        coords={"coordinate": ("coordinate", np.array(P.coordinates))},
+        variables={
+            "reached_period": Variable((), "int32", labels.period_attributes(keep // 2)),
+            "reached_word": Variable((), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+            "reached_point": Variable(("coordinate",), "float64", {"long_name": "a point of the attractor"}),
+            "outcome": Variable((), "int32", labels.outcome_attributes()),
+            "trust": Variable((), "int8", labels.trust_attributes()),
+        },
+        compute=compute,
+        together=TOGETHER if P.block is not None else MANY,
+        work=transient + keep,
+        finish=lambda result: _with_attractors(P, axes, preimages, result),
+    )
+
+
+def _checked_grid(P: Map, grid: Mapping[str, ArrayLike] | None) -> dict[str, Floats]:
+    wanted = f"give one or two of {', '.join(P.coordinates)} with their values"
+    if grid is None:
+        ends = dict(zip(P.coordinates[:2], P.box, strict=False))
+        return {name: np.linspace(low, high, 200) for name, (low, high) in ends.items()}
+    if not isinstance(grid, Mapping) or not 1 <= len(grid) <= 2:
+        raise InputError(f"grid is {grid!r}; {wanted}")
+    for name in grid:
+        if name not in P.coordinates:
+            raise InputError(f"{name!r} is no coordinate of the {P.name}; {wanted}")
+        if name in TAKEN:
+            raise InputError(f"{name!r} names a dimension or variable of the result; rename it in the map")
+    return {name: checked_values(name, values) for name, values in grid.items()}
+
+
+def _checked_fixed(P: Map, grid: object, fixed: Mapping[str, float] | None) -> dict[str, float]:
+    shown = P.coordinates[:2] if grid is None else list(grid)  # type: ignore[call-overload]
+    others = {
+        name: 0.5 * (low + high) for name, (low, high) in zip(P.coordinates, P.box, strict=True) if name not in shown
+    }
+    for name, value in (fixed or {}).items():
+        if name not in others:
+            raise InputError(f"fixed has {name!r}; allowed are {', '.join(others) or 'none: the grid has them all'}")
+        others[name] = real(value, name, "give a finite number")
+    return others
+
+
+def _states(P: Map, axes: Mapping[str, Floats], others: Mapping[str, float], cells: Ints) -> Floats:
+    """Return the initial states of cells, shape (dim, cells)."""
+    places = np.unravel_index(cells, tuple(len(values) for values in axes.values()))
+    known = {name: values[i] for (name, values), i in zip(axes.items(), places, strict=True)}
+    return np.array([known.get(name, np.full(len(cells), others.get(name))) for name in P.coordinates], np.float64)
+
+
+def _points(P: Map, row: Floats, found: Columns, settled: Settled) -> Floats:
+    """Return, for each orbit with a period, the point of its cycle at which the word begins.
+
+    Of several such points, the one that comes first in order. Newton's method takes the orbit's own point to the cycle,
+    so that orbits which approach it slowly agree.
+    """
+    keep = found.points.shape[1]
+    period, begin, length = settled.period[0], settled.begin[0], settled.length[0]
+    x, letters = np.moveaxis(found.points[0], 2, 0), found.letters[0].T  # (orbits, keep, dim), (orbits, keep)
+    result = np.full(x[:, 0].shape, np.nan)
+    for N, start, p in np.unique(np.column_stack([period, begin, length]), axis=0).tolist():
+        if N < 1:
+            continue
+        here = np.flatnonzero((period == N) & (begin == start) & (length == p))
+        first = keep - N
+        # a letter is that of the step to its point: the word begins one point earlier
+        turns = np.array([first + (start - 1 - first + k * p) % N for k in range(N // p)])
+        turn = turns[_first_in_order(x[here][:, turns])]
+        seen = letters[here[:, None], first + (turn[:, None] + 1 - first + np.arange(N)) % N]
+        result[here] = on_cycles(P, np.repeat(row, len(here), axis=0), x[here, turn], seen)
+    return result
+
+
+def _first_in_order(candidates: Floats) -> Ints:
+    """Return which of several points (orbits, points, dim) comes first in lexicographic order, for each orbit."""
+    best = np.zeros(len(candidates), np.int64)
+    rows = np.arange(len(candidates))
+    for k in range(1, candidates.shape[1]):
+        other, leader = candidates[:, k], candidates[rows, best]
+        differ = other != leader
+        first = differ.argmax(axis=1)
+        smaller = differ.any(axis=1) & (other[rows, first] < leader[rows, first])
+        best = np.where(smaller, k, best)
+    return best
+
+
+def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result: xr.Dataset) -> xr.Dataset:
+    """Replace what each state reached by tables of the attractors, and add what the whole grid says."""
+    import xarray as xr
+
+    period, words = result["reached_period"].values, result["reached_word"].values
+    points = result["reached_point"].values.reshape(-1, P.dimension)
+    extents = np.array([np.ptp(axes[name]) if name in axes else 0.0 for name in P.coordinates])
+    box = np.array([high - low for low, high in P.box])
+    which, rows = attractors_of(period.ravel(), words.ravel(), points, SAME * np.maximum(extents, box))
+    grid = which.reshape(period.shape)
+    table: dict[str, Any] = {
+        "basin": (tuple(axes), grid.astype(np.int32), {"long_name": "attractor that is reached, a row of the tables"}),
+        "period": ("attractor", np.array([row.period for row in rows], np.int32), result["reached_period"].attrs),
+        "word": ("attractor", np.array([row.word for row in rows], object), result["reached_word"].attrs),
+        "fraction": (
+            "attractor",
+            np.array([row.orbits for row in rows]) / grid.size,
+            {"long_name": "share of the grid", "units": "1"},
+        ),
+        "point": (
+            ("attractor", "coordinate"),
+            np.array([row.point for row in rows]),
+            {"long_name": "a point of the attractor", "units": "1"},
+        ),
+    }
+    kept = result.drop_vars(["reached_period", "reached_word", "reached_point"])
+    if P.model is not None and P.name == "stroboscopic map":
+        curve, order = grazing_arrays(P.model, P.params["phase"], preimages, CURVE)
+        table["graze"] = (
+            ("graze_point", "coordinate"),
+            curve,
+            {"long_name": "states that touch the wall within a period, and their preimages", "units": "1"},
+        )
+        table["graze_order"] = ("graze_point", order.astype(np.int32), {"long_name": "order of the preimage"})
+    done = xr.Dataset({**kept.data_vars, **table}, kept.coords, kept.attrs)
+    return done.assign_attrs(basin_entropy(grid) | uncertainty(grid))

@@ -1,0 +1,215 @@
+"""The density: an orbit diagram as counts in a raster, of which no point is ever stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from math import floor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.compile import call, compiled
+from grazing.maps.map import Map
+from grazing.memory import refuse_too_large
+from grazing.outcome import FATAL, InputError
+from grazing.parameter import checked_box, whole
+from grazing.studies import labels
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Names of variables of the result, which neither the parameter nor a coordinate may have.
+TAKEN = ("count", "below", "above", "ended")
+#: Points whose places in the raster are found together, in a loop that vectorises.
+BLOCK = 64
+#: The raster reaches so much farther than the points of a trial, of their extent.
+ROOM = 0.05
+#: A trial looks at so many values, starts and steps.
+TRIAL = 64, 20, 100
+
+
+def density(
+    P: Map,
+    name: str,
+    values: ArrayLike,
+    *,
+    bins: int = 1000,
+    coordinate: str | None = None,
+    range: tuple[float, float] | None = None,
+    starts: int | ArrayLike = 100,
+    transient: int = 200,
+    keep: int = 500,
+    seed: int = 0,
+    threads: int | None = None,
+    arithmetic: str = "fast",
+    box: Sequence[tuple[float, float]] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return how often orbits visit each part of a coordinate's range while one parameter varies.
+
+    Parameters
+    ----------
+    P : Map
+        Any map.
+    name : str
+        Which of ``P.params`` varies.
+    values : array_like, shape (m,)
+        Its values, finite, in any order.
+    bins : int
+        Parts of the range, of equal size.
+    coordinate : str, optional
+        Which coordinate is counted; None for the first.
+    range : (low, high), optional
+        The raster's ends; low <= x <= high is counted, high in the last part. None for the range of a short trial at
+        some of the values, and a little more.
+    starts, transient, keep, seed, threads, arithmetic, box, progress
+        As in :func:`grazing.orbit_diagram`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``count`` on (name, coordinate), the coordinate's values being the middles of the parts; on (name)
+        ``below`` and ``above``, the points beyond the raster's ends, and ``ended``, the starts whose orbits ended,
+        whose points since then are not counted.
+
+    Raises
+    ------
+    InputError
+        For an input out of range, or a raster larger than half of the memory.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.studies.density import density
+    >>> G = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
+    >>> found = density(G, "mu", [0.05, 0.07], bins=40, range=(-0.3, 0.1), starts=20, keep=300)
+    >>> found["count"].sum("x").values.tolist(), int((found["count"].sel(mu=0.07) > 0).sum())
+    ([6000, 6000], 3)
+    """
+    made = plan(
+        P, name, values, bins=bins, coordinate=coordinate, range=range, starts=starts, transient=transient,
+        keep=keep, seed=seed, arithmetic=arithmetic, box=box,
+    )  # fmt: skip
+    return run_plan(made, threads, progress)
+
+
+def plan(
+    P: Map,
+    name: str,
+    values: ArrayLike,
+    *,
+    bins: int = 1000,
+    coordinate: str | None = None,
+    range: tuple[float, float] | None = None,
+    starts: int | ArrayLike = 100,
+    transient: int = 200,
+    keep: int = 500,
+    seed: int = 0,
+    arithmetic: str = "fast",
+    box: Sequence[tuple[float, float]] | None = None,
+) -> Plan:
+    """Return the plan of a density, see :func:`density`."""
+    checked_map(P)
+    runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
+    shown = P.coordinates[0] if coordinate is None else coordinate
+    if shown not in P.coordinates:
+        raise InputError(f"coordinate = {coordinate!r}; allowed are {', '.join(P.coordinates)}")
+    bins, i = whole(bins, "bins", 1), list(P.coordinates).index(shown)
+    grid = runs.axes[name]
+    refuse_too_large(8 * len(grid) * (bins + 3), f"reduce values ({len(grid)}) or bins ({bins})")
+    low, high = trial_range(runs, i) if range is None else checked_box((range,), (shown,))[0]
+
+    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
+        counts = np.zeros((len(cells), bins + 3), np.int64)
+        lost = np.zeros((len(cells), runs.settings.lanes), np.int64)
+        for part in runs.pieces(cells):
+            call(compiled_raster(), part.points, i, low, high, bins, counts)
+            lost |= part.outcomes[:, 0] & FATAL
+            yield
+        arrays["count"][...] = counts[:, 1:-2]
+        arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
+        arrays["ended"][...] = np.count_nonzero(lost, axis=1)
+
+    edges = np.linspace(low, high, bins + 1)
+    ends = {"low": low, "high": high}
+    return Plan(
+        P=P,
+        title=f"density of the {P.name} in {name}",
+        config={
+            "study": "density",
+            "parameter": name,
+            "values": describe_values(grid),
+            "coordinate": shown,
+            "bins": bins,
+            "range": [low, high],
+            **runs.config,
+        },
+        axes=runs.axes,
+        axis_attrs={name: labels.quantity(P, name)},
+        sizes={shown: bins},
+        coords={shown: (shown, 0.5 * (edges[1:] + edges[:-1]), labels.quantity(P, shown) | ends)},
+        variables={
+            "count": Variable((shown,), "int64", {"long_name": "points in this part of the range", "units": "1"}),
+            "below": Variable((), "int64", {"long_name": "points below the raster", "units": "1"}),
+            "above": Variable((), "int64", {"long_name": "points above the raster", "units": "1"}),
+            "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
+        },
+        compute=compute,
+        together=runs.together,
+        work=runs.work,
+    )
+
+
+def trial_range(runs: Runs, i: int) -> tuple[float, float]:
+    """Return where a few orbits at some of the values have coordinate i, and a little more."""
+    (name, grid), settings = next(iter(runs.axes.items())), runs.settings
+    values, starts, steps = TRIAL
+    some = np.unique(np.linspace(0, len(grid) - 1, values).round().astype(np.int64))
+    few = min(settings.starts, starts) if isinstance(settings.starts, int) else settings.starts[:starts]
+    trial = Runs(runs.P, {name: grid[some]}, settings._replace(starts=few, keep=min(settings.keep, steps)), runs.moving)
+    low, high = np.inf, -np.inf
+    for part in trial.pieces(np.arange(len(some))):
+        x = part.points[:, :, i]
+        seen = x[np.isfinite(x)]
+        if seen.size:
+            low, high = min(low, float(seen.min())), max(high, float(seen.max()))
+    if not low <= high:
+        raise InputError("every orbit of a trial ended before its first point; give range=(low, high)")
+    room = ROOM * (high - low) or 1e-6 * max(abs(high), 1.0)
+    return low - room, high + room
+
+
+def raster(points: Any, i: int, low: float, high: float, bins: int, counts: Any) -> None:
+    """Count coordinate i of points (columns, steps, dim, lanes) in ``counts`` (columns, bins + 3).
+
+    Places: 0 below, then the parts of the range, one above, one for what is not a number.
+    """
+    columns, steps, _dimension, lanes = points.shape
+    scale = bins / (high - low)
+    place = np.empty(BLOCK, np.int64)
+    for q in range(columns):
+        for n in range(steps):
+            for start in range(0, lanes, BLOCK):
+                width = min(BLOCK, lanes - start)
+                for j in range(width):
+                    x = points[q, n, i, start + j]
+                    inside = min(floor((x - low) * scale), bins - 1.0) + 1.0
+                    inside = 0.0 if x < low else inside
+                    inside = bins + 1.0 if x > high else inside
+                    inside = inside if x == x else bins + 2.0
+                    place[j] = int(inside)
+                for j in range(width):
+                    counts[q, place[j]] += 1
+
+
+@lru_cache(maxsize=1)
+def compiled_raster() -> Any:
+    """Return :func:`raster`, compiled."""
+    return compiled(raster, "strict")

@@ -1,0 +1,231 @@
+"""Lyapunov exponents: how fast nearby orbits part or meet, with the saltation at every impact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.compile import call
+from grazing.maps.columns import Columns
+from grazing.maps.map import Map
+from grazing.outcome import InputError
+from grazing.parameter import whole
+from grazing.studies import labels
+from grazing.studies.classify import ENDED, settled_columns
+from grazing.studies.growth import stretcher, turned
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.runs import checked_map, checked_runs, describe_values, tolerance_config
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Names of variables and dimensions of the result, which a parameter must not have.
+TAKEN = ("start", "index", "exponent", "exponent_per_time", "return_time", "period", "word", "outcome", "trust")
+#: Steps in which the frame of deviations turns into place before anything is summed.
+WARM = 64
+#: Steps of a tile, over all its orbits.
+TILE = 100_000
+
+
+def lyapunov(
+    P: Map,
+    name: str | None = None,
+    values: ArrayLike | None = None,
+    *,
+    starts: int | ArrayLike = 10,
+    transient: int = 200,
+    steps: int = 1000,
+    keep: int = 64,
+    seed: int = 0,
+    threads: int | None = None,
+    arithmetic: str = "fast",
+    box: Sequence[tuple[float, float]] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the Lyapunov exponents of a map's orbits, at one or many values of a parameter.
+
+    Parameters
+    ----------
+    P : Map
+        Any map; without a ``tangent`` of its own, derivatives are differences and the result *numerical*.
+    name, values : str and array_like, optional
+        A parameter that varies, with its values; None for the map as it is.
+    starts, transient, seed, threads, arithmetic, box, progress
+        As in :func:`grazing.orbit_diagram`.
+    steps : int
+        Steps along which the exponents of an orbit without a period are measured, after ``transient + keep``.
+    keep : int
+        Steps in which a period is looked for; where there is one, the exponents are those of its multipliers.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``exponent`` on (name, "start", "index"), per step of the map, the greatest first: minus infinity through
+        completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze). For a map of a
+        model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name, "start"): ``period``,
+        ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
+
+    References
+    ----------
+    Saltation: Mueller, Chaos, Solitons and Fractals 5 (1995) 1671-1681.
+
+    Examples
+    --------
+    >>> import grazing as gz, numpy as np
+    >>> from grazing.studies.lyapunov import lyapunov
+    >>> found = lyapunov(gz.gap_map(lam=0.5, mu=0.07, l=0.1), starts=1)
+    >>> bool(np.isclose(found.exponent[0, 0], np.log(abs(gz.theory.multiplier(3, 0.5, 0.07, 0.1))) / 3, rtol=1e-12))
+    True
+    """
+    made = plan(
+        P, name, values, starts=starts, transient=transient, steps=steps, keep=keep, seed=seed,
+        arithmetic=arithmetic, box=box,
+    )  # fmt: skip
+    return run_plan(made, threads, progress)
+
+
+def plan(
+    P: Map,
+    name: str | None = None,
+    values: ArrayLike | None = None,
+    *,
+    starts: int | ArrayLike = 10,
+    transient: int = 200,
+    steps: int = 1000,
+    keep: int = 64,
+    seed: int = 0,
+    arithmetic: str = "fast",
+    box: Sequence[tuple[float, float]] | None = None,
+) -> Plan:
+    """Return the plan of a study of Lyapunov exponents, see :func:`lyapunov`."""
+    checked_map(P)
+    if (name is None) != (values is None):
+        raise InputError("give a parameter's name with its values, or neither of them")
+    axes = {} if name is None else {name: values}
+    runs = checked_runs(P, axes, starts, transient, keep, seed, arithmetic, box, TAKEN)  # type: ignore[arg-type]
+    steps, lanes = whole(steps, "steps", 1), runs.settings.lanes
+
+    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
+        found: Columns | None = None
+        for found in runs.columns(cells):
+            if found is None:
+                yield
+        assert found is not None
+        rows = runs.rows(cells)
+        settled = settled_columns(P, rows, found)
+        arrays["period"][...], arrays["word"][...] = settled.period, settled.words
+        arrays["trust"][...], arrays["outcome"][...] = settled.trust, found.outcomes[:, 0]
+        arrays["exponent"][...] = np.nan
+        if P.clock is not None:
+            arrays["return_time"][...] = np.nan
+        for part in (settled.period > 0, (settled.period <= 0) & (settled.period != ENDED)):
+            q, j = np.nonzero(part)
+            if q.size:
+                many = settled.period[part] if settled.period[part][0] > 0 else None
+                seen = found.points[q, -1, :, j], found.letters[q, :, j]
+                yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
+        if P.clock is not None:
+            arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
+
+    return Plan(
+        P=P,
+        title=f"Lyapunov exponents of the {P.name}" + (f" in {name}" if name else ""),
+        config={
+            "study": "lyapunov",
+            **({} if name is None else {"parameter": name, "values": describe_values(runs.axes[name])}),
+            "steps": steps,
+            "warm": WARM,
+            **runs.config,
+            **tolerance_config(runs.settings.keep),
+        },
+        axes=runs.axes,
+        axis_attrs={name: labels.quantity(P, name) for name in runs.axes},
+        sizes={"start": lanes, "index": P.dimension},
+        variables=_variables(P, runs.settings.keep),
+        compute=compute,
+        together=max(1, runs.together // 8),
+        work=runs.work + lanes * steps,
+    )
+
+
+def _variables(P: Map, keep: int) -> dict[str, Variable]:
+    both = ("start", "index")
+    found = {"exponent": Variable(both, "float64", {"long_name": "Lyapunov exponent per step", "units": "1"})}
+    if P.clock is not None:
+        found["exponent_per_time"] = Variable(
+            both, "float64", {"long_name": "Lyapunov exponent per unit of time", "units": "1"}
+        )
+        found["return_time"] = Variable(("start",), "float64", {"long_name": "mean time of a step", "units": "1"})
+    return found | {
+        "period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
+        "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+        "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
+        "trust": Variable(("start",), "int8", labels.trust_attributes()),
+    }
+
+
+def _measure(
+    P: Map, rows: Floats, states: Floats, seen: Ints, periods: NDArray[np.int32] | None, steps: int,
+    part: NDArray[np.bool_], arrays: Arrays,
+) -> Iterator[None]:  # fmt: skip
+    """Measure the exponents of single orbits, of given periods or none, and write them to their part of the arrays."""
+    if periods is not None:
+        exponent, first, last, letters = of_cycles(P, rows, states, seen, periods)
+        many = periods.astype(np.float64)
+        yield
+    else:
+        exponent, first, last, letters, outcomes = yield from of_orbits(P, rows, states, steps)
+        arrays["outcome"][part] |= outcomes
+        many = np.full(len(states), float(steps))
+    arrays["exponent"][part] = exponent
+    if P.clock is not None:
+        for n in np.unique(many):
+            here = many == n
+            time = P.clock(rows[here], first[here, :, None], last[here, :, None], letters[here, None], int(n))
+            arrays["return_time"][tuple(index[here] for index in np.nonzero(part))] = time[:, 0] / n
+
+
+def of_cycles(
+    P: Map, rows: Floats, states: Floats, seen: Ints, periods: NDArray[np.int32]
+) -> tuple[Floats, Floats, Floats, Ints]:
+    """Return exponents from the multipliers of cycles, the point twice, and the sum of a period's letters.
+
+    ``seen`` are the latest letters of each orbit.
+
+    The least modulus of a multiplier follows from the determinant, a product of scalars: it keeps its digits where
+    the matrix itself has lost them.
+    """
+    n, d = states.shape
+    many = periods.astype(np.int64)
+    points, turns, logs, letters = turned(P, rows, states, seen, many)
+    known = np.isfinite(turns).all(axis=(1, 2))
+    moduli = np.full((n, d), np.nan)
+    moduli[known] = np.sort(np.abs(np.linalg.eigvals(turns[known])), axis=1)[:, ::-1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        exponents = np.log(moduli)
+        rest = exponents[:, :-1].sum(axis=1)
+        exponents[:, -1] = np.where(np.isfinite(rest), logs - rest, np.where(known, exponents[:, -1], np.nan))
+    return np.sort(exponents, axis=1)[:, ::-1] / many[:, None], points, points, letters
+
+
+def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
+    """Measure the exponents of orbits; an iterator that returns exponents, first and last states, letters, outcomes."""
+    kind, _row = P.packed()
+    n, d = states.shape
+    entry, who = stretcher(P.derivative, P.prepare, kind, d), f"the step of {P.name}"
+    rows, lanes = np.ascontiguousarray(rows), np.ascontiguousarray(states)[:, :, None].copy()
+    frames, sums = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1, d))
+    letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
+    call(entry, rows, lanes, WARM, frames, sums, letters, outcomes, who=who)
+    first, tile = lanes[:, :, 0].copy(), max(1, TILE // n)
+    sums[np.isfinite(sums)], letters[...] = 0.0, 0
+    for done in range(0, steps, tile):
+        call(entry, rows, lanes, min(tile, steps - done), frames, sums, letters, outcomes, who=who)
+        yield
+    return -np.sort(-sums[:, 0], axis=1) / steps, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]

@@ -1,0 +1,243 @@
+"""The orbits of a study: parameter values, starts and lengths, checked once and shared by all studies of ensembles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.compile import FLAGS
+from grazing.maps.columns import Columns
+from grazing.maps.map import Map
+from grazing.maps.pieces import joined, pieces
+from grazing.outcome import InputError
+from grazing.parameter import unknown, whole
+from grazing.studies import labels
+from grazing.studies.classify import FLOOR, TOLERANCE
+from grazing.studies.starts import checked_box, checked_seed, checked_starts, random_starts
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Box = tuple[tuple[float, float], ...]
+
+#: Orbits that are computed together: as many as a block of oscillators holds,
+TOGETHER = 512
+#: and for maps without a block so many that a tile is worth its handling.
+MANY = 8192
+
+
+class Settings(NamedTuple):
+    """How the orbits of a study begin and how long they run."""
+
+    starts: int | Floats
+    transient: int
+    keep: int
+    seed: int
+    arithmetic: str
+    box: Box | None
+
+    @property
+    def lanes(self) -> int:
+        """Orbits of a cell."""
+        return self.starts if isinstance(self.starts, int) else len(self.starts)
+
+
+class Runs:
+    """The orbits of a map over a grid of parameter values.
+
+    Parameters
+    ----------
+    P : Map
+    axes : mapping of str to ndarray
+        Parameters that vary; cells are numbered through their product, last axis fastest.
+    settings : Settings
+    moving : tuple of int
+        The axes along which the map's own box changes.
+    """
+
+    def __init__(self, P: Map, axes: Mapping[str, Floats], settings: Settings, moving: tuple[int, ...] = ()) -> None:
+        self.P, self.axes, self.settings, self.moving = P, dict(axes), settings, moving
+        self.shape = tuple(len(values) for values in self.axes.values())
+        self._where = [list(P.params).index(name) for name in self.axes]
+
+    @property
+    def together(self) -> int:
+        """How many cells are worth computing in one go."""
+        return max(1, (TOGETHER if self.P.block is not None else MANY) // self.settings.lanes)
+
+    @property
+    def work(self) -> int:
+        """Steps of the map that a cell takes."""
+        return self.settings.lanes * (self.settings.transient + self.settings.keep)
+
+    def values(self, cells: Ints) -> Floats:
+        """Return the parameter values of cells, shape (cells, axes)."""
+        if not self.axes:  # a single cell, the map as it is
+            return np.empty((len(cells), 0))
+        places = np.unravel_index(cells, self.shape)
+        return np.column_stack([grid[i] for grid, i in zip(self.axes.values(), places, strict=True)])
+
+    def rows(self, cells: Ints) -> Floats:
+        """Return all parameters of the map in cells, shape (cells, parameters)."""
+        rows = np.tile(list(self.P.params.values()) or [0.0], (len(cells), 1))
+        rows[:, self._where] = self.values(cells)
+        return rows
+
+    def map_at(self, cell: int) -> Map:
+        """Return the map of a cell."""
+        values = self.values(np.array([cell]))[0].tolist()
+        return self.P.replace(**dict(zip(self.axes, values, strict=True)))
+
+    def states(self, cells: Ints) -> Floats:
+        """Return the starts in cells, shape (cells, dim, starts)."""
+        starts = self.settings.starts
+        if not isinstance(starts, int):
+            return np.tile(starts.T, (len(cells), 1, 1))  # they are overwritten, and every cell needs its own
+        return random_starts(self.settings.seed, self.values(cells), starts, self.boxes(cells))
+
+    def boxes(self, cells: Ints) -> Floats:
+        """Return where random starts are drawn, shape (cells, dim, 2)."""
+        fixed = self.settings.box or (None if self.moving else self.P.box)
+        if fixed is not None:
+            return np.broadcast_to(np.array(fixed), (len(cells), *np.shape(fixed)))
+        names = [list(self.axes)[i] for i in self.moving]
+        different, which = np.unique(self.values(cells)[:, self.moving], axis=0, return_inverse=True)
+        boxes = [self.P.replace(**dict(zip(names, row.tolist(), strict=True))).box for row in different]
+        return np.array(boxes)[which.ravel()]
+
+    def pieces(self, cells: Ints, states: Floats | None = None) -> Iterator[Columns]:
+        """Run the orbits of cells piece by piece, from given states or from the starts of the study."""
+        _starts, transient, keep, _seed, arithmetic, _box = self.settings
+        lanes = self.states(cells) if states is None else states
+        yield from pieces(self.P, self.rows(cells), lanes, transient, keep, arithmetic)
+
+    def columns(self, cells: Ints, states: Floats | None = None) -> Iterator[Columns | None]:
+        """Run the orbits of cells: None after every piece of work, then all that was kept."""
+        parts = []
+        for part in self.pieces(cells, states):
+            parts.append(part)
+            yield None
+        yield joined(parts)
+
+    @property
+    def config(self) -> dict[str, Any]:
+        """All that decides the numbers; the own value of a parameter that varies does not."""
+        starts, transient, keep, seed, arithmetic, box = self.settings
+        if isinstance(starts, int):
+            begin: dict[str, Any] = {"random": starts, "seed": seed, "box": self.P.box if box is None else box}
+        else:
+            begin = {"given": len(starts), "sha256": labels.fingerprint(starts)}
+        return {
+            "params": {name: value for name, value in self.P.params.items() if name not in self.axes},
+            "starts": begin,
+            "transient": transient,
+            "keep": keep,
+            "arithmetic": arithmetic,
+        }
+
+
+def checked_runs(
+    P: Map,
+    axes: Mapping[str, ArrayLike],
+    starts: int | ArrayLike,
+    transient: int,
+    keep: int,
+    seed: int,
+    arithmetic: str,
+    box: Sequence[tuple[float, float]] | None,
+    taken: Sequence[str] = (),
+) -> Runs:
+    """Return the orbits of a study, or raise InputError.
+
+    Parameters
+    ----------
+    P, axes, starts, transient, keep, seed, arithmetic, box
+        As the user gave them.
+    taken : sequence of str
+        Names of variables and dimensions of the result, which neither a parameter nor a coordinate may have.
+    """
+    checked_map(P)
+    grids: dict[str, Floats] = {}
+    for name, values in axes.items():
+        if name not in P.params:
+            raise unknown(name, P.params, P.name or "the map")
+        grids[name] = checked_values(name, values)
+    for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
+        raise InputError(f"{clash!r} names a dimension or variable of the result; rename it in the map")
+    settings = Settings(
+        checked_starts(starts, P.coordinates),
+        whole(transient, "transient", 0),
+        whole(keep, "keep", 1),
+        checked_seed(seed),
+        checked_arithmetic(arithmetic),
+        None if box is None else checked_box(box, P.coordinates),
+    )
+    return Runs(P, grids, settings, _moving(P, grids, settings.starts))
+
+
+def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[int, ...]:
+    """Return the axes along which the map's own box changes; raise InputError for a value out of range on the way.
+
+    Each value is tried beside the first and the last values of the other parameters: ranges do not depend on more.
+    Given starts must be allowed at every one of them.
+    """
+    moving = []
+    for i, (name, grid) in enumerate(grids.items()):
+        ends = {tuple((other, float(values[k])) for other, values in grids.items() if other != name) for k in (0, -1)}
+        boxes = set()
+        for others in sorted(ends):
+            for value in grid.tolist():
+                at = P.replace(**{name: value, **dict(others)})
+                boxes.add((others, at.box))
+                if at.check is not None and not isinstance(starts, int):
+                    for start in starts:
+                        at.check(start, at.params)
+        if len(boxes) > len(ends) or next(iter(boxes))[1] != P.box:
+            moving.append(i)
+    return tuple(moving)
+
+
+def checked_map(P: object) -> Map:
+    """Return a map, or raise InputError."""
+    if not isinstance(P, Map):
+        raise InputError(f"the first argument is {P!r}; give a map, such as gz.stroboscopic_map(model)")
+    return P
+
+
+def checked_arithmetic(arithmetic: str) -> str:
+    """Return the name of an arithmetic, or raise InputError."""
+    if arithmetic not in FLAGS:
+        raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
+    return arithmetic
+
+
+def checked_values(name: str, values: ArrayLike) -> Floats:
+    """Return finite values in a one-dimensional array, or raise InputError."""
+    wanted = f"give finite values of {name} in a list or a one-dimensional array"
+    try:
+        grid = np.array(values, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"values are not numbers: {values!r}; {wanted}") from None
+    if grid.ndim != 1 or not grid.size:
+        raise InputError(f"values have shape {grid.shape}; {wanted}")
+    if not np.isfinite(grid).all():
+        i = int(np.flatnonzero(~np.isfinite(grid))[0])
+        raise InputError(f"values[{i}] = {grid[i]} is not finite; {wanted}")
+    return grid
+
+
+def describe_values(values: Floats) -> dict[str, Any]:
+    """Return what a configuration says of the values of an axis."""
+    return {
+        "first": values[0],
+        "last": values[-1],
+        "count": values.size,
+        "sha256": labels.fingerprint(values),
+    }
+
+
+def tolerance_config(keep: int) -> dict[str, Any]:
+    """Return what a configuration says of how periods are found."""
+    return {"period_limit": keep // 2, "tolerance": {"relative": TOLERANCE, "absolute": FLOOR}}

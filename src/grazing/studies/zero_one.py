@@ -1,0 +1,76 @@
+"""The 0-1 test for chaos, from a series alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.kernel.random import uniform
+from grazing.outcome import InputError
+from grazing.parameter import whole
+from grazing.studies.starts import checked_seed
+
+#: Shortest series: a tenth of it must hold a few displacements.
+SHORTEST = 100
+
+
+def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDArray[np.float64] | float:
+    """Return K of the 0-1 test: near 0 for regular and near 1 for chaotic motion.
+
+    Parameters
+    ----------
+    series : array_like, shape (n,) or (n, m)
+        One observable along an orbit, such as a coordinate, or those of m orbits; at least 100 values. A series
+        sampled much faster than it varies looks regular: take points of a map.
+    frequencies : int
+        How many random frequencies in (pi/5, 4 pi/5) the median is taken over.
+    seed : int
+
+    Returns
+    -------
+    float or ndarray, shape (m,)
+        The median over the frequencies of the correlation between the mean square displacement, its oscillating part
+        subtracted, and time. Not a number for a series that is not finite; 0 for one that does not vary.
+
+    References
+    ----------
+    Gottwald and Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129-145.
+
+    Examples
+    --------
+    >>> import numpy as np, grazing as gz
+    >>> from grazing.studies.zero_one import zero_one
+    >>> logistic = gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), params={"a": 4.0})
+    >>> chaotic = logistic.iterate((0.3,), 3000)[1000:, 0]
+    >>> regular = gz.gap_map(lam=0.5, mu=0.07, l=0.1).iterate((0.1,), 3000)[1000:, 0]
+    >>> bool(zero_one(chaotic) > 0.9), bool(abs(zero_one(regular)) < 0.1)
+    (True, True)
+    """
+    try:
+        values = np.array(series, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("the series is not numbers; give an array of shape (n,) or (n, m)") from None
+    if values.ndim not in (1, 2) or len(values) < SHORTEST:
+        raise InputError(f"the series has shape {values.shape}; give (n,) or (n, m) with n >= {SHORTEST}")
+    count = whole(frequencies, "frequencies", 1)
+    c = np.pi * (0.2 + 0.6 * uniform(checked_seed(seed), (), count, 1)[:, 0])
+    found = np.array([_median(column, c) for column in values.reshape(len(values), -1).T])
+    return found if values.ndim == 2 else float(found[0])
+
+
+def _median(x: NDArray[np.float64], c: NDArray[np.float64]) -> float:
+    if not np.isfinite(x).all():
+        return float("nan")
+    if np.ptp(x) <= 1e-12 * np.abs(x).max():
+        return 0.0
+    n = len(x)
+    lags = np.arange(1, n // 10 + 1)
+    kept = n - lags[-1]
+    mean = x.mean()
+    correlations = []
+    for frequency in c:
+        walk = np.cumsum(x * np.exp(1j * frequency * np.arange(1, n + 1)))
+        moved = np.array([np.mean(np.abs(walk[lag : lag + kept] - walk[:kept]) ** 2) for lag in lags])
+        moved -= mean**2 * (1.0 - np.cos(lags * frequency)) / (1.0 - np.cos(frequency))
+        correlations.append(np.corrcoef(lags, moved)[0, 1])
+    return float(np.median(correlations))
