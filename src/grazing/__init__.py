@@ -37,6 +37,8 @@ _PUBLIC = {
     "zdm_points": "maps.discontinuity",
     "normal_form": "maps.normal_form",
     "Orbit": "orbits.orbit",
+    "boundaries": "orbits.boundaries",
+    "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
     "windows": "orbits.windows",
     "Attractor": "studies.attractors",
@@ -53,6 +55,7 @@ _PUBLIC = {
     "cite": "citation",
     "plans": "",
     "plot": "",
+    "sweep": "",
     "testing": "",
     "theory": "",
 }
@@ -62,6 +65,7 @@ __all__ = sorted([*_PUBLIC, "__version__"])
 if TYPE_CHECKING:
     from grazing import plans as plans
     from grazing import plot as plot
+    from grazing import sweep as sweep
     from grazing import testing as testing
     from grazing import theory as theory
     from grazing.citation import cite as cite
@@ -75,6 +79,8 @@ if TYPE_CHECKING:
     from grazing.maps.map import Map as Map
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
+    from grazing.orbits.boundaries import boundaries as boundaries
+    from grazing.orbits.grazing_curve import grazing_curve as grazing_curve
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
     from grazing.orbits.orbit import Orbit as Orbit
     from grazing.orbits.windows import windows as windows

@@ -9,12 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import address, compiled
+from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called, called_for_all, inlined
+from grazing.kernel.primitives import at, called_for_all, inlined
 from grazing.maps.columns import Columns
 from grazing.maps.period import period_of
+from grazing.maps.pointed import (
+    flight_fields,
+    law_addresses,
+    pointed_contraction,
+    pointed_law,
+    pointed_rows,
+    pointed_slope,
+)
 from grazing.oscillator.block import (
     AFTER,
     BEFORE,
@@ -48,7 +56,6 @@ from grazing.oscillator.block import (
     next_event,
     solve_of,
     spread_constants,
-    strike_of,
     workspace_size,
 )  # fmt: skip
 from grazing.oscillator.cells import (
@@ -63,7 +70,7 @@ from grazing.oscillator.cells import (
     fill_table,
     table_size,
 )
-from grazing.oscillator.constants import HEAD, constants_of, section_phase
+from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.reset import Reset
 from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
@@ -74,30 +81,6 @@ NAN = float("nan")
 ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0, 1, 2
-#: What the kernel needs of a reset law beside its addresses: contraction near zero speed, and where its numbers lie.
-LAW = ("ratio", "speed", "law", "slope", "row")
-
-
-def pointed_law(v: float, p: Any) -> float:
-    """Call the reset law by its address."""
-    return called(p.law, v, p.row)
-
-
-def pointed_slope(v: float, p: Any) -> float:
-    """Call the slope of the reset law by its address."""
-    return called(p.slope, v, p.row)
-
-
-def pointed_contraction(p: Any) -> tuple[float, float]:
-    """Return what is known of the law near zero speed."""
-    return p.ratio, p.speed
-
-
-@lru_cache(maxsize=64)
-def flight_fields(harmonics: int) -> tuple[str, ...]:
-    """Return the names of the numbers that a flight needs, without those of a reset law."""
-    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
-    return (*HEAD, *waves, "sigma", "phase", *LAW)
 
 
 @lru_cache(maxsize=128)
@@ -358,28 +341,6 @@ def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
 PERIODS = 256
 
 
-@lru_cache(maxsize=256)
-def law_addresses(
-    law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
-) -> tuple[float, float, float]:
-    """Compile a reset law, its slope and its loop; return where their code lies."""
-    unpack = unpacker(kind)
-
-    def law_at(v: float, row: Any) -> float:
-        return law(v, unpack(row))
-
-    def slope_at(v: float, row: Any) -> float:
-        return slope(v, unpack(row))
-
-    strike = strike_of(law, unpack, len(kind._fields))  # type: ignore[attr-defined]
-    who = f"the reset law {name}"
-    return (
-        address(law_at, "value", arithmetic, who),
-        address(slope_at, "value", arithmetic, who),
-        address(strike, "sweep", arithmetic, who),
-    )
-
-
 def ensemble_tasks(
     harmonics: int, law: Reset, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns,
     arithmetic: str, block: bool,
@@ -405,12 +366,8 @@ def ensemble_tasks(
         Whether to use the block kernel; else every period goes through the scalar routine.
     """
     rows = np.ascontiguousarray(rows)
-    law_at, slope_at, strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
-    flight = len(HEAD) + 2 * harmonics + 1
-    known = np.array([law.contraction(kind(*row)) for row in rows.tolist()], np.float64)
-    where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
-    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
-    flat = np.ascontiguousarray(np.hstack([rows[:, :flight], rows[:, -1:], known, here])).ravel()
+    flat, where = pointed_rows(harmonics, law, kind, rows, arithmetic)
+    strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
     entry = ensemble(harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
     shape = max(1, LANES // starts), min(starts, LANES)
@@ -423,7 +380,7 @@ def ensemble_tasks(
             job = (
                 *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
             )  # fmt: skip
-            entry(flat, strike, float(where[top]), job, lanes, *found)
+            entry(flat.ravel(), strike, float(where[top]), job, lanes, *found)
             yield
 
     return [partial(task, q, i) for q in range(0, len(rows), shape[0]) for i in range(0, starts, shape[1])]

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
+from grazing.parameter import parameter_tuple
 
 #: Periods without an impact after which the step gives up by name.
 MAX_PERIODS = 1000
@@ -148,6 +150,14 @@ def impact_map(model: Oscillator) -> Map:
         check=leaves_wall,
         exact=law.exact_slope,
         source=lambda values: impact_map(model.replace(**values)),
+        pointed=partial(
+            pointed_derivative,
+            model.harmonics,
+            law,
+            return_of(pointed_law, pointed_slope, pointed_contraction),
+            constants_of(model.harmonics),
+            parameter_tuple(tuple(model.params)),
+        ),
         describe=describe_parameter,
         model=model,
         clock=partial(time_passed, list(model.params).index("omega")),

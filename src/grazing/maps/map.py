@@ -17,6 +17,7 @@ from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import differences_of
+from grazing.maps.pointed import Derived
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
@@ -87,6 +88,8 @@ class Map:
         Decides a step that double precision could not decide, see :mod:`grazing.maps.settle`.
     explain : callable, optional
         ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
+    pointed : callable, optional
+        ``pointed(rows)``: the tangent with its reset law by address, see :mod:`grazing.maps.pointed`.
     describe : callable, optional
         ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
     model : Oscillator, optional
@@ -130,6 +133,7 @@ class Map:
     source: Callable[..., Map] | None = None
     settle: Settle | None = None
     explain: Explain | None = None
+    pointed: Callable[[Floats], Derived] | None = None
     describe: Callable[[str], Parameter] | None = None
     model: Oscillator | None = None
     clock: Callable[..., NDArray[np.float64]] | None = None
@@ -342,15 +346,21 @@ class Map:
         """
         start = self._start(state)
         matrix = np.empty((self.dimension, self.dimension))
-        kind, row = self.packed()
-        entry = tangent_runner(self.derivative, self.prepare, kind, self.dimension)
-        call(entry, row, start.reshape(-1, 1).copy(), matrix, who=f"the tangent of {self.name}")
+        derived = self.derivative(self.packed()[1][None])
+        entry = tangent_runner(derived.tangent, derived.prepare, derived.kind, self.dimension)
+        call(entry, derived.rows[0], start.reshape(-1, 1).copy(), matrix, who=f"the tangent of {self.name}")
         return matrix
 
-    @property
-    def derivative(self) -> Callable[..., Any]:
-        """``derivative(state, c) -> (state, letter, outcome, J)``: the map's tangent, else central differences."""
-        return self.tangent if self.tangent is not None else differences_of(self._full_step, self.dimension)
+    def derivative(self, rows: Floats) -> Derived:
+        """Return the derivative of the step at parameter values ``rows`` (columns, parameters), ready to compile.
+
+        That is the map's ``tangent``, compiled once for all reset laws where there is one, else central differences.
+        """
+        if self.pointed is not None:
+            return self.pointed(rows)
+        known = self.tangent if self.tangent is not None else differences_of(self._full_step, self.dimension)
+        flat = np.ascontiguousarray(rows)
+        return Derived(known, self.prepare, self.packed()[0], flat, flat)
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:

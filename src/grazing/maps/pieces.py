@@ -42,16 +42,19 @@ def pieces(
     for n in range(0, max(transient + keep, 1), stride):
         end = min(n + stride, transient + keep)
         passed = max(0, min(end, transient) - n)
-        yield P.run_columns(rows, lanes, passed, end - n - passed, arithmetic=arithmetic, threads=1)
+        over = ~np.isfinite(lanes).all(axis=1)
+        found = P.run_columns(rows, lanes, passed, end - n - passed, arithmetic=arithmetic, threads=1)
+        if n > 0:
+            found.outcomes[:, 0][over] = 0  # an earlier piece has said how these ended
+        yield found
 
 
 def joined(parts: list[Columns]) -> Columns:
     """Return the pieces of the same orbits as one, their outcomes folded."""
-    if len(parts) == 1:
-        return parts[0]
+    kept = [part for part in parts if part.points.shape[1]] or parts[:1]
     return Columns(
-        np.concatenate([part.points for part in parts], axis=1),
-        np.concatenate([part.letters for part in parts], axis=1),
+        np.concatenate([part.points for part in kept], axis=1) if len(kept) > 1 else kept[0].points,
+        np.concatenate([part.letters for part in kept], axis=1) if len(kept) > 1 else kept[0].letters,
         np.bitwise_or.reduce([part.outcomes for part in parts]),
         np.minimum.reduce([part.near_miss for part in parts]),
         np.minimum.reduce([part.slowest for part in parts]),

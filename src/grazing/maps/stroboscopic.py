@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.period import period_of
+from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.maps.settle import Settled
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import CHATTER, InputError
-from grazing.parameter import parameters
+from grazing.parameter import parameter_tuple, parameters
 
 INFINITY = float("inf")
 Floats = NDArray[np.float64]
@@ -134,6 +135,14 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         source=again,
         settle=settle,
         explain=explain,
+        pointed=partial(
+            pointed_derivative,
+            model.harmonics,
+            law,
+            tangent_of(pointed_law, pointed_slope, pointed_contraction),
+            constants_of(model.harmonics, section_phase),
+            parameter_tuple((*model.params, "phase")),
+        ),
         describe=describe_parameter,
         model=model,
         clock=partial(periods_passed, list(model.params).index("omega")),

@@ -181,11 +181,11 @@ def rank(runs: Runs, cells: Ints, found: Columns, settled: Settled, steps: int, 
 
 def exponents(runs: Runs, cells: Ints, states: Floats, period: NDArray[np.int32], steps: int) -> Floats:
     """Return the largest exponent per step of orbits on their attractors, one a row of ``states``."""
-    P, (kind, _row) = runs.P, runs.P.packed()
-    entry = grower(P.derivative, P.prepare, kind, P.dimension)
+    P, derived = runs.P, runs.P.derivative(runs.rows(cells))
+    entry = grower(derived.tangent, derived.prepare, derived.kind, P.dimension)
     cyclic = period > 0
     many, result = np.where(cyclic, period, steps).astype(np.int64), np.empty(len(states))
-    call(entry, runs.rows(cells), np.ascontiguousarray(states), many, cyclic, result, who=f"the step of {P.name}")
+    call(entry, derived.rows, np.ascontiguousarray(states), many, cyclic, result, who=f"the step of {P.name}")
     return result
 
 

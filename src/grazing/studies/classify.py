@@ -8,8 +8,8 @@ The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * exte
 2. Recurrence alone is ambiguous where convergence is slow: near a period doubling an orbit that still alternates
    about its cycle recurs after 2N long before it recurs after N, or not yet at all. So for every N below the
    candidate that divides it (every N <= keep/5 if there is no candidate) whose letters repeat and after which the
-   orbit recurs better and better, the multiplier decides: Newton's method, begun at the last point, gives the
-   cycle of N points with these letters; if all its multipliers (the eigenvalues of the product of
+   orbit recurs better and better, or has arrived, the multiplier decides: Newton's method, begun at the last point,
+   gives the cycle of N points with these letters; if all its multipliers (the eigenvalues of the product of
    ``P.jacobian``) lie inside the unit circle and the distance to it falls, the period is N.
 3. Without candidate or cycle the orbit is aperiodic as far as seen; undecided if it seemed to settle where the map
    has no Jacobian, or if a single point was kept.
@@ -129,9 +129,11 @@ def settle_columns(
     call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, period, doubtful)
     which = np.argwhere(doubtful)
     if which.size:
-        kind, _row = P.packed()
-        entry = settler(P.derivative, P.prepare, kind, P.dimension)
-        call(entry, np.ascontiguousarray(rows), *found, tolerance, which, period, who=f"the step of {P.name}")
+        columns = np.unique(which[:, 0], return_inverse=True)
+        derived = P.derivative(rows[columns[0]])
+        entry = settler(derived.tangent, derived.prepare, derived.kind, P.dimension)
+        places = np.column_stack([which, columns[1]])
+        call(entry, derived.rows, *found, tolerance, places, period, who=f"the step of {P.name}")
     key, begin, length = np.empty(shape, np.int64), np.empty(shape, np.int32), np.empty(shape, np.int32)
     call(compiled_spelling(), found[1], period, key, begin, length)
     trust = np.full(shape, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)

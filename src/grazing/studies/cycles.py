@@ -230,8 +230,8 @@ def settler(
     Returns
     -------
     callable
-        ``run(rows, points, letters, rtol, which, period)``: for each (column, start) in ``which`` (n, 2) a cycle with
-        fewer points than the period by recurrence is sought, and the period replaced where the orbit approaches it.
+        ``run(rows, points, letters, rtol, which, period)``: for each (column, start, row) in ``which`` (n, 3) a cycle
+        with fewer points than the period by recurrence is sought, and the period replaced where the orbit approaches.
     """
     unpack, find = unpacker(kind), finder(tangent, dimension)
     constants = prepare if prepare is not None else _same
@@ -247,10 +247,10 @@ def settler(
             if q != before:
                 measured(x, rtol, extent, tolerance, finite)
             before = q
-            c = constants(unpack(rows[q]))
+            c = constants(unpack(rows[which[k, 2]]))
             candidate = max(period[q, j], 0)
             for N in range(1, keep // 3 + 1):
-                if to_be_tried(candidate, N, keep) and same_letters(s, j, N) and settling(x, j, extent, N):
+                if to_be_tried(candidate, N, keep) and same_letters(s, j, N) and settling(x, j, extent, tolerance, N):
                     found = find(x, s, j, N, c, tolerance, z, M)
                     if found == NO_TANGENT:
                         period[q, j] = max(period[q, j], UNDECIDED)

@@ -27,6 +27,8 @@ Ints = NDArray[np.int64]
 
 #: The Newton step, relative to a coordinate, with which a cycle counts as reached.
 SMALL = 1e-12
+#: Sides are multiplied up between these.
+LEAST, MOST = 1e-200, 1e200
 
 
 @inlined
@@ -50,9 +52,10 @@ def carried(J: Any, frame: Any, image: Any) -> None:
 
 
 @inlined
-def orthonormal(image: Any, frame: Any, sums: Any) -> None:
+def orthonormal(image: Any, frame: Any, sums: Any, sides: Any) -> None:
     """Write the orthonormal frame of the columns of ``image``; add the logarithms of its sides to ``sums``.
 
+    Sides are multiplied up in ``sides`` first, because logarithms take long; :func:`summed` adds what is left there.
     Modified Gram-Schmidt, each column twice: as good as Householder's way in so few dimensions.
     """
     d = frame.shape[0]
@@ -74,9 +77,20 @@ def orthonormal(image: Any, frame: Any, sums: Any) -> None:
         if not size > 1e-30 * before:
             size = size if size != size else 0.0
         length = sqrt(size)
-        sums[j] += log(length) if length > 0.0 else (nan if length != length else -inf)
+        sides[j] *= length
+        if not LEAST < sides[j] < MOST:
+            sums[j] += log(sides[j]) if sides[j] > 0.0 else (nan if sides[j] != sides[j] else -inf)
+            sides[j] = 1.0
         for i in range(d):
             frame[i, j] = image[i, j] / length if length > 0.0 else 0.0
+
+
+@inlined
+def summed(sums: Any, sides: Any) -> None:
+    """Add the logarithms of what was multiplied up, and begin again."""
+    for j in range(sums.shape[0]):
+        sums[j] += log(sides[j])
+        sides[j] = 1.0
 
 
 @lru_cache(maxsize=256)
@@ -96,7 +110,7 @@ def stretcher(
     constants = prepare if prepare is not None else _same
 
     def run(rows: Any, lanes: Any, steps: int, frames: Any, sums: Any, letters: Any, outcomes: Any) -> None:
-        image = np.empty((dimension, dimension))
+        image, sides = np.empty((dimension, dimension)), np.ones(dimension)
         for q in range(lanes.shape[0]):
             c = constants(unpack(rows[q]))
             for j in range(lanes.shape[2]):
@@ -106,7 +120,8 @@ def stretcher(
                     letters[q, j] += letter
                     outcomes[q, j] |= outcome
                     carried(J, frames[q, j], image)
-                    orthonormal(image, frames[q, j], sums[q, j])
+                    orthonormal(image, frames[q, j], sums[q, j], sides)
+                summed(sums[q, j], sides)
 
     return compiled(run, "strict")
 
@@ -129,7 +144,7 @@ def turner(
     constants = prepare if prepare is not None else _same
 
     def run(rows: Any, states: Any, seen: Any, steps: Any, turns: Any, logs: Any, letters: Any) -> None:
-        x, sums = np.empty((dimension, 1)), np.empty(dimension)
+        x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
         point, tolerance = np.empty((1, dimension, 1)), np.empty((dimension, 1))
         last = np.empty((seen.shape[1], 1), np.int64)
         M, frame, image = (
@@ -160,7 +175,8 @@ def turner(
                     for j in range(dimension):
                         M[i, j] = image[i, j]
                 carried(J, frame, image)
-                orthonormal(image, frame, sums)
+                orthonormal(image, frame, sums, sides)
+            summed(sums, sides)
             logs[n] = 0.0
             for i in range(dimension):
                 logs[n] += sums[i]
@@ -175,8 +191,9 @@ def turned(P: Map, rows: Floats, states: Floats, seen: Ints, periods: Ints) -> t
     n, d = states.shape
     turns, logs, letters = np.empty((n, d, d)), np.empty(n), np.empty(n, np.int64)
     points, latest = np.array(states, order="C"), np.ascontiguousarray(seen)
-    entry, who = turner(P.derivative, P.prepare, P.packed()[0], d), f"the step of {P.name}"
-    call(entry, np.ascontiguousarray(rows), points, latest, periods, turns, logs, letters, who=who)
+    derived, who = P.derivative(rows), f"the step of {P.name}"
+    entry = turner(derived.tangent, derived.prepare, derived.kind, d)
+    call(entry, derived.rows, points, latest, periods, turns, logs, letters, who=who)
     return points, turns, logs, letters
 
 
@@ -211,7 +228,7 @@ def grower(
     constants = prepare if prepare is not None else _same
 
     def run(rows: Any, states: Any, steps: Any, cyclic: Any, exponents: Any) -> None:
-        x, sums = np.empty((dimension, 1)), np.empty(dimension)
+        x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
         frame, image = np.empty((dimension, dimension)), np.empty((dimension, dimension))
         for n in range(states.shape[0]):
             c = constants(unpack(rows[n]))
@@ -228,7 +245,8 @@ def grower(
                         for j in range(dimension):
                             frame[i, j] = image[i, j]
                 else:
-                    orthonormal(image, frame, sums)
+                    orthonormal(image, frame, sums, sides)
+            summed(sums, sides)
             exponents[n] = (log_radius(frame) if cyclic[n] else sums[0]) / max(steps[n], 1)
 
     return compiled(run, "strict")

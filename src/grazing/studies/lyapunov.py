@@ -216,10 +216,10 @@ def of_cycles(
 
 def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     """Measure the exponents of orbits; an iterator that returns exponents, first and last states, letters, outcomes."""
-    kind, _row = P.packed()
     n, d = states.shape
-    entry, who = stretcher(P.derivative, P.prepare, kind, d), f"the step of {P.name}"
-    rows, lanes = np.ascontiguousarray(rows), np.ascontiguousarray(states)[:, :, None].copy()
+    derived, who = P.derivative(rows), f"the step of {P.name}"
+    entry = stretcher(derived.tangent, derived.prepare, derived.kind, d)
+    rows, lanes = derived.rows, np.ascontiguousarray(states)[:, :, None].copy()
     frames, sums = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1, d))
     letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
     call(entry, rows, lanes, WARM, frames, sums, letters, outcomes, who=who)

@@ -62,26 +62,41 @@ def measured(x: Any, rtol: float, extent: Any, tolerance: Any, finite: Any) -> N
 
 
 @inlined
-def recurs(x: Any, s: Any, j: int, k: int, N: int, tolerance: Any) -> Any:
-    """Return whether point and letter k of orbit j are those N steps earlier, within the tolerance."""
-    same = s[k, j] == s[k - N, j]
-    for i in range(x.shape[1]):
-        same = same and abs(x[k, i, j] - x[k - N, i, j]) <= tolerance[i, j]
-    return same
+def close(x: Any, s: Any, k: int, N: int, tolerance: Any, good: Any) -> int:
+    """Keep in ``good`` the orbits whose point and letter k are those N steps earlier; return how many they are."""
+    _keep, dimension, n = x.shape
+    for i in range(dimension):
+        for j in range(n):
+            good[j] = good[j] if abs(x[k, i, j] - x[k - N, i, j]) <= tolerance[i, j] else 0
+    left = 0
+    for j in range(n):
+        good[j] = good[j] if s[k, j] == s[k - N, j] else 0
+        left += good[j]
+    return left
 
 
-@inlined
-def least_lag(x: Any, s: Any, j: int, tolerance: Any) -> int:
-    """Return the least N <= keep/2 after which orbit j recurs throughout, 0 for none."""
-    keep = x.shape[0]
-    N, lag = 1, 0
-    while lag == 0 and N <= keep // 2:
+def least_lags(x: Any, s: Any, tolerance: Any, finite: Any, good: Any, lag: Any) -> None:
+    """Find for all orbits of a column the least N <= keep/2 after which they recur throughout, 0 for none."""
+    keep, _dimension, n = x.shape
+    undecided = 0
+    for j in range(n):
+        lag[j] = 0
+        undecided += finite[j]
+    N = 1
+    while N <= keep // 2 and undecided > 0:
+        left = 0
+        for j in range(n):
+            good[j] = finite[j] if lag[j] == 0 else 0
+            left += good[j]
         k = keep - 1
-        while k >= N and recurs(x, s, j, k, N, tolerance):
+        while k >= N and left > 0:
+            left = close(x, s, k, N, tolerance, good)
             k -= 1
-        lag = N if k < N else 0
+        if left > 0:
+            for j in range(n):
+                lag[j] = N if good[j] else lag[j]
+        undecided -= left
         N += 1
-    return lag
 
 
 @inlined
@@ -102,16 +117,19 @@ def farthest(x: Any, j: int, extent: Any, start: int, end: int, N: int) -> float
     return worst
 
 
-def settling(x: Any, j: int, extent: Any, N: int) -> bool:
-    """Say whether orbit j recurs better and better after N steps, and nearly so after N or 2N."""
+def settling(x: Any, j: int, extent: Any, tolerance: Any, N: int) -> bool:
+    """Say whether orbit j recurs better and better after N steps, or arrived, and nearly so after N or 2N."""
     keep, dimension, _n = x.shape
+    arrived = 0.0
+    for i in range(dimension):
+        arrived = max(arrived, tolerance[i, j] / extent[i, j])
     count = keep - N
     groups = min(4, count // N)
     before, start = inf, N
     for g in range(groups):
         end = start + count // groups + (1 if g < count % groups else 0)
         worst = farthest(x, j, extent, start, end, N)
-        if g > 0 and not worst < before * BETTER:
+        if g > 0 and not (worst < before * BETTER or worst <= arrived):
             return False
         before, start = worst, end
     if N == 1 and dimension > 1:  # a spiral into a fixed point: its extent is itself the distance that shrinks
@@ -129,9 +147,11 @@ def recurrence(points: Any, letters: Any, outcomes: Any, rtol: float, period: An
     """Give each orbit the period by recurrence alone, and mark those of which a cycle nearby must be asked."""
     columns, keep, dimension, n = points.shape
     extent, tolerance, finite = np.empty((dimension, n)), np.empty((dimension, n)), np.empty(n, np.int64)
+    good, lag = np.empty(n, np.int64), np.empty(n, np.int64)
     for q in range(columns):
         x, s = points[q], letters[q]
         measured(x, rtol, extent, tolerance, finite)
+        least_lags(x, s, tolerance, finite, good, lag)
         for j in range(n):
             doubtful[q, j] = 0
             if outcomes[q, 0, j] & FATAL or not finite[j]:
@@ -140,11 +160,15 @@ def recurrence(points: Any, letters: Any, outcomes: Any, rtol: float, period: An
             if keep < 2:
                 period[q, j] = UNDECIDED
                 continue
-            candidate = least_lag(x, s, j, tolerance)
+            candidate = lag[j]
             period[q, j] = candidate if candidate > 0 else APERIODIC
             if candidate != 1:
                 for N in range(1, keep // 3 + 1):
-                    if to_be_tried(candidate, N, keep) and same_letters(s, j, N) and settling(x, j, extent, N):
+                    if (
+                        to_be_tried(candidate, N, keep)
+                        and same_letters(s, j, N)
+                        and settling(x, j, extent, tolerance, N)
+                    ):
                         doubtful[q, j] = 1
                         break
 

@@ -26,6 +26,8 @@ Box = tuple[tuple[float, float], ...]
 TOGETHER = 512
 #: and for maps without a block so many that a tile is worth its handling.
 MANY = 8192
+#: Values of a parameter at which the map itself is made before a study begins.
+LOOKS = 5
 
 
 class Settings(NamedTuple):
@@ -180,22 +182,25 @@ def checked_runs(
 def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[int, ...]:
     """Return the axes along which the map's own box changes; raise InputError for a value out of range on the way.
 
-    Each value is tried beside the first and the last values of the other parameters: ranges do not depend on more.
-    Given starts must be allowed at every one of them.
+    Ranges belong to one parameter alone. The map itself is made at some values of each, the least and the greatest
+    among them, beside the first and the last of the others. Given starts must be allowed at every value.
     """
     moving = []
     for i, (name, grid) in enumerate(grids.items()):
-        ends = {tuple((other, float(values[k])) for other, values in grids.items() if other != name) for k in (0, -1)}
-        boxes = set()
-        for others in sorted(ends):
+        if P.describe is not None:
+            known = P.describe(name)
             for value in grid.tolist():
-                at = P.replace(**{name: value, **dict(others)})
-                boxes.add((others, at.box))
-                if at.check is not None and not isinstance(starts, int):
-                    for start in starts:
-                        at.check(start, at.params)
-        if len(boxes) > len(ends) or next(iter(boxes))[1] != P.box:
+                known.check(value)
+        some = np.unique(np.quantile(grid, np.linspace(0.0, 1.0, LOOKS), method="nearest")).tolist()
+        ends = {tuple((other, float(values[k])) for other, values in grids.items() if other != name) for k in (0, -1)}
+        along = [{P.replace(**{name: value, **dict(others)}).box for value in some} for others in ends]
+        if any(len(boxes) > 1 for boxes in along) or P.replace(**{name: some[0]}).box != P.box:
             moving.append(i)
+        if P.check is not None and not isinstance(starts, int):
+            for others in sorted(ends):
+                for value in grid.tolist():
+                    for start in starts:
+                        P.check(start, {**P.params, **dict(others), name: value})
     return tuple(moving)
 
 

@@ -1,0 +1,113 @@
+"""Reset laws by address: a kernel that gets its law so is compiled once for every law, the user's own included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import address
+from grazing.kernel.lanes import unpacker
+from grazing.kernel.primitives import called
+from grazing.oscillator.block import strike_of
+from grazing.oscillator.constants import HEAD
+from grazing.oscillator.reset import Reset
+from grazing.parameter import parameter_tuple
+
+Floats = NDArray[np.float64]
+
+#: What a kernel needs of a reset law: contraction near zero speed, the addresses, and where its numbers lie.
+LAW = ("ratio", "speed", "law", "slope", "row")
+
+
+class Derived(NamedTuple):
+    """The derivative of a map's step in the form in which it is compiled.
+
+    ``tangent(state, c) -> (state, letter, outcome, J)``; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
+    ``source`` are the rows that these may point to: they must live as long as they are used.
+    """
+
+    tangent: Callable[..., Any]
+    prepare: Callable[..., Any] | None
+    kind: type
+    rows: Floats
+    source: Floats
+
+
+def pointed_law(v: float, p: Any) -> float:
+    """Call the reset law by its address."""
+    return called(p.law, v, p.row)
+
+
+def pointed_slope(v: float, p: Any) -> float:
+    """Call the slope of the reset law by its address."""
+    return called(p.slope, v, p.row)
+
+
+def pointed_contraction(p: Any) -> tuple[float, float]:
+    """Return what is known of the law near zero speed."""
+    return p.ratio, p.speed
+
+
+@lru_cache(maxsize=64)
+def flight_fields(harmonics: int) -> tuple[str, ...]:
+    """Return the names of the numbers that a flight needs, without those of a reset law."""
+    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
+    return (*HEAD, *waves, "sigma", "phase", *LAW)
+
+
+@lru_cache(maxsize=256)
+def law_addresses(
+    law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
+) -> tuple[float, float, float]:
+    """Compile a reset law, its slope and its loop; return where their code lies."""
+    unpack = unpacker(kind)
+
+    def law_at(v: float, row: Any) -> float:
+        return law(v, unpack(row))
+
+    def slope_at(v: float, row: Any) -> float:
+        return slope(v, unpack(row))
+
+    strike = strike_of(law, unpack, len(kind._fields))  # type: ignore[attr-defined]
+    who = f"the reset law {name}"
+    return (
+        address(law_at, "value", arithmetic, who),
+        address(slope_at, "value", arithmetic, who),
+        address(strike, "sweep", arithmetic, who),
+    )
+
+
+def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+    """Return the numbers of :func:`flight_fields` for rows of a map's parameters, and where each of the rows lies.
+
+    Parameters
+    ----------
+    harmonics : int
+    law : Reset
+    kind : type
+        The named tuple of the map's parameters: those of the flight, of the law, and for a map with a section its
+        phase, which is 0 for others.
+    rows : ndarray, shape (columns, parameters)
+        In one piece; must live as long as the result is used.
+    arithmetic : {"strict", "fast"}
+    """
+    law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
+    flight = len(HEAD) + 2 * harmonics + 1
+    known = np.array([law.contraction(kind(*row)) for row in rows.tolist()], np.float64).reshape(-1, 2)
+    where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
+    phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]
+    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here])), where
+
+
+def pointed_derivative(
+    harmonics: int, law: Reset, tangent: Callable[..., Any], prepare: Callable[..., Any], kind: type, rows: Floats
+) -> Derived:
+    """Return the derivative of a map of an oscillator, whose ``tangent`` calls the law by its address."""
+    source = np.ascontiguousarray(rows)
+    flat, _where = pointed_rows(harmonics, law, kind, source, "strict")
+    return Derived(tangent, prepare, parameter_tuple(flight_fields(harmonics)), flat, source)
