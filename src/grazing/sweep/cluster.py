@@ -1,0 +1,99 @@
+"""A Dask cluster as an executor: on this machine, at an address, or through the queue of a computing centre."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any
+
+from grazing.outcome import InputError
+from grazing.parameter import whole
+
+#: Deaths of workers that one chunk may see. Dask gives up after 3, but a preempted worker is no fault of the chunk.
+PATIENCE = 1000
+QUEUES = {
+    "htcondor": "HTCondorCluster",
+    "lsf": "LSFCluster",
+    "moab": "MoabCluster",
+    "oar": "OARCluster",
+    "pbs": "PBSCluster",
+    "sge": "SGECluster",
+    "slurm": "SLURMCluster",
+}
+
+
+@contextmanager
+def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> Iterator[Executor]:
+    """Start a Dask cluster, or join one, as an executor for :func:`run`.
+
+    Parameters
+    ----------
+    kind : str
+        ``"local"``: processes of this machine; an address such as ``"tcp://host:8786"``: a scheduler that runs
+        already; or a queue: ``"slurm"``, ``"pbs"``, ``"sge"``, ``"lsf"``, ``"htcondor"``, ``"oar"``, ``"moab"``.
+    workers : int, optional
+        Processes, or jobs in the queue. None for what Dask thinks right; a queue needs a number.
+    **options
+        To ``distributed.LocalCluster``, ``distributed.Client`` or the cluster of dask-jobqueue: ``cores``, ``memory``,
+        ``walltime``, ``queue`` and so on.
+
+    Yields
+    ------
+    concurrent.futures.Executor
+        The cluster ends with the block, except one that was joined.
+
+    Raises
+    ------
+    InputError
+        For another kind, or packages that are missing.
+    """
+    if workers is not None:
+        workers = whole(workers, "workers", 1)
+    joined = "://" in kind
+    if kind != "local" and not joined and kind not in QUEUES:
+        raise InputError(f"kind is {kind!r}; allowed are 'local', an address such as 'tcp://host:8786', {_quoted()}")
+    if kind in QUEUES and workers is None:
+        raise InputError(f"workers is missing; say how many jobs to put into the queue of {kind}")
+    dask, distributed = _imported("dask"), _imported("distributed")
+    with dask.config.set({"distributed.scheduler.allowed-failures": PATIENCE}):
+        if joined:
+            with distributed.Client(kind, **options) as client:
+                client.run_on_scheduler(_patient())
+                yield client.get_executor()
+            return
+        with _started(kind, workers, options) as started, distributed.Client(started) as client:
+            yield client.get_executor()
+
+
+def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
+    if kind == "local":
+        return _imported("distributed").LocalCluster(n_workers=workers, **{"dashboard_address": None, **options})
+    queue = getattr(_imported("dask_jobqueue"), QUEUES[kind])(**options)
+    queue.scale(jobs=workers)
+    return queue
+
+
+def _patient() -> Any:
+    """Return a function that travels whole: the scheduler need not have this package."""
+    patience = PATIENCE
+
+    def make_patient(dask_scheduler: Any) -> None:
+        dask_scheduler.allowed_failures = max(dask_scheduler.allowed_failures, patience)
+
+    return make_patient
+
+
+def _quoted() -> str:
+    return ", ".join(repr(name) for name in QUEUES)
+
+
+def _imported(name: str) -> Any:
+    """Return a package that only clusters need."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(
+            f"a cluster needs packages that are not installed ({error}); pip install 'grazing[cluster]'"
+        ) from error

@@ -1,0 +1,75 @@
+"""Run chunks on any executor of :mod:`concurrent.futures`: indices go out, workers write their own chunks."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from functools import partial
+
+from grazing.outcome import GrazingError
+from grazing.studies.plan import Plan, Progress
+from grazing.sweep.store import Store, in_one_line
+from grazing.sweep.task import compute_chunk, send_plan
+
+#: Chunks handed out at a time: enough for any cluster, few enough to call back.
+WINDOW = 2000
+
+
+def run_on_executor(
+    plan: Plan, store: Store, numbers: Sequence[int], executor: Executor, progress: Progress | None
+) -> None:
+    """Compute chunks on an executor.
+
+    An exception, or Ctrl-C, calls back what has not begun; what is running ends by itself.
+
+    Raises
+    ------
+    GrazingError
+        If workers or the executor are lost for good; the store can be resumed.
+    """
+    name = send_plan(plan, store, needed=not isinstance(executor, ThreadPoolExecutor))
+    task = partial(compute_chunk, os.fspath(store.path), store.token, name, plan.document["grazing_code_sha256"])
+    waiting = iter(numbers)
+    pending: set[Future[int]] = set()
+    finished = 0
+    try:
+        while True:
+            for number in waiting:
+                pending.add(executor.submit(task, number))
+                if len(pending) >= WINDOW:
+                    break
+            if not pending:
+                return
+            done, pending = wait(pending, return_when=FIRST_COMPLETED)
+            for one in done:
+                one.result()
+            finished += len(done)
+            if progress is not None:
+                progress(finished, len(numbers))
+    except (BrokenExecutor, CancelledError) as error:
+        raise _lost(store, error) from error
+    except GrazingError:
+        raise
+    except Exception as error:
+        if type(error).__module__.partition(".")[0] == "distributed":
+            raise _lost(store, error) from error
+        raise
+    finally:
+        for one in pending:
+            one.cancel()
+
+
+def _lost(store: Store, error: BaseException) -> GrazingError:
+    return GrazingError(
+        f"the executor gave up ({type(error).__name__}: {in_one_line(error)}). What is done is kept in {store.path}; "
+        f"resume it"
+    )

@@ -1,0 +1,227 @@
+"""Compute chunks: the one task that threads, shards and workers on a cluster all run."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import pickle
+import socket
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from threading import Lock
+from time import perf_counter
+from types import MappingProxyType
+from typing import Any
+
+from grazing.outcome import GrazingError, InputError
+from grazing.studies.plan import Plan, empty_arrays
+from grazing.sweep.same import refuse_another
+from grazing.sweep.store import Arrays, Store, open_existing
+
+#: Plans that a worker keeps.
+KEPT = 4
+_plans: dict[tuple[str, str, str], tuple[Plan, Store]] = {}
+_lock = Lock()
+
+
+def computed(plan: Plan, store: Store, number: int, arrays: Arrays) -> Iterator[None]:
+    """Compute the cells of a chunk, tile by tile."""
+    cells = store.grid.cells(number)
+    step = max(1, plan.together)
+    for first in range(0, len(cells), step):
+        part = slice(first, first + step)
+        yield from plan.compute(cells[part], {name: array[part] for name, array in arrays.items()})
+
+
+def chunk_task(plan: Plan, store: Store, number: int) -> Iterator[None]:
+    """Compute a chunk and write it."""
+    begun = perf_counter()
+    arrays = empty_arrays(plan, store.grid.size(number))
+    yield from computed(plan, store, number, arrays)
+    store.write(plan, number, arrays)
+    note_time(store, number, perf_counter() - begun)
+
+
+# ---- how long it took, beside the result
+
+
+def _times(store: Store) -> Path:
+    return store.aside / "times"
+
+
+def note_time(store: Store, number: int, seconds: float) -> None:
+    """Append the time that a chunk took to a file of this process."""
+    file = _times(store) / f"{socket.gethostname()}-{os.getpid()}"
+    with suppress(OSError):  # the chunk is safe; a disk that is full says so with the next one
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with open(file, "a", encoding="ascii") as times:
+            times.write(f"{number} {seconds:.6f}\n")
+
+
+def time_of_work(store: Store) -> float:
+    """Return the seconds that finished chunks took, over all processes."""
+    total = 0.0
+    with suppress(OSError):
+        for file in _times(store).iterdir():
+            for line in file.read_text(encoding="ascii", errors="replace").splitlines():
+                number, _, seconds = line.partition(" ")
+                with suppress(ValueError):  # the last line of a killed process
+                    total += float(seconds) if number else 0.0
+    return total
+
+
+# ---- workers: they get indices; the plan they find in the store
+
+
+def send_plan(plan: Plan, store: Store, needed: bool) -> str:
+    """Put a plan where workers find it; return its name, empty for a recipe.
+
+    Parameters
+    ----------
+    plan : Plan
+    store : Store
+    needed : bool
+        False for workers that are threads of this process: they need no copy.
+
+    Raises
+    ------
+    InputError
+        For a plan that has no recipe and cannot be pickled.
+    """
+    name = ""
+    if store.recipe is None and needed:
+        content = _pickled(plan)
+        name = hashlib.sha256(content).hexdigest()
+        file = store.aside / f"plan-{name}.pickle"
+        new = file.with_suffix(f".{os.getpid()}")
+        try:
+            new.write_bytes(content)
+            os.replace(new, file)
+            for old in store.aside.glob("plan-*"):
+                if old != file:
+                    old.unlink(missing_ok=True)
+        except OSError as error:
+            raise GrazingError(f"{store.path} cannot be written: {error.strerror or error}") from error
+    _keep((os.fspath(store.path), store.token, name), (plan, store))
+    return name
+
+
+def compute_chunk(path: str, token: str, name: str, code: str, number: int) -> int:
+    """Compute one chunk on a worker and write it.
+
+    Parameters
+    ----------
+    path : str
+        The store, on a disk that the worker sees.
+    token : str
+        Of the store that is meant, see :class:`grazing.sweep.store.Store`.
+    name : str
+        What :func:`send_plan` returned.
+    code : str
+        SHA-256 of the step's code, as the run has it.
+    number : int
+        The chunk.
+    """
+    plan, store = _plan_on_worker(path, token, name, code)
+    for _tile in chunk_task(plan, store, number):
+        pass
+    return number
+
+
+def _plan_on_worker(path: str, token: str, name: str, code: str) -> tuple[Plan, Store]:
+    with _lock:
+        if (path, token, name) in _plans:
+            return _plans[path, token, name]
+    where = f"worker {os.getpid()} on {socket.gethostname()}"
+    try:
+        store = open_existing(Path(path), writable=True)
+    except InputError as error:
+        raise GrazingError(f"{where}: {error}. The store must be on a disk that all workers share") from error
+    if store.token != token:
+        raise GrazingError(f"{where}: {path} is not the store that the run began with")
+    plan = _unpickled(store, name, where) if name else plan_from_recipe(store)
+    try:
+        refuse_another(store, plan, other_code=True)  # whether that is allowed, the run has decided
+    except InputError as error:
+        raise GrazingError(f"{where} has another plan than the run: {error}") from error
+    if plan.document["grazing_code_sha256"] != code:
+        raise GrazingError(f"{where} has another code of the step than the run; use the same Python and packages there")
+    _keep((path, token, name), (plan, store))
+    return plan, store
+
+
+def _keep(key: tuple[str, str, str], found: tuple[Plan, Store]) -> None:
+    with _lock:
+        _plans[key] = found
+        while len(_plans) > KEPT:
+            del _plans[next(iter(_plans))]
+
+
+def plan_from_recipe(store: Store) -> Plan:
+    """Make the plan of a store again.
+
+    Raises
+    ------
+    InputError
+        If the store keeps no recipe.
+    """
+    if store.recipe is None:
+        raise InputError(f"{store.path} keeps no recipe of its plan; give the plan itself")
+    from grazing.config import plan_of
+
+    plan: Plan = plan_of(store.recipe)
+    return plan
+
+
+def frozen(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    """Return a mapping that cannot be changed; its own type has no name that a pickle could find."""
+    return MappingProxyType(mapping)
+
+
+def _pickled(plan: Plan) -> bytes:
+    try:
+        base: Any = import_module("cloudpickle").Pickler  # functions that no module has travel too: every map has some
+    except ImportError as error:
+        raise InputError(
+            f"a plan without a recipe needs a package to reach workers ({error}); pip install 'grazing[cluster]', "
+            f"give a plan with a recipe, or run it on threads or by shards"
+        ) from error
+
+    class PlanPickler(base):  # type: ignore[misc]
+        def reducer_override(self, value: Any) -> Any:
+            if isinstance(value, MappingProxyType):
+                return frozen, (dict(value),)
+            return super().reducer_override(value)
+
+    buffer = io.BytesIO()
+    try:
+        PlanPickler(buffer, protocol=pickle.HIGHEST_PROTOCOL).dump(plan)
+    except Exception as error:  # whatever an object says that cannot be pickled
+        raise InputError(
+            f"the plan cannot be sent to workers: {error}. Run it on threads or by shards, or give a plan with a recipe"
+        ) from error
+    return buffer.getvalue()
+
+
+def _unpickled(store: Store, name: str, where: str) -> Plan:
+    try:
+        content = (store.aside / f"plan-{name}.pickle").read_bytes()
+    except OSError as error:
+        raise GrazingError(f"{where} finds no plan in {store.path}: {error.strerror or error}") from error
+    if hashlib.sha256(content).hexdigest() != name:  # a pickle runs code: only the one that the run wrote is opened
+        raise GrazingError(f"{where}: the plan in {store.path} is not the one that the run put there")
+    try:
+        plan: Plan = pickle.loads(content)
+    except Exception as error:  # such as a module that the worker does not have
+        raise GrazingError(f"{where} cannot make the plan: {type(error).__name__}: {error}") from error
+    return plan
+
+
+def note_run(store: Store, line: dict[str, Any]) -> None:
+    """Append a line to the history of the store."""
+    with suppress(OSError), open(store.aside / "history.jsonl", "a", encoding="utf-8") as history:
+        history.write(json.dumps(line) + "\n")

@@ -1,0 +1,122 @@
+"""Create a store: all of its arrays at once, in a temporary folder that takes the name of the store when complete."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import socket
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+
+from grazing.outcome import InputError
+from grazing.studies.plan import Plan
+from grazing.sweep.grid import Grid
+from grazing.sweep.layout import DONE, LAYOUT, RECIPE, Spec, laid_out
+from grazing.sweep.letters import stored_attrs
+from grazing.sweep.lock import process_exists
+
+#: Locks, times and the history: what differs between two runs, and so is no part of the result.
+ASIDE = ".grazing"
+#: Seconds after which a half-made template of another machine is rubbish.
+OLD = 3600.0
+_HALF_MADE = re.compile(r"\.(?P<name>.+)-(?P<host>[^-]*)-(?P<pid>\d+)-[0-9a-f]{12}\.partial")
+
+
+def create(path: Path, plan: Plan, grid: Grid) -> None:
+    """Create the store of a plan, whole or not at all; nothing happens if another process was faster.
+
+    Raises
+    ------
+    InputError
+        If the folder above is missing or not writable.
+    """
+    path = path.resolve()  # a link to an empty folder is as good as the folder
+    if not path.parent.is_dir():
+        raise InputError(f"there is no folder {path.parent}; make it first")
+    half = path.with_name(f".{path.name}-{_host()}-{os.getpid()}-{uuid4().hex[:12]}.partial")
+    try:
+        half.mkdir()
+        _write(half, plan, grid)
+        (half / ASIDE).mkdir()
+        try:
+            os.rename(half, path)
+        except OSError:
+            if not (path / "zarr.json").is_file():  # else another process made the store in the meantime
+                raise
+    except OSError as error:
+        raise InputError(f"{path} cannot be made: {error.strerror or error}; choose another folder") from error
+    finally:
+        shutil.rmtree(half, ignore_errors=True)
+
+
+def _host() -> str:
+    return re.sub(r"[^\w.]", "_", socket.gethostname())
+
+
+def tidy(path: Path) -> None:
+    """Remove the half-made templates of processes that are no more."""
+    path = path.resolve()
+    for other in path.parent.glob(".*.partial"):
+        found = _HALF_MADE.fullmatch(other.name)
+        if found is None or found["name"] != path.name:
+            continue
+        try:
+            dead = found["host"] == _host() and not process_exists(int(found["pid"]))
+            if dead or time.time() - other.stat().st_mtime > OLD:
+                shutil.rmtree(other, ignore_errors=True)
+        except OSError:  # it went away by itself
+            continue
+
+
+def _write(folder: Path, plan: Plan, grid: Grid) -> None:
+    """Write the metadata of all arrays, and the numbers of the coordinates."""
+    import zarr
+
+    layout, specs = laid_out(plan, grid)
+    extra = sorted(set(layout.coords) - set(plan.axes))
+    attrs = stored_attrs(plan.document, "", {}) | {LAYOUT: layout.text()}
+    if plan.recipe is not None:
+        attrs[RECIPE] = json.dumps(plan.recipe, sort_keys=True)
+    if extra:
+        attrs["coordinates"] = " ".join(extra)  # how xarray tells a coordinate from a variable
+    group = zarr.open_group(str(folder), mode="w", zarr_format=3, attributes=attrs)
+    for name, spec in specs.items():
+        _array(group, name, spec)
+    _consolidate(folder, specs)
+
+
+def _array(group: Any, name: str, spec: Spec) -> None:
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
+    # A checksum behind every chunk: a flipped byte becomes an error, never a number. A cell of `done` is one bare byte.
+    codecs = None if name == DONE else [ZstdCodec(level=0), Crc32cCodec()]
+    kind = np.dtype(spec.dtype)
+    array = group.create_array(
+        name,
+        shape=spec.shape,
+        chunks=spec.chunk,
+        dtype=kind,
+        compressors=codecs,
+        filters=None,
+        fill_value=kind.type("nan") if kind.kind == "f" else np.zeros((), kind)[()],
+        attributes=dict(spec.attrs),
+        dimension_names=spec.dims,
+        config={"write_empty_chunks": True},
+    )
+    if spec.data is not None and spec.data.size:
+        array[...] = spec.data
+
+
+def _consolidate(folder: Path, specs: Mapping[str, Spec]) -> None:
+    """Repeat the metadata of the arrays in that of the group, in our order, so that opening reads one file."""
+    root = json.loads((folder / "zarr.json").read_text(encoding="utf-8"))
+    metadata = {name: json.loads((folder / name / "zarr.json").read_text(encoding="utf-8")) for name in specs}
+    root["consolidated_metadata"] = {"kind": "inline", "must_understand": False, "metadata": metadata}
+    (folder / "zarr.json").write_text(json.dumps(root, indent=2), encoding="utf-8")

@@ -1,0 +1,188 @@
+"""Hold a store to its plan: read every chunk, compute some of them again and compare the bits."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.pool import run_tasks
+from grazing.outcome import InputError
+from grazing.parameter import real, whole
+from grazing.studies.plan import Plan, Progress, empty_arrays
+from grazing.sweep.layout import DONE, laid_out
+from grazing.sweep.lock import locked
+from grazing.sweep.same import refuse_another
+from grazing.sweep.store import Store, folder_of, in_one_line, open_existing, stored_chunk
+from grazing.sweep.task import computed, plan_from_recipe
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A variable that is not what the plan says in a chunk (None for a coordinate): which cells, or why unreadable."""
+
+    variable: str
+    chunk: int | None
+    cells: tuple[int, ...]
+    where: str
+    reason: str
+
+    def __str__(self) -> str:
+        place = "" if self.chunk is None else f" in chunk {self.chunk} ({self.where})"
+        return f"{self.variable}{place}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Verified:
+    """What a verification found.
+
+    Parameters
+    ----------
+    read : int
+        Chunks that were read whole, which checks their checksums: all that are done.
+    computed : tuple of int
+        Chunks that were computed again and compared bit by bit.
+    differences : tuple of Difference
+    repaired : bool
+        Whether the chunks with differences now count as missing.
+    """
+
+    read: int
+    computed: tuple[int, ...]
+    differences: tuple[Difference, ...]
+    repaired: bool
+
+    @property
+    def ok(self) -> bool:
+        """Whether everything agrees."""
+        return not self.differences
+
+    def __str__(self) -> str:
+        said = "no difference" if self.ok else f"{len(self.differences)} differences"
+        first = f"{self.read} chunks read, {len(self.computed)} of them computed again: {said}"
+        return "\n".join([first, *map(str, self.differences)])
+
+
+def verify(
+    store: str | os.PathLike[str],
+    share: float = 0.01,
+    seed: int = 0,
+    plan: Plan | None = None,
+    *,
+    repair: bool = False,
+    other_code: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Verified:
+    """Hold a store to its plan.
+
+    Every finished chunk is read, so that its checksum tells damage done by a disk or a hand. A random share is
+    computed again and compared bit by bit, which also tells a wrong computation.
+
+    Parameters
+    ----------
+    store : path-like
+    share : float
+        Of the finished chunks, 0 <= share <= 1; at least one.
+    seed : int
+        Which of them.
+    plan : Plan, optional
+        Needed if the store keeps no recipe.
+    repair : bool
+        Count the chunks with differences as missing, so that :func:`resume` computes them again.
+    other_code : bool
+        Compare although the step, or this package, is not the one that the store was begun with.
+    threads, progress
+        See :func:`run`.
+
+    Returns
+    -------
+    Verified
+
+    Raises
+    ------
+    InputError
+        If there is no sweep or another one, or the plan is missing.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, grazing as gz
+    >>> from grazing import sweep
+    >>> G = gz.gap_map(lam=0.8, mu=0.1, l=0.2)
+    >>> plan = gz.plans.density(G, "mu", np.linspace(0.0, 0.3, 8), starts=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     done = sweep.run(plan, f"{folder}/a.zarr", chunk=2)
+    ...     print(sweep.verify(f"{folder}/a.zarr", share=0.5, plan=plan))
+    4 chunks read, 2 of them computed again: no difference
+    """
+    share = real(share, "share", "allowed is 0 <= share <= 1")
+    if not 0.0 <= share <= 1.0:
+        raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
+    seed = whole(seed, "seed", 0)
+    found = open_existing(folder_of(store))
+    plan = plan_from_recipe(found) if plan is None else plan
+    refuse_another(found, plan, other_code=other_code)
+    with locked(found.locks, None) if repair else nullcontext():
+        done = np.flatnonzero(found.done())
+        count = min(len(done), max(1, ceil(share * len(done))))
+        chosen = np.sort(np.random.default_rng(seed).choice(done, count, replace=False)) if count else done
+        differences = [*_coordinates(found, plan)]
+        tasks = [
+            partial(_check, plan, found, int(number), bool(again), differences)
+            for number, again in zip(done, np.isin(done, chosen), strict=True)
+        ]
+        run_tasks(tasks, threads, progress)
+        if repair:
+            for number in {one.chunk for one in differences if one.chunk is not None}:
+                found.file(DONE, number).unlink(missing_ok=True)
+    differences.sort(key=lambda one: (-1 if one.chunk is None else one.chunk, one.variable))
+    return Verified(len(done), tuple(map(int, chosen)), tuple(differences), repair)
+
+
+def _check(plan: Plan, store: Store, number: int, again: bool, differences: list[Difference]) -> Iterator[None]:
+    """Read a chunk; if asked, compute it again and compare."""
+    block = zip(store.layout.axes, store.grid.block(number), strict=True)
+    where = ", ".join(f"{name} {part.start} to {part.stop - 1}" for name, part in block)
+    there: dict[str, NDArray[Any]] = {}
+    for name in store.layout.variables:
+        try:
+            there[name] = store.read(name, number)
+        except Exception as error:  # damaged bytes can fail anywhere in the reader
+            cells = tuple(map(int, store.grid.cells(number)))
+            differences.append(Difference(name, number, cells, where, f"cannot be read: {in_one_line(error)}"))
+    yield
+    if not again:
+        return
+    arrays = empty_arrays(plan, store.grid.size(number))
+    yield from computed(plan, store, number, arrays)
+    for name, here in stored_chunk(plan, store.grid.block_shape(number), arrays).items():
+        if name in there:
+            wrong = store.grid.cells(number)[_unequal(there[name], here, store.grid.size(number))]
+            if len(wrong):
+                reason = f"{len(wrong)} of {store.grid.size(number)} cells differ from what is computed"
+                differences.append(Difference(name, number, tuple(map(int, wrong)), where, reason))
+
+
+def _unequal(one: NDArray[Any], other: NDArray[Any], cells: int) -> NDArray[np.bool_]:
+    """Return which cells differ in any bit; NaN equals the same NaN, and 0 is not -0."""
+    bits = (np.ascontiguousarray(array).reshape(cells, -1).view(np.uint8) for array in (one, other))
+    return np.asarray((next(bits) != next(bits)).any(axis=1))
+
+
+def _coordinates(store: Store, plan: Plan) -> Iterator[Difference]:
+    """Compare the coordinates, which are small."""
+    for name, spec in laid_out(plan, store.grid)[1].items():
+        if spec.data is None:
+            continue
+        try:
+            if np.asarray(store.arrays[name][...]).tobytes() != np.ascontiguousarray(spec.data).tobytes():
+                yield Difference(name, None, (), "", "its values are not those of the plan")
+        except Exception as error:  # damaged bytes can fail anywhere in the reader
+            yield Difference(name, None, (), "", f"cannot be read: {in_one_line(error)}")

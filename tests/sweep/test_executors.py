@@ -1,0 +1,176 @@
+import pickle
+import sys
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import pytest
+
+import grazing as gz
+from grazing import sweep
+from grazing.sweep import task
+from tests.sweep.plans import files, own_map, plan
+
+
+class Elsewhere(Executor):
+    """Workers that know only what is sent to them: everything is pickled, and nothing is kept of this process."""
+
+    def __init__(self, fail_at=None, error=None):
+        self.sent, self.fail_at, self.error = [], fail_at, error
+
+    def submit(self, function, *args):
+        sent = pickle.dumps((function, args))
+        self.sent.append(len(sent))
+        future = Future()
+        if len(self.sent) == self.fail_at:
+            future.set_exception(self.error)
+            return future
+        if len(self.sent) == 1:
+            task._plans.clear()
+        function, args = pickle.loads(sent)
+        try:
+            future.set_result(function(*args))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture
+def expected(tmp_path):
+    sweep.run(plan(), tmp_path / "expected.zarr", chunk=1)
+    return files(tmp_path / "expected.zarr")
+
+
+def test_workers_get_numbers_and_write_their_own_chunks(tmp_path, expected):
+    pytest.importorskip("cloudpickle")
+    executor = Elsewhere()
+    seen = []
+    found = sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=executor, progress=lambda *two: seen.append(two))
+    assert found.complete and seen[-1] == (7, 7)
+    assert files(tmp_path / "a.zarr") == expected
+    assert len(executor.sent) == 7 and max(executor.sent) < 1000
+    assert len(list((tmp_path / "a.zarr" / ".grazing").glob("plan-*.pickle"))) == 1
+
+
+def test_a_recipe_travels_instead_of_the_plan(tmp_path, monkeypatch):
+    made = []
+
+    def plan_of(recipe):
+        made.append(recipe)
+        return plan(recipe=recipe)
+
+    monkeypatch.setattr("grazing.config.plan_of", plan_of, raising=False)
+    assert sweep.run(plan(recipe={"n": 7}), tmp_path / "a.zarr", chunk=1, executor=Elsewhere()).complete
+    assert made == [{"n": 7}]  # once on the worker
+    assert not list((tmp_path / "a.zarr" / ".grazing").glob("plan-*"))
+
+
+def test_few_chunks_are_out_at_a_time(tmp_path, monkeypatch, expected):
+    monkeypatch.setattr("grazing.sweep.executors.WINDOW", 2)
+    with ThreadPoolExecutor(1) as pool:
+        submit, out = pool.submit, []
+
+        def watched(*args):
+            out.append(pool._work_queue.qsize())
+            return submit(*args)
+
+        monkeypatch.setattr(pool, "submit", watched)
+        assert sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=pool).complete
+    assert len(out) == 7 and max(out) <= 2
+    assert files(tmp_path / "a.zarr") == expected
+
+
+def test_threads_of_this_process_need_no_copy(tmp_path, expected):
+    some = plan()
+    object.__setattr__(some.compute, "unpicklable", sys._getframe())
+    with ThreadPoolExecutor(3) as pool:
+        assert sweep.run(some, tmp_path / "a.zarr", chunk=1, executor=pool).complete
+        assert files(tmp_path / "a.zarr") == expected
+        assert sweep.run(some, tmp_path / "a.zarr", executor=pool).complete  # nothing to do
+
+
+def test_processes(tmp_path, expected):
+    pytest.importorskip("cloudpickle")
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        assert sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=pool).complete
+    assert files(tmp_path / "a.zarr") == expected
+
+
+def test_a_plan_that_cannot_be_sent(tmp_path):
+    pytest.importorskip("cloudpickle")
+    some = plan()
+    some.compute.frame = sys._getframe()
+    with pytest.raises(gz.InputError, match=r"the plan cannot be sent to workers: .*Run it on threads or by shards"):
+        sweep.run(some, tmp_path / "a.zarr", executor=Elsewhere())
+    assert sweep.run(some, tmp_path / "a.zarr").complete
+
+
+def test_a_step_of_one_s_own_travels(tmp_path):
+    pytest.importorskip("cloudpickle")
+    some = plan(P=own_map(), name="a")
+    assert sweep.run(some, tmp_path / "a.zarr", chunk=1, executor=Elsewhere()).complete
+    assert sweep.verify(tmp_path / "a.zarr", 1.0, plan=some).ok
+
+
+def test_without_the_package_only_a_recipe_travels(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cloudpickle", None)
+    with pytest.raises(
+        gz.InputError, match=r"a plan without a recipe needs a package .*pip install 'grazing\[cluster\]'"
+    ):
+        sweep.run(plan(), tmp_path / "a.zarr", executor=Elsewhere())
+
+
+def test_workers_with_other_code_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("grazing.config.plan_of", lambda recipe: plan(recipe=recipe, seed=1), raising=False)
+    with pytest.raises(gz.GrazingError, match=r"has another plan than the run: .*seed is 0 there and 1 here"):
+        sweep.run(plan(recipe={}), tmp_path / "a.zarr", executor=Elsewhere())
+    monkeypatch.setattr("grazing.config.plan_of", lambda recipe: plan(recipe=recipe, P=another()), raising=False)
+    with pytest.raises(gz.GrazingError, match=r"has another code of the step than the run; use the same Python"):
+        sweep.run(plan(recipe={}), tmp_path / "a.zarr", executor=Elsewhere())
+    assert sweep.status(tmp_path / "a.zarr").chunks_done == 0
+
+
+def another():
+    def step(state, p):
+        (x,) = state
+        return (x * p.lam + p.mu - p.l,), 0, 0
+
+    box, params = ((-1.0, 1.0),), {"lam": 0.5, "mu": 0.1, "l": 0.1}
+    return gz.Map(step, params=params, coordinates=("x",), box=box, letters="LR", name="gap map")
+
+
+def test_a_worker_that_does_not_see_the_disk(tmp_path, monkeypatch):
+    sweep.run(plan(), tmp_path / "a.zarr", chunk=1, shard=(1, 2))
+    found = task.open_existing(tmp_path / "a.zarr")
+    with pytest.raises(gz.GrazingError, match=r"worker .*there is no sweep in .*on a disk that all workers share"):
+        task.compute_chunk(str(tmp_path / "b.zarr"), found.token, "", "", 0)
+    with pytest.raises(gz.GrazingError, match=r"is not the store that the run began with"):
+        task.compute_chunk(str(tmp_path / "a.zarr"), "other", "", "", 0)
+    with pytest.raises(gz.GrazingError, match=r"finds no plan in .*No such file"):
+        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", 0)
+
+
+def test_a_pickle_that_the_run_did_not_write_is_not_opened(tmp_path):
+    sweep.run(plan(), tmp_path / "a.zarr", chunk=1, shard=(1, 2))
+    found = task.open_existing(tmp_path / "a.zarr")
+    (found.aside / f"plan-{'0' * 64}.pickle").write_bytes(pickle.dumps(pytest.fail))
+    with pytest.raises(gz.GrazingError, match=r"is not the one that the run put there"):
+        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", 0)
+
+
+@pytest.mark.parametrize("error", [BrokenExecutor("a process in the pool died"), ZeroDivisionError("mine")])
+def test_executors_that_fail(tmp_path, expected, error):
+    pytest.importorskip("cloudpickle")
+    store = tmp_path / "a.zarr"
+    wanted = gz.GrazingError if isinstance(error, BrokenExecutor) else ZeroDivisionError
+    with pytest.raises(wanted, match=r"What is done is kept in .*resume it|mine"):
+        sweep.run(plan(), store, chunk=1, executor=Elsewhere(fail_at=4, error=error))
+    found = sweep.status(store)
+    assert 0 < found.chunks_done < 7 and not found.running
+    assert sweep.run(plan(), store).complete
+    assert files(store) == expected
+
+
+def test_options_that_exclude_each_other(tmp_path):
+    for options in ({"shard": (1, 2)}, {"threads": 2}):
+        with pytest.raises(gz.InputError, match=r"and executor are both given"):
+            sweep.run(plan(), tmp_path / "a.zarr", executor=Elsewhere(), **options)

@@ -1,0 +1,62 @@
+import json
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.sweep.letters import decoded, encoded, restored_attrs, stored_attrs
+
+
+@pytest.mark.parametrize("texts", [["LLR", "", "L"], [""], [], ["λμ", "a b", "R" * 8], [["L", "R"], ["", "LR"]]])
+def test_texts_come_back(texts):
+    texts = np.array(texts, object)
+    rows = encoded(texts, 8, "word")
+    assert rows.dtype == np.uint8 and rows.shape == (*texts.shape, 8)
+    back = decoded(rows)
+    assert back.dtype == object and back.shape == texts.shape and (back == texts).all()
+
+
+def test_equal_texts_are_the_same_object():
+    back = decoded(encoded(np.array(["LR", "L", "LR"], object), 2, "word"))
+    assert back[0] is back[2] and type(back[0]) is str
+
+
+def test_a_text_that_is_too_long_is_no_shorter_text():
+    with pytest.raises(gz.GrazingError, match=r"word is 'LLLR', 4 letters; the plan announced at most 3"):
+        encoded(np.array(["L", "LLLR"], object), 3, "word")
+
+
+def test_texts_of_no_letters():
+    assert decoded(encoded(np.array(["", ""], object), 0, "word")).tolist() == ["", ""]
+
+
+ATTRS = {
+    "text": "λ",
+    "whole": 3,
+    "number": 0.1,
+    "np": np.float32(0.1),
+    "nan": np.nan,
+    "infinities": [np.inf, -np.inf, 1.0],
+    "flags": np.array([0, -1], np.int8),
+    "one": np.array([1]),
+    "doubles": np.array([np.nan, 0.1]),
+    "list": [1, 2],
+}
+
+
+def test_attributes_come_back_as_they_were():
+    types = {}
+    stored = json.loads(json.dumps(stored_attrs(ATTRS, "x", types), allow_nan=False))
+    back = restored_attrs(stored, "x", types)
+    assert list(back) == list(ATTRS)
+    for name, value in ATTRS.items():
+        assert type(back[name]) is type(value), name
+        np.testing.assert_array_equal(back[name], value)
+        if isinstance(value, np.ndarray):
+            assert back[name].dtype == value.dtype and back[name].shape == value.shape
+
+
+@pytest.mark.parametrize("value", [None, True, {"a": 1}, np.ones((2, 2)), 1j])
+def test_attributes_that_no_file_holds(value):
+    with pytest.raises(gz.InputError, match=r"attribute 'bad' of x is"):
+        stored_attrs({"bad": value}, "x", {})

@@ -1,0 +1,186 @@
+import json
+import os
+import socket
+import threading
+
+import pytest
+
+import grazing as gz
+from grazing.sweep import lock
+from grazing.sweep.lock import holders, locked
+
+OTHER = {"host": "elsewhere", "pid": 7, "shard": "", "since": "2026-01-01T00:00:00+00:00"}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "a.zarr" / ".grazing" / "locks"
+
+
+def put(folder, name, content, age=0.0):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_text(content if isinstance(content, str) else json.dumps(content))
+    (folder / "gate").touch()
+    now = (folder / "gate").stat().st_mtime
+    os.utime(folder / name, (now - age, now - age))
+
+
+def test_a_lock_says_who_and_goes_away(folder):
+    with locked(folder, None):
+        (found,) = holders(folder)
+        assert (found.pid, found.host, found.shard) == (os.getpid(), socket.gethostname(), "")
+        assert str(found).startswith(f"a run of the whole sweep (process {os.getpid()} on ")
+    assert holders(folder) == []
+    assert [file.name for file in folder.iterdir()] == ["gate"]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "fits"),
+    [
+        (None, None, False),
+        (None, (1, 2), False),
+        ((1, 2), None, False),
+        ((1, 2), (1, 2), False),
+        ((1, 2), (1, 3), False),
+        ((1, 2), (2, 2), True),
+        ((2, 11), (11, 11), True),
+    ],
+)
+def test_who_may_work_together(folder, first, second, fits):
+    with locked(folder, first):
+        if fits:
+            with locked(folder, second):
+                assert len(holders(folder)) == 2
+        else:
+            with pytest.raises(
+                gz.InputError, match=r"a\.zarr is being worked on by .*process .*Only shards of the same"
+            ):
+                with locked(folder, second):
+                    pass
+        assert len(holders(folder)) == 1
+    with locked(folder, second):
+        pass
+
+
+def test_a_lock_goes_away_with_an_exception(folder):
+    with pytest.raises(KeyboardInterrupt), locked(folder, (1, 2)):
+        raise KeyboardInterrupt
+    assert holders(folder) == []
+
+
+def test_the_lock_of_a_dead_process_of_this_machine_is_taken_over(folder):
+    put(folder, "all.lock", OTHER | {"host": socket.gethostname(), "pid": os.getpid()})  # its number lives, it does not
+    put(folder, "shard-1-of-2.lock", OTHER | {"host": socket.gethostname(), "shard": "1/2"})
+    assert holders(folder) == []
+    with locked(folder, (2, 3)):
+        assert [found.shard for found in holders(folder)] == ["2/3"]
+
+
+def test_another_machine_is_believed_while_it_touches_its_lock(folder):
+    put(folder, "all.lock", OTHER, age=lock.STALE / 2)
+    with pytest.raises(gz.InputError, match=r"process 7 on elsewhere, since 2026-01-01"), locked(folder, None):
+        pass
+    put(folder, "all.lock", OTHER, age=lock.STALE * 2)
+    with locked(folder, None):
+        assert [found.pid for found in holders(folder)] == [os.getpid()]
+
+
+def test_a_running_process_touches_its_lock(folder, monkeypatch):
+    monkeypatch.setattr(lock, "TOUCH", 0.01)
+    with locked(folder, None):
+        file = folder / "all.lock"
+        os.utime(file, (0, 0))
+        for _ in range(500):
+            if file.stat().st_mtime > 0:
+                break
+            threading.Event().wait(0.01)
+        assert file.stat().st_mtime > 0
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"host": "a"}', "3"])
+def test_rubbish_is_no_lock(folder, content):
+    put(folder, "all.lock", content)
+    with locked(folder, None):
+        assert len(holders(folder)) == 1
+
+
+def test_unnamed_files_of_killed_processes_go_away(folder):
+    put(folder, "0123.new", OTHER, age=lock.STALE * 2)
+    put(folder, "4567.new", OTHER)
+    with locked(folder, None):
+        assert sorted(file.name for file in folder.iterdir()) == ["4567.new", "all.lock", "gate"]
+
+
+def test_a_lock_that_was_taken_over_is_left_alone(folder):
+    with locked(folder, None):
+        (folder / "all.lock").unlink()
+        put(folder, "all.lock", OTHER)
+    assert json.loads((folder / "all.lock").read_text()) == OTHER
+
+
+def test_a_folder_that_went_away(folder):
+    import shutil
+
+    with locked(folder, None):
+        shutil.rmtree(folder)
+
+
+@pytest.mark.parametrize("without", ["flock", "link"])
+def test_where_the_system_has_no_locks_or_links(folder, monkeypatch, without):
+    def refused(*_args):
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr(lock.fcntl if without == "flock" else os, without, refused)
+    with locked(folder, None):
+        with pytest.raises(gz.InputError, match=r"is being worked on"), locked(folder, (1, 2)):
+            pass
+        assert len(holders(folder)) == 1
+    with locked(folder, None):
+        pass
+
+
+@pytest.mark.parametrize("shard", [None, (1, 2)])
+@pytest.mark.parametrize("system", ["with locks", "without"])
+def test_of_many_that_start_at_once_at_most_one_goes_on(folder, monkeypatch, system, shard):
+    if system == "without":
+        monkeypatch.setattr(lock, "_try_lock", lambda handle, alone=True: None)
+    gate, inside, refused, most = threading.Barrier(12), [], [], []
+
+    def start():
+        gate.wait()
+        try:
+            with locked(folder, shard):
+                inside.append(1)
+                most.append(len(inside))
+                threading.Event().wait(0.02)
+                inside.pop()
+        except gz.InputError:
+            refused.append(1)
+
+    threads = [threading.Thread(target=start) for _ in range(12)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert max(most, default=1) == 1 and len(most) + len(refused) == 12
+    assert most or system == "without"  # then those that start together may all stop
+    assert holders(folder) == []
+
+
+def test_a_fork_does_not_keep_the_lock(folder):
+    # A child of a killed run, such as a worker that waits for ever, must not look like the run.
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork here")
+    read, write = os.pipe()
+    lock._held.add(write)
+    try:
+        lock._drop_inherited()
+        with pytest.raises(OSError):
+            os.write(write, b"x")
+    finally:
+        os.close(read)
+
+
+def test_whether_a_process_exists():
+    assert lock.process_exists(os.getpid()) and lock.process_exists(1)
+    assert not lock.process_exists(2**22 + 1) and not lock.process_exists(10**30)
