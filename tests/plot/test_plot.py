@@ -12,7 +12,7 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.model import pinball
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
-from grazing.plot.style import CHAOS, PERIODS, ink_on
+from grazing.plot.style import CHAOS, ENDED, PERIODS, UNDECIDED, ink_on
 
 
 def diagram():
@@ -125,8 +125,9 @@ def test_neighbouring_periods_differ_in_grey():
     values = [lightness(colour) for colour in PERIODS]
     for one, other in zip(values, [*values[1:], values[0]], strict=True):
         assert abs(one - other) > 20.0
-    assert plot.period_colour(9) == PERIODS[0]
-    assert plot.period_colour(0) == plot.period_colour(-1) == CHAOS
+    assert plot.period_colour(17) == PERIODS[0]
+    assert [plot.period_colour(code) for code in (-1, 0, -2)] == [CHAOS, UNDECIDED, ENDED]
+    assert len({*PERIODS, CHAOS, UNDECIDED, ENDED}) == 19
     assert (ink_on(PERIODS[0]), ink_on(PERIODS[1])) == ("#ffffff", "#1a1a1a")
 
 

@@ -1,21 +1,34 @@
 """Figures, drawn from results: one function for each, none of them computes."""
 
+from grazing.plot.basins import basins
+from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
+from grazing.plot.coexistence import coexistence
+from grazing.plot.density import density
+from grazing.plot.lyapunov import lyapunov
 from grazing.plot.map_graph import graph_of, map_graph
 from grazing.plot.orbit_diagram import orbit_diagram
+from grazing.plot.provenance import provenance, provenance_of
 from grazing.plot.style import figure, panels, period_colour, rendered, save, styled
 from grazing.plot.trajectory import trajectory
 from grazing.plot.windows import windows
 from grazing.plot.zdm import zdm
 
 __all__ = [
+    "basins",
+    "chart",
     "cobweb",
+    "coexistence",
+    "density",
     "figure",
     "graph_of",
+    "lyapunov",
     "map_graph",
     "orbit_diagram",
     "panels",
     "period_colour",
+    "provenance",
+    "provenance_of",
     "rendered",
     "save",
     "styled",

@@ -53,7 +53,7 @@ def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = 
         ax = axes(ax, height=80.0)
         (diagonal,) = ax.plot([low, high], [low, high], color=INK, lw=0.5, ls=(0, (4, 2)))
         graph = map_graph(graph_of(P, grid), ax, lw=1.4)["pieces"]
-        colour = period_colour(x.size if closed else 0)
+        colour = period_colour(x.size if closed else -1)
         (steps,) = ax.plot(corners[:, 0], corners[:, 1], color=colour, lw=0.9, zorder=4)
         (dots,) = ax.plot(x, x, "o", ms=4, color=colour, zorder=5)
         ax.set_xlim(low, high)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
@@ -35,7 +36,8 @@ def orbit_diagram(
     Returns
     -------
     dict
-        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``figure``.
+        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``provenance``,
+        ``figure``.
     """
     name, _start, _n = result[_first(result, coordinate)].dims
     shown = _first(result, coordinate)
@@ -62,7 +64,7 @@ def orbit_diagram(
         ax.set_xlim(float(values.min()), float(values.max()))
         ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
         ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
-    return {"points": drawn, "figure": root(ax)}
+    return {"points": drawn, "figure": root(ax), "provenance": provenance_of(result)}
 
 
 def _first(result: Any, coordinate: str | None) -> str:

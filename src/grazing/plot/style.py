@@ -58,39 +58,50 @@ RC: dict[str, Any] = {
     "path.simplify": True,
 }
 
-#: Colour of period N is PERIODS[(N - 1) % 8]. Even and odd periods differ in lightness (CIE L* in the comment) by
+#: Colour of period N is PERIODS[(N - 1) % 16]. Even and odd periods differ in lightness (CIE L* in the comment) by
 #: more than 20, so that neighbours can be told apart in grey and by readers who see fewer hues.
 PERIODS = (
-    "#1a1a1a",  # 1  L* 10  black
-    "#e69f00",  # 2  L* 70  orange
+    "#1a1a1a",  # 1  L* 9  black
+    "#e69f00",  # 2  L* 71  orange
     "#0064a4",  # 3  L* 41  blue
     "#5cbceb",  # 4  L* 72  sky
-    "#9c2a1b",  # 5  L* 35  brick
-    "#e08fbf",  # 6  L* 68  pink
+    "#9c2a1b",  # 5  L* 36  brick
+    "#e08fbf",  # 6  L* 69  pink
     "#00624a",  # 7  L* 36  green
-    "#b3b53c",  # 8  L* 71  olive
+    "#b3b53c",  # 8  L* 72  olive
+    "#5b2c83",  # 9  L* 29  purple
+    "#f0d48a",  # 10  L* 86  sand
+    "#1f7a8c",  # 11  L* 47  teal
+    "#f2a07b",  # 12  L* 73  salmon
+    "#7a4a12",  # 13  L* 36  brown
+    "#86d3b4",  # 14  L* 79  mint
+    "#b0186b",  # 15  L* 39  magenta
+    "#b9b3e3",  # 16  L* 75  lavender
 )
-CHAOS = "#8c8c8c"
+#: Without a period: aperiodic as far as seen, undecided, ended. Greys that no period has.
+CHAOS, UNDECIDED, ENDED = "#8c8c8c", "#c2c2c2", "#e6e6e6"
 INK = "#1a1a1a"
 WALL = "#d9d9d9"
 GRAZE = "#b00020"
 
 
 def period_colour(N: int) -> str:
-    """Return the colour that period N always has; grey for N < 1: no period was found.
+    """Return the colour that period N always has; a grey for N < 1: no period was found.
 
     Parameters
     ----------
     N : int
-        Period.
+        Period, or 0 undecided, -1 aperiodic as far as seen, -2 ended.
 
     Examples
     --------
     >>> from grazing.plot.style import period_colour
-    >>> period_colour(3), period_colour(11), period_colour(0)
+    >>> period_colour(3), period_colour(19), period_colour(-1)
     ('#0064a4', '#0064a4', '#8c8c8c')
     """
-    return PERIODS[(N - 1) % len(PERIODS)] if N >= 1 else CHAOS
+    if N >= 1:
+        return PERIODS[(N - 1) % len(PERIODS)]
+    return {0: UNDECIDED, -2: ENDED}.get(N, CHAOS)
 
 
 @contextmanager
@@ -170,7 +181,8 @@ def rendered(
     title : str
         Stored in the file.
     provenance : mapping, optional
-        How the figure came about, such as parameters and seed; stored as JSON. No time of day is stored.
+        How the figure came about, such as parameters and seed; stored as JSON, together with what the artists carry
+        of it (``"provenance"``, of the result that was drawn). No time of day is stored.
 
     Returns
     -------
@@ -185,7 +197,8 @@ def rendered(
         raise InputError(
             f"figure format {kind!r}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
         )
-    origin = json.dumps(dict(provenance or {}), sort_keys=True, default=str)
+    carried = fig.get("provenance", {}) if isinstance(fig, Mapping) else {}
+    origin = json.dumps({**carried, **(provenance or {})}, sort_keys=True, default=str)
     fields: dict[str, dict[str, Any]] = {
         "png": {"Title": title, "Software": software(), "Description": origin},
         "pdf": {"Title": title, "Creator": software(), "Subject": origin, "CreationDate": None, "ModDate": None},

@@ -1,0 +1,118 @@
+"""Curves laid over a figure, each with its name on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.outcome import InputError
+from grazing.plot.style import INK
+
+Floats = NDArray[np.float64]
+
+#: Points at which the distance between curves and names is looked at.
+SAMPLES = 160
+
+
+def lay_curves(ax: Axes, curves: Mapping[str, tuple[ArrayLike, ArrayLike]] | None) -> dict[str, Any]:
+    """Draw curves with a light rim and write their names on them, where they are far from each other and the frame.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        With its limits set.
+    curves : mapping of str to (x, y), optional
+        NaN breaks a curve.
+
+    Returns
+    -------
+    dict
+        Name to ``(line, text)``; the text is None for a curve that is not in the axes.
+    """
+    plain = {str(name): _checked(str(name), curve) for name, curve in (curves or {}).items()}
+    left, right, low, high = *ax.get_xlim(), *ax.get_ylim()
+    drawn: dict[str, Any] = {}
+    rim = [withStroke(linewidth=2.0, foreground="white", alpha=0.85)]
+    samples = {name: _sampled(ax, *curve) for name, curve in plain.items()}
+    taken: list[Floats] = []
+    to_data = ax.transAxes + ax.transData.inverted()
+    for name, (x, y) in plain.items():
+        (line,) = ax.plot(x, y, color=INK, lw=0.9, zorder=5, path_effects=rim)
+        others = [s for other, s in samples.items() if other != name]
+        place = _place(samples[name], others, taken)
+        text = None
+        if place is not None:
+            at, ahead = place
+            taken.append(at)
+            here, there = to_data.transform([at, ahead])
+            text = ax.text(
+                float(here[0]),
+                float(here[1]),
+                name,
+                rotation=float(np.degrees(np.arctan2(*(there - here)[::-1]))),
+                rotation_mode="anchor",
+                transform_rotates_text=True,
+                ha="center",
+                va="center",
+                fontsize=7.0,
+                color=INK,
+                zorder=7,
+                bbox={"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 0.8},
+            )
+        drawn[name] = (line, text)
+    ax.set_xlim(left, right)
+    ax.set_ylim(low, high)
+    return drawn
+
+
+def _checked(name: str, curve: Any) -> tuple[Floats, Floats]:
+    try:
+        x, y = (np.asarray(part, np.float64) for part in curve)
+    except (TypeError, ValueError):
+        x = y = np.empty((0, 0))
+    if x.ndim != 1 or x.shape != y.shape or not x.size:
+        raise InputError(f"curve {name!r} is not a pair (x, y) of equally long, one-dimensional arrays of numbers")
+    return x, y
+
+
+def _sampled(ax: Axes, x: Floats, y: Floats) -> Floats:
+    """Return points along a curve, in shares of the axes, those outside and at breaks left out."""
+    to_axes = ax.transData + ax.transAxes.inverted()
+    points = np.asarray(to_axes.transform(np.column_stack([x, y])), np.float64)
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    joined = np.isfinite(steps)
+    length = np.concatenate([[0.0], np.cumsum(np.where(joined, steps, 0.0))])
+    if not joined.any() or length[-1] == 0.0:
+        dense = points[np.isfinite(points).all(axis=1)]
+    else:
+        at = np.linspace(0.0, length[-1], 4 * SAMPLES)
+        k = np.clip(np.searchsorted(length, at, side="right") - 1, 0, len(steps) - 1)
+        share = np.where(joined[k], (at - length[k]) / np.where(joined[k] & (steps[k] > 0.0), steps[k], 1.0), 0.0)
+        dense = points[k] + share[:, None] * (points[k + 1] - points[k])
+    inside = (np.isfinite(dense) & (dense > 0.0) & (dense < 1.0)).all(axis=1)
+    return dense[inside]
+
+
+def _place(own: Floats, others: list[Floats], taken: list[Floats]) -> tuple[Floats, Floats] | None:
+    """Return where a name stands best, and a point further along the curve towards which it is written."""
+    if len(own) < 3:
+        return None
+    candidates = np.arange(1, len(own) - 1)[:: max(1, len(own) // SAMPLES)]
+    room = 2.0 * np.minimum(own[candidates], 1.0 - own[candidates]).min(axis=1)  # a name is longer than high
+    room = np.minimum(room, 0.36)
+    for points, weight in [*((s, 1.0) for s in others if len(s)), *((t[None, :], 0.6) for t in taken)]:
+        gap = np.hypot(*(own[candidates][:, None, :] - points[None, :, :]).transpose(2, 0, 1)).min(axis=1)
+        room = np.minimum(room, weight * gap)
+    middle = 1e-3 * np.abs(np.linspace(-1.0, 1.0, candidates.size))  # of equally good places the middle one
+    best = int(candidates[np.argmax(room - middle)])
+    reach = max(1, len(own) // 20)
+    before, after = own[max(0, best - reach)], own[min(len(own) - 1, best + reach)]
+    along = after - before
+    if along[0] < 0.0 or (along[0] == 0.0 and along[1] < 0.0):  # never upside down
+        along = -along
+    return own[best], own[best] + (along if np.any(along) else np.array([0.1, 0.0]))

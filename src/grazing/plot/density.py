@@ -1,0 +1,143 @@
+"""Density diagram: how often orbits visit each bin as one parameter varies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from grazing.plot.expected import choice, expect
+from grazing.plot.norms import norm_of, round_ticks
+from grazing.plot.provenance import provenance_of
+from grazing.plot.raster import edges_of, name_single, ordered, raster, refined
+from grazing.plot.style import DOUBLE, axes, label, root, styled
+
+
+def density(
+    result: Any,
+    ax: Axes | None = None,
+    *,
+    norm: str | Normalize = "eqhist",
+    units: str = "share",
+    cmap: str | Colormap | None = None,
+    bar: bool = True,
+) -> dict[str, Any]:
+    """Draw a density diagram: darker bins are visited more often, empty ones are left white.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.density`: ``count`` on (parameter, coordinate).
+    ax : matplotlib Axes, optional
+        Default: a new figure two columns wide.
+    norm : {"eqhist", "log", "linear"} or matplotlib Normalize
+        From numbers to colours: histogram-equalised, where equal ranges of colour are equally many bins; logarithmic;
+        linear; or your own.
+    units : {"share", "count"}
+        Whether the numbers are shares of the points at a parameter value, those outside the raster included, or
+        counts.
+    cmap : str or Colormap, optional
+        Default: from light yellow to black.
+    bar : bool
+        Whether a colour bar stands beside the diagram.
+
+    Returns
+    -------
+    dict
+        ``image``, ``bar`` (Colorbar or None), ``note`` (text above the axes that says how much lies outside of the
+        raster, or None), ``provenance``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For another kind of result, norm or units.
+    """
+    name, coordinate = expect(result, "density", {"count": ("<parameter>", "<coordinate>")})
+    choice(units, "units", ("share", "count"))
+    values, where = ordered(result[name].values)
+    count = np.asarray(result["count"].values, np.float64)[where]
+    outside = sum(np.asarray(result[side].values, np.float64)[where] for side in ("below", "above") if side in result)
+    total = count.sum(axis=1) + outside
+    if units == "share":
+        count = count / np.maximum(total, 1.0)[:, None]
+    with styled():
+        ax = axes(ax, DOUBLE, 80.0)
+        scale = norm_of(norm, count)
+        shown = np.ma.masked_less_equal(count.astype(np.float32), 0.0)
+        image = raster(
+            ax,
+            *refined(ax, edges_of(values, ax.xaxis), _bins(result[coordinate]), shown),
+            smooth=True,
+            norm=scale,
+            cmap=cmap if cmap is not None else paper_map(),
+        )
+        name_single(ax.xaxis, values)
+        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
+        ax.set_ylabel(label(coordinate, result[coordinate].attrs.get("symbol")))
+        drawn = _bar(ax, image, units) if bar else None
+        note = _note(ax, float(np.sum(outside)), float(total.sum()), result)
+    return {"figure": root(ax), "image": image, "bar": drawn, "note": note, "provenance": provenance_of(result)}
+
+
+def paper_map() -> ListedColormap:
+    """Return the colours of densities: dark is much, and the least is still darker than white paper."""
+    return ListedColormap(matplotlib.colormaps["magma_r"](np.linspace(0.1, 1.0, 256)), name="density")
+
+
+def _bins(coordinate: Any) -> Any:
+    """Return the edges of the bins: the ends of the raster are kept, for the sake of rounding."""
+    centres = np.asarray(coordinate.values, np.float64)
+    low, high = (coordinate.attrs.get(end) for end in ("low", "high"))
+    return edges_of(centres) if low is None or high is None else np.linspace(float(low), float(high), centres.size + 1)
+
+
+def _bar(ax: Axes, image: Any, units: str) -> Any:
+    drawn = root(ax).colorbar(image, ax=ax, pad=0.015, fraction=0.05, aspect=30)
+    drawn.outline.set_linewidth(0.4)
+    drawn.set_label("points per bin" if units == "count" else "share of the points per bin")
+    if image.norm.vmin and image.norm.vmin > 0.0:  # a linear scale begins at 0 and has ticks of its own
+        drawn.ax.yaxis.set_major_locator(FixedLocator(round_ticks(image.norm)))
+        drawn.ax.yaxis.set_major_formatter(FuncFormatter(plain))
+    drawn.ax.yaxis.set_minor_locator(NullLocator())
+    return drawn
+
+
+def plain(value: float, _place: Any = None) -> str:
+    r"""Return a round number for a scale over many decades: as it is where that is short.
+
+    Examples
+    --------
+    >>> from grazing.plot.density import plain
+    >>> plain(0.05), plain(0.0005), plain(0.001), plain(20.0), plain(1e6)
+    ('0.05', '$5\\times 10^{-4}$', '$10^{-3}$', '20', '$10^{6}$')
+    """
+    if 0.01 <= value < 10_000.0:
+        return f"{value:g}"
+    digit, decade = f"{value:e}".split("e")
+    power = f"10^{{{int(decade)}}}"
+    return f"${power}$" if float(digit) == 1.0 else rf"${float(digit):g}\times {power}$"
+
+
+def _note(ax: Axes, outside: float, total: float, result: Any) -> Any:
+    """Say above the axes what the raster does not show."""
+    said = []
+    if outside > 0.0:
+        share = f"{100.0 * outside / total:.2g}"
+        said.append(f"{share if float(share) >= 0.01 else 'less than 0.01'} % of the points lie outside")
+    ended = int(np.sum(result["ended"].values)) if "ended" in result else 0
+    if ended:
+        said.append(f"{ended:,} {'start' if ended == 1 else 'starts'} ended")
+    if not said:
+        return None
+    look: dict[str, Any] = {
+        "ha": "right",
+        "va": "bottom",
+        "fontsize": 6.5,
+        "color": "#595959",
+        "textcoords": "offset points",
+    }
+    return ax.annotate("; ".join(said), (1.0, 1.0), (0, 2), xycoords="axes fraction", **look)

@@ -1,0 +1,88 @@
+"""Exponents stand at their values, minus infinity in a row of its own, chaos in a shade."""
+
+import numpy as np
+import pytest
+
+from grazing import plot
+from grazing.outcome import InputError
+from tests.plot import results
+
+
+def names(legend):
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def test_all_starts_and_indices_are_drawn():
+    result = results.lyapunov(starts=3, count=2, infinite=False)
+    drawn = plot.lyapunov(result)
+    assert len(drawn["exponents"]) == 2
+    for k, line in enumerate(drawn["exponents"]):
+        x, y = line.get_data()
+        assert x.tolist() == np.repeat(result["r"].values, 3).tolist()
+        assert np.array_equal(y, result["exponent"].values[:, :, k].ravel())
+        assert line.get_linestyle() == "None"
+    assert drawn["infinite"] == {}
+    assert drawn["zero"].get_ydata()[0] == 0.0
+    ax = drawn["zero"].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("r", "Lyapunov exponents per step")
+    low, high = ax.get_ylim()
+    assert low < result["exponent"].min() < result["exponent"].max() < high
+
+
+def test_one_start_is_a_line():
+    result = results.lyapunov(starts=1, count=1, infinite=False)
+    drawn = plot.lyapunov(result, per="time")
+    (line,) = drawn["exponents"]
+    assert line.get_linestyle() == "-"
+    assert np.array_equal(line.get_ydata(), result["exponent_per_time"].values[:, 0, 0])
+    assert line.axes.get_ylabel() == "Lyapunov exponent per unit of time"
+    assert names(drawn["legend"]) == ["chaos: greatest > 0"]
+
+
+def test_minus_infinity_has_a_row_below_everything():
+    result = results.lyapunov(starts=2, count=2)
+    drawn = plot.lyapunov(result)
+    gone = np.isneginf(result["exponent"].values)
+    assert list(drawn["infinite"]) == [0, 1]
+    for k, marks in drawn["infinite"].items():
+        assert marks.get_xdata().tolist() == result["r"].values[gone[:, :, k].any(1)].tolist()
+        assert 0.0 < marks.get_ydata()[0] < 0.1  # in shares of the axes
+    ax = drawn["zero"].axes
+    low, high = ax.get_ylim()
+    finite = result["exponent"].values[np.isfinite(result["exponent"].values)]
+    assert (finite.min() - low) / (high - low) > 0.1
+    assert min(ax.get_yticks()) >= low + 0.1 * (high - low)
+    assert names(drawn["legend"])[-1] == r"$-\infty$: completed chatter or rest"
+
+
+def test_nothing_finite():
+    result = results.lyapunov(np.array([1.0, 2.0]), starts=1, count=1)
+    result["exponent"][:] = -np.inf
+    drawn = plot.lyapunov(result)
+    assert drawn["chaos"] == []
+    plot.rendered(drawn, "png")
+    result["exponent"][:] = np.nan
+    assert plot.lyapunov(result)["legend"] is None
+
+
+def test_chaos_is_shaded_where_an_exponent_is_positive():
+    result = results.lyapunov(np.linspace(0.0, 1.0, 5), starts=2, count=1, infinite=False)
+    result["exponent"][:, :, 0] = [[-1.0, -1.0], [0.5, -1.0], [0.5, np.nan], [np.nan, np.nan], [5e-4, -1.0]]
+    bands = plot.lyapunov(result)["chaos"]
+    assert [(band.get_x(), band.get_width()) for band in bands] == [pytest.approx((0.125, 0.5))]
+    assert len(plot.lyapunov(result, positive=0.0)["chaos"]) == 2
+
+
+def test_many_marks_are_pixels_in_vector_files():
+    many = results.lyapunov(np.linspace(3.4, 4.0, 500), starts=8)
+    assert all(line.get_rasterized() for line in plot.lyapunov(many)["exponents"])
+    assert not any(line.get_rasterized() for line in plot.lyapunov(results.lyapunov())["exponents"])
+
+
+def test_what_is_refused():
+    with pytest.raises(InputError, match="per is 'year'; allowed are 'step', 'time'"):
+        plot.lyapunov(results.lyapunov(), per="year")
+    with pytest.raises(InputError, match=r"lyapunov finds no exponent_per_time in a result with exponent"):
+        plot.lyapunov(results.lyapunov().drop_vars("exponent_per_time"), per="time")
+    with pytest.raises(InputError, match=r"finds exponent on \(mu, l, rank\); allowed .*\(<parameter>, start, index\)"):
+        plot.lyapunov(results.chart())
