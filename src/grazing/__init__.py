@@ -51,8 +51,10 @@ _PUBLIC = {
     "orbit_diagram": "studies.orbit_diagram",
     "zero_one": "studies.zero_one",
     "load": "io",
+    "to_csv": "export",
     "save": "io",
     "cite": "citation",
+    "config": "",
     "plans": "",
     "plot": "",
     "sweep": "",
@@ -63,12 +65,14 @@ _PUBLIC = {
 __all__ = sorted([*_PUBLIC, "__version__"])
 
 if TYPE_CHECKING:
+    from grazing import config as config
     from grazing import plans as plans
     from grazing import plot as plot
     from grazing import sweep as sweep
     from grazing import testing as testing
     from grazing import theory as theory
     from grazing.citation import cite as cite
+    from grazing.export import to_csv as to_csv
     from grazing.io import load as load
     from grazing.io import save as save
     from grazing.maps.discontinuity import discontinuity_map as discontinuity_map

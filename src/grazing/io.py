@@ -86,11 +86,12 @@ def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Read a result that :func:`save` wrote.
+    """Read a result that :func:`save` wrote, or the store of a sweep.
 
     Parameters
     ----------
     path : path-like
+        A file, or the folder of a store, see :func:`grazing.sweep.open_store`.
 
     Returns
     -------
@@ -107,7 +108,9 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
     source = Path(path)
     if source.is_dir():
-        raise InputError(f"{source} is a folder; give a file that gz.save wrote")
+        from grazing.sweep import open_store
+
+        return open_store(source)
     try:
         with open(source, "rb") as file:
             ours = file.read(3) == b"CDF"

@@ -16,7 +16,7 @@ import pytest
 import grazing
 
 SOURCE = Path(__file__).parents[2] / "src"
-HEAVY = {"numba", "llvmlite", "numpy", "scipy", "xarray", "pandas", "matplotlib", "flint"}
+HEAVY = {"numba", "llvmlite", "numpy", "scipy", "xarray", "pandas", "matplotlib", "flint", "pydantic", "zarr", "dask"}
 # A stand-in for the report, put in place before the command line starts.
 PRELUDE = """
 import sys, time, types

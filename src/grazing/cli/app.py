@@ -7,8 +7,9 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from difflib import get_close_matches
 
-from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
 
 from grazing import __version__
 from grazing.cli import streams
@@ -17,16 +18,54 @@ from grazing.outcome import GrazingError, InputError, OutsideForm
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 
+# The commands of the studies are made from the schema when they are asked for: --help needs none of it.
+STUDIES = {
+    "diagram": ("Show where orbits settle as one parameter varies.", "d=0.05:0.16:500 --V 0.4 -o diagram.png"),
+    "density": (
+        "Count how often orbits visit each part of a range as one parameter varies.",
+        "d=0.05:0.16:2000 --bins 1000 -o density.png",
+    ),
+    "chart": (
+        "Show which attractors there are, by period and word, as two parameters vary.",
+        "d=0.05:0.16:400 V=0:0.4:400 -o chart.png",
+    ),
+    "basins": ("Show which attractor each initial state reaches.", "u=0:0.3:400 v=-0.5:0.5:400 --d 0.1 -o basins.png"),
+    "lyapunov": ("Compute Lyapunov exponents.", "d=0.05:0.16:500 -o exponents.png"),
+    "coexistence": (
+        "Follow all attractors and their shares of the starts as one parameter varies.",
+        "d=0.05:0.16:500 --starts 200 -o shares.png",
+    ),
+    "trajectory": ("Follow the ball in continuous time, with every impact.", "u=0.1 v=0 --until 50 -o orbit.png"),
+    "cobweb": (
+        "Draw an orbit of a one-dimensional map.",
+        "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
+    ),
+}
+RESULTS = {
+    "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
+    "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
+    "info": ("grazing.cli.info:info", "Tell what a file is, and the command that makes it again."),
+    "config": ("grazing.cli.configuration:app", "Print the schema of configuration files, or what one says."),
+}
+
 app = App(
     name="grazing",
     help="Oscillators that hit things: impacts, grazing bifurcations and the maps that describe them.",
     help_format="plaintext",
-    help_epilogue="Exit codes: 0 done, 1 failed, 2 wrong usage or input, 130 interrupted.",
+    help_epilogue="Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 incomplete (a sweep that can be resumed),\n"
+    "130 interrupted.",
     version=f"grazing {__version__}",
     default_parameter=Parameter(negative=()),
     suppress_keyboard_interrupt=False,
 )
-app.command(paper)
+_studies, _results = Group("Studies", sort_key=1), Group("Results", sort_key=2)
+for _order, (_name, (_says, _example)) in enumerate(STUDIES.items()):
+    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
+    app.command(f"grazing.cli.study:{_name}", name=_name, help=_help, group=_studies, sort_key=_order)
+for _order, (_name, (_where, _says)) in enumerate(RESULTS.items()):
+    app.command(_where, name=_name, help=_says, group=_results, sort_key=_order)
+app.command(paper, group=_results, sort_key=len(RESULTS))
+app.register_install_completion_command(help="Install completion for your shell.")
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
@@ -60,8 +99,8 @@ def _guarded(tokens: list[str]) -> int:
         return _fail(str(error), USAGE)
     except GrazingError as error:
         return _fail(str(error), FAILED)
-    except KeyboardInterrupt:
-        return _fail("interrupted; files already written are complete.", INTERRUPTED, "stopped")
+    except KeyboardInterrupt as stop:
+        return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
     except BrokenPipeError:
         return DONE
     except ImportError as error:
@@ -69,7 +108,10 @@ def _guarded(tokens: list[str]) -> int:
     except OSError as error:
         return _fail(str(error), FAILED)
     except MemoryError:
-        return _fail("out of memory; ask for a smaller --size or fewer figures.", FAILED)
+        return _fail(
+            "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
+            FAILED,
+        )
     except Exception as error:
         return _fail(
             f"{type(error).__name__}: {error}\nThis is a defect in grazing {__version__}. Please report it with the "
@@ -85,6 +127,18 @@ def _reworded(error: CycloptsError) -> str:
     if isinstance(error, UnusedCliTokensError):
         extra = " ".join(error.unused_tokens or ())
         return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
+    if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
+        known = [*STUDIES, *RESULTS, "paper"]
+        token = (error.unused_tokens or [""])[0]
+        near = get_close_matches(token, known, n=1)
+        hint = f'Did you mean "{near[0]}"? ' if near else ""
+        return f'Unknown command "{token}". {hint}Commands are {", ".join(known)}.'
+    if isinstance(error, UnknownOptionError) and error.argument_collection:
+        given = (error.token.keyword or error.token.value).partition("=")[0]
+        names = [name for argument in error.argument_collection for name in argument.names]
+        near = [name for name in names if name != given and name.lower() == given.lower()]
+        if near:  # names keep their case: --V is a velocity
+            return f"Unknown option: {given}. Did you mean {near[0]}?"
     return str(error)
 
 

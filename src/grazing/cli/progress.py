@@ -9,11 +9,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 Progress = Callable[[int, int, str], None]
+Counted = Callable[[int, int], None]
+#: Seconds between plain lines about a count: at first, and at most.
+SOON, LATE = 5.0, 60.0
 
 
 @contextmanager
 def shown(quiet: bool = False) -> Iterator[Progress]:
-    """Give a function ``progress(done, total, what)`` that shows how far a command is.
+    """Give a function ``progress(done, total, what)`` that shows how far a command of named steps is.
 
     Parameters
     ----------
@@ -22,11 +25,36 @@ def shown(quiet: bool = False) -> Iterator[Progress]:
     """
     if quiet:
         yield lambda done, total, what: None
-    elif sys.stderr.isatty() and os.environ.get("TERM", "") not in ("", "dumb"):
+    elif on_terminal():
         with _bar() as progress:
             yield progress
     else:
         yield _lines()
+
+
+@contextmanager
+def counted(what: str, quiet: bool = False) -> Iterator[Counted]:
+    """Give a function ``progress(done, total)`` that shows how far a study is, with rate and time left.
+
+    Parameters
+    ----------
+    what : str
+        What is counted, such as ``"values"``.
+    quiet : bool
+        Show nothing.
+    """
+    if quiet:
+        yield lambda done, total: None
+    elif on_terminal():
+        with _counting_bar(what) as progress:
+            yield progress
+    else:
+        yield _counting_lines(what)
+
+
+def on_terminal() -> bool:
+    """Say whether stderr can show a bar."""
+    return sys.stderr.isatty() and os.environ.get("TERM", "") not in ("", "dumb")
 
 
 def _lines() -> Progress:
@@ -38,6 +66,49 @@ def _lines() -> Progress:
         print(f"[{done:{width}}/{total}] {time.monotonic() - start:6.1f} s  {what}", file=sys.stderr, flush=True)
 
     return progress
+
+
+def _counting_lines(what: str) -> Counted:
+    """Return progress as a line now and then, ever more rarely, and one at the end."""
+    start = last = time.monotonic()
+    base: tuple[float, int] | None = None
+    wait = SOON
+
+    def progress(done: int, total: int) -> None:
+        nonlocal base, last, wait
+        now = time.monotonic()
+        if base is None:  # compiling comes before it, and what a resumed sweep has already
+            base = now, done
+        if done < total and now - last < wait:
+            return
+        wait = wait if last == start else min(2.0 * wait, LATE)
+        last = now
+        width = len(str(total))
+        said = f"[{done:{width}}/{total}] {now - start:6.1f} s"
+        if done > base[1]:
+            rate = (done - base[1]) / max(now - base[0], 1e-9)
+            left = "" if done >= total else f", {duration((total - done) / rate)} left"
+            said += f"  {rate:.3g} {what}/s{left}"
+        print(said, file=sys.stderr, flush=True)
+
+    return progress
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words.
+
+    Examples
+    --------
+    >>> duration(0.25), duration(75.0), duration(40000.0), duration(1e6)
+    ('0.25 s', '1 min 15 s', '11 h 6 min', '11 d 13 h')
+    """
+    if seconds < 60.0:
+        return f"{seconds:.2g} s" if seconds < 10.0 else f"{seconds:.0f} s"
+    minutes = round(seconds) // 60
+    if minutes < 60:
+        return f"{minutes} min {round(seconds) % 60} s"
+    hours = minutes // 60
+    return f"{hours} h {minutes % 60} min" if hours < 48 else f"{hours // 24} d {hours % 24} h"
 
 
 @contextmanager
@@ -54,5 +125,26 @@ def _bar() -> Iterator[Progress]:
 
         def progress(done: int, total: int, what: str) -> None:
             bar.update(task, completed=done, total=total, description=escape(what))
+
+        yield progress
+
+
+@contextmanager
+def _counting_bar(what: str) -> Iterator[Counted]:
+    """Give progress as a bar with rate and time left, which goes away when the command is done."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(compact=True), TextColumn("left"),
+    )  # fmt: skip
+    with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False) as bar:
+        task = bar.add_task(what, total=None, rate="")
+
+        def progress(done: int, total: int) -> None:
+            speed = bar.tasks[0].speed
+            bar.update(task, completed=done, total=total, rate=f"{speed:.3g}/s" if speed else "")
 
         yield progress

@@ -1,0 +1,237 @@
+"""The options of a study, made from the schema, and what was given on the command line put together with a file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from inspect import Parameter as Argument
+from inspect import Signature
+from typing import Annotated, Any
+
+from cyclopts import Group, Parameter
+
+from grazing.config import checked
+from grazing.config.command import KEYS
+from grazing.config.files import read_toml
+from grazing.config.maps import names_of, parameter_defaults
+from grazing.config.own import is_own, located
+from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
+from grazing.config.problems import Problem, refusal
+from grazing.config.schema import config_of
+from grazing.config.settings import SINGLE, STUDIES, settings_of, text_of
+from grazing.outcome import GrazingError
+
+MAP = Group("Map and model", sort_key=1)
+PARAMETERS = Group(
+    "Parameters of the map", help="Any other parameter of the map, such as one of your own: NAME=VALUE.", sort_key=2
+)
+STUDY = Group("Study", sort_key=3)
+RUN = Group("Run and output", sort_key=4)
+
+Recipe = dict[str, Any]
+Path = tuple[str, ...]
+
+
+def flag(name: str) -> str:
+    """Return a name as an option; names keep their case."""
+    return "--" + name.replace("_", "-")
+
+
+def option(
+    name: str, says: str, group: Group, default: object = None, choices: Sequence[str] = (), metavar: str = ""
+) -> Argument:
+    """Return an option of text: what is allowed is checked with all the rest, so that no error hides another."""
+    shown = "" if default in (None, [], "") else text_of(name, default)
+    extra: dict[str, Any] = {"metavar": metavar} if metavar else {}
+    if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
+        extra["allow_leading_hyphen"] = True
+    if choices:
+        extra["metavar"] = "|".join(choices)
+    annotation = Annotated[
+        str | None,
+        Parameter(
+            name=flag(name), help=says, group=group, show_default=(lambda _none: shown) if shown else False, **extra
+        ),
+    ]
+    return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def signature_of(study: str, run: Sequence[Argument]) -> Signature:
+    """Return the signature of a study's command: what varies, the options of the schema, then those of the run."""
+    positional = Annotated[str, Parameter(name="NAME=...", help=_positional_help(study), show=True)]
+    arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
+    fields = config_of(study).model_json_schema()["properties"]
+    for key, usual in KEYS.items():
+        choices = _choices(fields[key])
+        arguments.append(option(key, str(fields[key]["description"]), MAP, usual, choices, "" if choices else "NAME"))
+    known = parameter_defaults({"map": "stroboscopic"})
+    described = config_of(study).model_json_schema()["$defs"]["Parameters"]["properties"]
+    for name in parameter_names():
+        says = f"{described[name]['description']}{' (gap map)' if name in GAP else ''}"
+        metavar = "LIST" if name in AMPLITUDES else "NUMBER"
+        arguments.append(option(name, says, PARAMETERS, known.get(name), metavar=metavar))
+    for name, setting in settings_of(study).model_fields.items():
+        schema = setting.metadata[-1].json_schema if setting.metadata else {}
+        default = None if setting.is_required() else setting.default
+        choices = tuple(schema.get("enum", ()))
+        arguments.append(
+            option(name, str(setting.description), STUDY, default, choices, "" if choices else _metavar(schema))
+        )
+    return Signature([*arguments, *run])
+
+
+def _positional_help(study: str) -> str:
+    known = STUDIES[study]
+    if study == "trajectory":
+        return "Initial state and parameters: u=0.1 v=0 d=0.12."
+    if study == "cobweb":
+        return "Initial state and parameters: x=0.1 mu=0.05."
+    form = "NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=A,B,C"
+    what = f"What varies: {form}" if known.least else f"What varies, if anything: {form}"
+    several = "; the first is the horizontal axis" if known.most > 1 else ""
+    single = "; NAME=VALUE sets a parameter or a coordinate" if study == "basins" else "; NAME=VALUE sets a parameter"
+    return f"{what}{several}{single}."
+
+
+def _choices(field: Mapping[str, Any]) -> tuple[str, ...]:
+    found: list[str] = []
+    for item in [field, *field.get("anyOf", ())]:
+        found += item.get("enum", [item["const"]] if "const" in item else [])
+    return tuple(found)
+
+
+def _metavar(schema: Mapping[str, Any]) -> str:
+    kinds = {"integer": "N", "number": "NUMBER", "array": "LIST", "object": "NAME=VALUE", "string": "NAME"}
+    return kinds.get(str(schema.get("type", "")), "N|LIST")
+
+
+# ---- what was given
+
+
+@dataclass
+class Given:
+    """A configuration put together, and which of it was given on the command line, and in NAME=VALUE."""
+
+    mapping: Recipe
+    here: set[Path]
+    file: str | None
+    words: set[Path] = field(default_factory=set)
+
+    def label(self, path: Path) -> str:
+        """Return how an error names a path: an option, what varies, or a key of the file."""
+        if not path:
+            return ""
+        if self.file and path not in self.here:
+            return f"{self.file}: {'.'.join(path)}"
+        if path[:1] == ("vary",) or path in self.words:
+            return ".".join(path[1:])
+        return flag(path[-1])
+
+
+def recipe_from(study: str, tokens: Sequence[str], options: Mapping[str, str | None], file: str | None) -> Recipe:
+    """Return the recipe that a command line asks for: a file gives defaults, options override.
+
+    Parameters
+    ----------
+    study : str
+    tokens : sequence of str
+        Such as ``d=0.05:0.16:500``.
+    options : mapping of str to str or None
+        By the names of the schema; None for those not given.
+    file : str or None
+        A TOML file.
+
+    Raises
+    ------
+    InputError
+        With every error that there is.
+    """
+    mapping = read_toml(file) if file else {}
+    for key in ("map", "model"):  # a file's own files lie beside it, those of the command line where we stand
+        if file and isinstance(mapping.get(key), str) and is_own(mapping[key]):
+            mapping[key] = located(mapping[key], os.path.dirname(file))
+    given = Given(mapping, set(), file)
+    problems: list[Problem] = []
+    if mapping.setdefault("study", study) != study:
+        problems.append(Problem(("study",), f"study = {mapping['study']!r}; this is the command for {study!r}"))
+        mapping["study"] = study
+    settings = settings_of(study).model_fields
+    for name, text in options.items():
+        if text is not None:
+            put(given, (name,) if name in KEYS else ("settings" if name in settings else "parameters", name), text)
+    problems += assigned(given, tokens)
+    for name in mapping["vary"] if isinstance(mapping.get("vary"), Mapping) else ():
+        if ("parameters", name) in given.here:
+            where = "here" if ("vary", name) in given.here else f"in {file}"
+            problems.append(
+                Problem(("parameters", name), f"{name} varies {where}; give it a range there, or no single value")
+            )
+    try:
+        recipe = checked(mapping, label=given.label)
+    except GrazingError as error:
+        if not problems:
+            raise
+        raise refusal([*problems, Problem((), str(error))], "", given.label) from None
+    if problems:
+        raise refusal(problems, "", given.label)
+    return recipe
+
+
+def put(given: Given, path: Path, value: Any) -> None:
+    """Set a value from the command line."""
+    at = given.mapping
+    for part in path[:-1]:
+        if not isinstance(at.get(part), dict):
+            at[part] = {}
+        at = at[part]
+    at[path[-1]] = value
+    given.here.add(path)
+
+
+def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
+    """Take in ``NAME=...``: a range varies, a value sets a parameter, a coordinate belongs to the state."""
+    problems, coordinates, states = [], _coordinates(given.mapping), {}
+    ranges = [token for token in tokens if "=" in token and _is_range(token)]
+    if ranges:
+        given.mapping["vary"] = {}
+    for token in tokens:
+        name, equals, text = token.partition("=")
+        if not equals or not name:
+            problems.append(
+                Problem((), f"{token!r} is not NAME=START:STOP:COUNT or NAME=VALUE, such as d=0.05:0.16:500")
+            )
+        elif ("vary", name) in given.here or ("parameters", name) in given.words:
+            problems.append(Problem((), f"{token!r}: {name} is given twice"))
+        elif token in ranges:
+            put(given, ("vary", name), text)
+        elif name in coordinates and given.mapping["study"] == "basins":
+            put(given, ("settings", "fixed", name), text)
+        elif name in coordinates and given.mapping["study"] in SINGLE:
+            states[name] = text
+        else:
+            put(given, ("parameters", name), text)
+            given.words.add(("parameters", name))
+    if states:
+        missing = [name for name in coordinates if name not in states]
+        if missing:
+            problems.append(Problem((), f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}"))
+        put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
+    return problems
+
+
+def _is_range(token: str) -> bool:
+    name, _, text = token.partition("=")
+    return ":" in text or ("," in text and name not in AMPLITUDES)
+
+
+def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
+    """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
+    if mapping.get("study") not in ("basins", *SINGLE):
+        return []
+    if mapping.get("study") == "trajectory":
+        return ["u", "v"]
+    try:
+        return names_of({"map": "stroboscopic", **mapping})[1]
+    except (GrazingError, TypeError, AttributeError, AssertionError):
+        return []

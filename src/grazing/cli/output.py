@@ -1,0 +1,93 @@
+"""Where results go: the ending of a file's name chooses what is written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from grazing.outcome import InputError
+
+FIGURES = (".png", ".pdf", ".svg")
+STORE = ".zarr"
+ENDINGS = (*FIGURES, ".nc", ".csv", STORE)
+HELP = (
+    "File to write; may be repeated. Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), "
+    "csv (tables), zarr (result, computed chunk by chunk and resumable)."
+)
+
+
+def targets(out: Sequence[str] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
+    """Return the files to write, checked before anything is computed.
+
+    Raises
+    ------
+    InputError
+        For an ending that is not allowed, a folder that is missing, a folder in the place of a file, or two stores.
+    """
+    paths = [Path(file) for file in dict.fromkeys(out or ())]
+    for path in paths:
+        if path.suffix.lower() not in allowed or not path.stem:
+            endings = ", ".join(ending.lstrip(".") for ending in allowed)
+            raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}")
+        if not path.parent.is_dir():
+            raise InputError(f"-o {path}: there is no folder {path.parent}; make it first")
+        if path.is_dir() and path.suffix != STORE:
+            raise InputError(f"-o {path}: that is a folder; give the name of a file")
+    stores = [str(path) for path in paths if path.suffix == STORE]
+    if len(stores) > 1:
+        raise InputError(f"-o {' -o '.join(stores)}: one store at a time")
+    return paths
+
+
+def write(result: Any, path: Path, recipe: Mapping[str, Any] | None, **style: Any) -> list[str]:
+    """Write a result to a file; return the names of all files that this made."""
+    kind = path.suffix.lower()
+    if kind in FIGURES:
+        from grazing import plot
+
+        drawn = figure(result, recipe, **style)
+        return [str(plot.save(drawn, path, result.attrs.get("title", ""), plot.provenance_of(result)))]
+    if kind == ".csv":
+        from grazing.export import to_csv
+
+        return [str(file) for file in to_csv(result, path)]
+    from grazing.io import save
+
+    return [str(save(result, path))]
+
+
+def figure(result: Any, recipe: Mapping[str, Any] | None, **style: Any) -> Mapping[str, Any]:
+    """Draw a result with the function that its study has.
+
+    Raises
+    ------
+    InputError
+        For a result of no study that has a figure.
+    """
+    from grazing import plot
+
+    study = study_of(result.attrs)
+    if study == "cobweb" and recipe is not None:
+        from grazing.config.build import map_in
+
+        P = map_in(dict(recipe))
+        return plot.cobweb(P, result[P.coordinates[0]].values, closed=False)
+    draw: Callable[..., Mapping[str, Any]] | None = getattr(plot, study, None)
+    if draw is None or study not in DRAWN:
+        raise InputError(
+            f"there is no figure of {study or 'a result that does not say its study'}; allowed are {', '.join(DRAWN)}"
+        )
+    return draw(result, **style)
+
+
+DRAWN = ("orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb")
+
+
+def study_of(attrs: Mapping[str, Any]) -> str:
+    """Return the function of the study that a result is of."""
+    if "grazing_config" in attrs:
+        return str(json.loads(attrs["grazing_config"]).get("study", ""))
+    recipe = json.loads(attrs.get("grazing_recipe", "{}"))
+    return str(recipe.get("study", "trajectory" if str(attrs.get("title", "")).startswith("trajectory") else ""))

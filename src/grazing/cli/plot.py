@@ -1,0 +1,114 @@
+"""``grazing plot``: draw a stored result."""
+
+from __future__ import annotations
+
+import json as text
+import os
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from grazing.cli import output
+from grazing.outcome import GrazingError, InputError
+
+
+def plot(
+    file: Annotated[str, Parameter(name="RESULT", help="What a study saved: a file .nc or a store .zarr.")],
+    /,
+    *,
+    out: Annotated[
+        list[str] | None,
+        Parameter(name=("--out", "-o"), help="Figure to write, png, pdf or svg; may be repeated.", metavar="FILE"),
+    ] = None,
+    style: Annotated[
+        list[str] | None,
+        Parameter(
+            help="Argument of the figure's function, such as by=exponent for a chart; may be repeated.",
+            metavar="NAME=VALUE",
+        ),
+    ] = None,
+    json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
+) -> int:
+    """Draw any stored result.
+
+    The figure is that of its study: 'grazing plot chart.zarr -o chart.pdf --style by=exponent'.
+    """
+    if not out:
+        raise InputError("nothing to write; give -o and a figure's name, such as -o figure.pdf")
+    files = output.targets(out, output.FIGURES)
+    result = loaded(file)
+    arguments = styled(style or [], output.study_of(result.attrs))
+    written = [name for path in files for name in output.write(result, path, recipe_in(result), **arguments)]
+    title = str(result.attrs.get("title", ""))
+    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
+    return 0
+
+
+def loaded(file: str) -> Any:
+    """Return a stored result: a NetCDF file, or a store of a sweep."""
+    if os.path.isdir(file):
+        from grazing.sweep import open_store
+
+        return open_store(file)
+    from grazing.io import load
+
+    return load(file)
+
+
+def recipe_in(result: Any) -> dict[str, Any] | None:
+    """Return the recipe of a result, or None if it does not say enough."""
+    from grazing.config import recipe_of
+
+    try:
+        return recipe_of(result.attrs, axes_of(result))
+    except GrazingError:
+        return None
+
+
+def axes_of(result: Any) -> dict[str, Any]:
+    """Return the values along the axes of a result, in the order of its first variable."""
+    dims = next((item.dims for item in result.data_vars.values()), ())
+    return {str(name): result[name].values for name in dims if name in result.coords}
+
+
+def styled(given: list[str], study: str) -> dict[str, Any]:
+    """Return arguments for the function of a figure, refusing those that it does not have."""
+    import inspect
+
+    from grazing import plot as figures
+    from grazing.config.problems import unknown_key
+
+    function = getattr(figures, study, None)
+    if not given or function is None:
+        return {}
+    known = {
+        name: item.default
+        for name, item in inspect.signature(function).parameters.items()
+        if item.default is not item.empty and name != "ax"
+    }
+    found: dict[str, Any] = {}
+    for item in given:
+        name, equals, value = item.partition("=")
+        if not equals:
+            raise InputError(f"--style {item}; give NAME=VALUE, such as {next(iter(known), 'ax')}=...")
+        if name not in known:
+            raise InputError(f"--style {item}: {unknown_key(name, known, 'unknown argument')}")
+        found[name] = _typed(value, known[name], item)
+    return found
+
+
+def _typed(value: str, default: Any, item: str) -> Any:
+    """Return a text as the type of the default that it replaces."""
+    if isinstance(default, bool):
+        if value.lower() not in ("true", "false", "yes", "no", "1", "0"):
+            raise InputError(f"--style {item}: allowed are true and false")
+        return value.lower() in ("true", "yes", "1")
+    for kind in (int, float):
+        if default is None or isinstance(default, (int, float)):
+            try:
+                return kind(value)
+            except ValueError:
+                continue
+    if isinstance(default, (int, float)):
+        raise InputError(f"--style {item}: give a number")
+    return value

@@ -1,0 +1,153 @@
+"""The commands of the studies, made from the schema: ``grazing diagram``, ``density``, ``chart`` and so on."""
+
+from __future__ import annotations
+
+import json as text
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from inspect import Parameter as Argument
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from grazing.cli import output, progress
+from grazing.cli.options import RUN, recipe_from, signature_of
+from grazing.config import command_of, plan_of, result_of, toml_of
+from grazing.config.settings import SINGLE, STUDIES
+from grazing.outcome import InputError
+from grazing.parameter import whole
+
+DONE, INCOMPLETE = 0, 3
+
+
+def run_arguments(study: str) -> list[Argument]:
+    """Return the options that are the same for every study."""
+
+    def one(argument: str, kind: Any, default: Any, says: str, **more: Any) -> Argument:
+        annotation = Annotated[kind, Parameter(help=says, group=RUN, show_default=False, negative=(), **more)]
+        return Argument(argument, Argument.KEYWORD_ONLY, default=default, annotation=annotation)
+
+    files = output.HELP if study not in SINGLE else output.HELP.rpartition(", zarr")[0] + "."
+    found = [
+        one("out", list[str] | None, None, files, name=("--out", "-o"), metavar="FILE"),
+        one("config", str | None, None, "TOML file that gives defaults; options override.", metavar="FILE"),
+    ]
+    if study not in SINGLE:
+        says = "Threads; one per processor if not given. The result does not depend on it."
+        found.append(one("threads", int | None, None, says, metavar="N"))
+        found.append(one("dry_run", bool, False, "Print size, memory and estimated time, and compute nothing."))
+    return [
+        *found,
+        one("dump_config", bool, False, "Print the configuration as TOML, complete, and compute nothing."),
+        one("json", bool, False, "Print a summary as one JSON object."),
+        one("quiet", bool, False, "Show no progress.", alias="-q"),
+    ]
+
+
+def command(study: str) -> Callable[..., int]:
+    """Return the command of a study."""
+
+    def run(
+        *given: str,
+        out: list[str] | None = None,
+        config: str | None = None,
+        threads: int | None = None,
+        dry_run: bool = False,
+        dump_config: bool = False,
+        json: bool = False,
+        quiet: bool = False,
+        **options: str | None,
+    ) -> int:
+        recipe = recipe_from(study, given, options, config)
+        if dump_config:
+            print(toml_of(recipe), end="")
+            return DONE
+        if threads is not None:
+            whole(threads, "--threads", 1)
+        if dry_run:
+            return estimated(plan_of(recipe), threads, json)
+        files = output.targets(out, output.ENDINGS if study not in SINGLE else output.ENDINGS[:-1])
+        return compute(recipe, files, threads, json, quiet)
+
+    run.__signature__ = signature_of(study, run_arguments(study))  # type: ignore[attr-defined]
+    run.__annotations__ = {name: item.annotation for name, item in run.__signature__.parameters.items()}  # type: ignore[attr-defined]
+    run.__name__ = study
+    return run
+
+
+def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool) -> int:
+    """Compute a recipe, write its files and say what was done."""
+    drawn = [str(file) for file in files if file.suffix in output.FIGURES]
+    if drawn and recipe["study"] == "lyapunov" and not recipe["vary"]:
+        raise InputError(
+            f"-o {drawn[0]}: there is no figure of exponents at one value; vary a parameter, or give -o a.nc"
+        )
+    start = time.monotonic()
+    what = "values" if len(recipe["vary"]) == 1 else "cells"
+    stores = [file for file in files if file.suffix == output.STORE]
+    with progress.counted(what, quiet) as show:
+        if stores:
+            result = swept(plan_of(recipe), stores[0], threads, show)
+        else:
+            result = result_of(recipe, threads=threads, progress=show)
+    seconds = time.monotonic() - start
+    written = [str(file) for file in stores]
+    for file in files:
+        if file not in stores:
+            written += output.write(result, file, recipe)
+    summary = {
+        "study": recipe["study"],
+        "title": str(result.attrs.get("title", "")),
+        "sizes": {str(name): size for name, size in result.sizes.items()},
+        "seconds": round(seconds, 3),
+        "files": written,
+        "config_sha256": result.attrs.get("grazing_config_sha256"),
+        "command": command_of(recipe, written),
+    }
+    print(text.dumps(summary) if json else "\n".join(lines(summary)))
+    sys.stdout.flush()
+    return DONE
+
+
+def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:
+    """Compute a plan chunk by chunk into a store, which can be resumed, and open it."""
+    from grazing.cli.plot import loaded
+    from grazing.cli.sweep import resumable
+    from grazing.sweep import run
+
+    with resumable(store):
+        run(plan, store, threads=threads, progress=show)
+    return loaded(str(store))
+
+
+def estimated(plan: Any, threads: int | None, json: bool) -> int:
+    """Print what a plan would take."""
+    if plan.sequential:
+        size = plan.cells * plan.size_of_cell
+        summary = {"title": plan.title, "cells": plan.cells, "bytes": size}
+        words = f"{plan.title}: {plan.cells} cells, each after its neighbour\n{size / 1e6:.3g} MB"
+        print(text.dumps(summary) if json else words)
+        return DONE
+    from grazing.sweep import estimate
+
+    found = estimate(plan, threads=threads)
+    print(text.dumps(asdict(found)) if json else str(found))
+    return DONE
+
+
+def lines(summary: Mapping[str, Any]) -> list[str]:
+    """Return the summary in words."""
+    sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
+    said = [summary["title"], f"sizes:   {sizes}", f"time:    {progress.duration(summary['seconds'])}"]
+    none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
+    return [*said, f"written: {', '.join(summary['files']) or none}"]
+
+
+def __getattr__(name: str) -> Callable[..., int]:
+    """Make the command of a study when it is first asked for."""
+    if name not in STUDIES:
+        raise AttributeError(name)
+    return command(name)

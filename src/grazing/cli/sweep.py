@@ -1,0 +1,252 @@
+"""``grazing sweep``: studies of any size, chunk by chunk into a store that can be stopped and resumed."""
+
+from __future__ import annotations
+
+import json as text
+import re
+import shlex
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from grazing.cli import progress
+from grazing.outcome import InputError
+
+DONE, FAILED, INCOMPLETE = 0, 1, 3
+
+app = App(
+    name="sweep",
+    help="Compute a study chunk by chunk into a store; stop and resume it at will.",
+    help_format="plaintext",
+    default_parameter=Parameter(negative=()),
+)
+
+Store = Annotated[str, Parameter(name="STORE", help="Folder of the store, such as chart.zarr.")]
+Changes = Annotated[str, Parameter(name="NAME=...", help="Changes to the file: d=0.05:0.16:500 or V=0.3.")]
+Shard = Annotated[
+    str | None, Parameter(help="Compute share I of N; shards may run at the same time, on any machines.", metavar="I/N")
+]
+Chunk = Annotated[
+    str | None,
+    Parameter(help="Cells in a chunk, or along axes: d=10,V=20. About a second's work if not given.", metavar="N"),
+]
+Cluster = Annotated[
+    str | None,
+    Parameter(
+        help="Dask cluster: local, an address such as tcp://host:8786, or a queue such as slurm. Threads if not given.",
+        metavar="KIND",
+    ),
+]
+Workers = Annotated[int | None, Parameter(help="Processes of a local cluster, or jobs in the queue.", metavar="N")]
+Extra = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Setting of the cluster, such as cores=8 or walltime=02:00:00; may be repeated.", metavar="NAME=VALUE"
+    ),
+]
+Threads = Annotated[
+    int | None,
+    Parameter(help="Threads; one per processor if not given. The result does not depend on it.", metavar="N"),
+]
+OtherCode = Annotated[
+    bool, Parameter(help="Go on although this is not the version that the store was begun with.", show_default=False)
+]
+Json = Annotated[bool, Parameter(help="Print the result as one JSON object.", show_default=False)]
+Quiet = Annotated[bool, Parameter(help="Show no progress.", show_default=False, alias="-q")]
+
+
+@app.command(sort_key=0)
+def run(
+    config: Annotated[str, Parameter(name="CONFIG", help="TOML file, such as one that --dump-config printed.")],
+    store: Store,
+    /,
+    *given: Changes,
+    shard: Shard = None,
+    chunk: Chunk = None,
+    cluster: Cluster = None,
+    workers: Workers = None,
+    cluster_option: Extra = None,
+    threads: Threads = None,
+    dry_run: Annotated[
+        bool, Parameter(help="Print size, memory and estimated time, and compute nothing.", show_default=False)
+    ] = False,
+    other_code: OtherCode = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compute a study into a store; what is there already is kept.
+
+    Exit code 0 when the store is complete, 3 when shards are still missing.
+    """
+    from grazing import sweep
+    from grazing.cli.options import recipe_from
+    from grazing.config import plan_of
+    from grazing.config.files import read_toml
+    from grazing.config.settings import STUDIES
+
+    share, pieces = _shard(shard), _chunk(chunk)
+    study = read_toml(config).get("study")
+    if study not in STUDIES:
+        raise InputError(f"{config}: study = {study!r}; allowed are {', '.join(STUDIES)}")
+    plan = plan_of(recipe_from(study, given, {}, config))
+    if dry_run:
+        found = sweep.estimate(plan, pieces, threads=threads)
+        return _say(asdict(found), str(found), json)
+    with (
+        resumable(store),
+        _executor(cluster, workers, cluster_option) as executor,
+        progress.counted("cells", quiet) as show,
+    ):
+        status = sweep.run(
+            plan,
+            store,
+            chunk=pieces,
+            shard=share,
+            executor=executor,
+            threads=threads,
+            progress=show,
+            other_code=other_code,
+        )
+    return _report(status, json)
+
+
+@app.command(sort_key=1)
+def resume(
+    store: Store,
+    /,
+    *,
+    shard: Shard = None,
+    cluster: Cluster = None,
+    workers: Workers = None,
+    cluster_option: Extra = None,
+    threads: Threads = None,
+    other_code: OtherCode = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Go on with a sweep: compute the chunks that are missing.
+
+    Exit code 0 when the store is complete, 3 when shards are still missing.
+    """
+    from grazing import sweep
+
+    share = _shard(shard)
+    with (
+        resumable(store),
+        _executor(cluster, workers, cluster_option) as executor,
+        progress.counted("cells", quiet) as show,
+    ):
+        status = sweep.resume(
+            store, shard=share, executor=executor, threads=threads, progress=show, other_code=other_code
+        )
+    return _report(status, json)
+
+
+@app.command(sort_key=2)
+def status(store: Store, /, *, json: Json = False) -> int:
+    """Say how far a sweep is; it may be running.
+
+    Exit code 0 when the store is complete, 3 when it is not.
+    """
+    from grazing import sweep
+
+    return _report(sweep.status(store), json, hint=False)
+
+
+@app.command(sort_key=3)
+def verify(
+    store: Store,
+    /,
+    *,
+    share: Annotated[float, Parameter(help="Share of the chunks that are computed again.")] = 0.01,
+    seed: Annotated[int, Parameter(help="Chooses the chunks.")] = 0,
+    repair: Annotated[
+        bool,
+        Parameter(
+            help="Mark chunks with differences as missing, so that resume computes them again.", show_default=False
+        ),
+    ] = False,
+    threads: Threads = None,
+    other_code: OtherCode = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Read a store, compute a sample of it again and compare the bits.
+
+    Exit code 0 without differences, 1 with differences, 3 when there are none but the store is not complete.
+    """
+    from grazing import sweep
+
+    with progress.counted("chunks", quiet) as show:
+        found = sweep.verify(store, share, seed, repair=repair, other_code=other_code, threads=threads, progress=show)
+    _say(asdict(found) | {"ok": found.ok}, str(found), json)
+    if not found.ok:
+        return FAILED
+    return DONE if sweep.status(store).complete else INCOMPLETE
+
+
+@contextmanager
+def resumable(store: str | Path) -> Iterator[None]:
+    """Say after Ctrl-C how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {shlex.quote(str(store))}'."
+        ) from None
+
+
+def _shard(shard: str | None) -> tuple[int, int] | None:
+    if shard is None:
+        return None
+    found = re.fullmatch(r"\s*(\d+)\s*/\s*(\d+)\s*", shard)
+    if not found:
+        raise InputError(f"--shard {shard}; give I/N, share I of N, such as 3/100")
+    return int(found[1]), int(found[2])
+
+
+def _chunk(chunk: str | None) -> int | dict[str, int] | None:
+    if chunk is None:
+        return None
+    try:
+        if "=" not in chunk:
+            return int(chunk)
+        return {name.strip(): int(size) for name, _, size in (part.partition("=") for part in chunk.split(","))}
+    except ValueError:
+        raise InputError(f"--chunk {chunk}; give a number of cells, or numbers along axes: d=10,V=20") from None
+
+
+def _executor(kind: str | None, workers: int | None, options: list[str] | None) -> Any:
+    """Return a cluster as a context, or one of nothing: threads of this process."""
+    if kind is None:
+        if workers is not None or options:
+            raise InputError("--workers and --cluster-option belong to --cluster; threads are chosen with --threads")
+        return nullcontext()
+    from grazing.sweep import cluster
+
+    given = {}
+    for item in options or ():
+        name, equals, value = item.partition("=")
+        if not equals or not name.isidentifier():
+            raise InputError(f"--cluster-option {item}; give NAME=VALUE, such as cores=8")
+        given[name] = int(value) if value.isdigit() else value
+    return cluster(kind, workers, **given)
+
+
+def _report(status: Any, json: bool, hint: bool = True) -> int:
+    """Print how far a sweep is, and say by the exit code whether it is complete."""
+    summary = asdict(status) | {"complete": status.complete}
+    go_on = f"\nnot complete: 'grazing sweep resume {shlex.quote(str(status.path))}' goes on"
+    _say(summary, str(status) + (go_on if hint and not status.complete else ""), json)
+    return DONE if status.complete else INCOMPLETE
+
+
+def _say(summary: Mapping[str, Any], words: str, json: bool) -> int:
+    print(text.dumps(summary, default=str) if json else words)
+    sys.stdout.flush()
+    return DONE

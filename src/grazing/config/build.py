@@ -1,0 +1,118 @@
+"""What a configuration asks for: the plan of a study, and its result."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from grazing.config.check import Recipe, checked
+from grazing.config.cobweb import cobweb
+from grazing.config.maps import map_of, model_of, parameter_defaults
+from grazing.config.settings import SINGLE, STUDIES
+from grazing.config.values import values_of
+from grazing.maps.map import Map
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError
+from grazing.studies.labels import own_version, versions
+from grazing.studies.plan import Plan, Progress, run_plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: The attribute of a result that keeps the recipe it was made from, as JSON.
+RECIPE = "grazing_recipe"
+
+
+def map_in(recipe: Recipe) -> Map:
+    """Return the map of a recipe; a parameter that varies and has no default is at the first of its values."""
+    given = dict(recipe["parameters"])
+    for name, default in parameter_defaults(recipe).items():
+        if default is None and name not in given:
+            given[name] = float(values_of(recipe["vary"][name])[0])
+    return map_of({**recipe, "parameters": given})
+
+
+def plan_of(config: Mapping[str, Any]) -> Plan:
+    """Return the plan of the study that a configuration asks for.
+
+    Parameters
+    ----------
+    config : mapping
+        As a TOML file has it, or the recipe that a result or a store keeps.
+
+    Returns
+    -------
+    Plan
+        With the recipe, from which it can be made again.
+
+    Raises
+    ------
+    InputError
+        With all errors of the configuration; or for a trajectory or a cobweb, which have no plan.
+
+    Examples
+    --------
+    >>> from grazing.config import plan_of
+    >>> config = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
+    >>> plan = plan_of(config)
+    >>> plan.cells, plan.recipe["settings"]["starts"]
+    (5, 100)
+    """
+    recipe = checked(config)
+    study = STUDIES[recipe["study"]]
+    if recipe["study"] in SINGLE:
+        others = ", ".join(name for name in STUDIES if name not in SINGLE)
+        raise InputError(f"a {recipe['study']} is one orbit and has no cells to sweep; allowed are {others}")
+    P, settings = map_in(recipe), dict(recipe["settings"])
+    grid = {name: values_of(written) for name, written in recipe["vary"].items()}
+    # one parameter is given by its name and values, several (and coordinates) as a mapping
+    axes: tuple[Any, ...] = (grid or None,) if study.most > 1 else next(iter(grid.items()), ())
+    plan: Plan = import_module(f"grazing.{study.module}").plan(P, *axes, **settings)
+    return replace(plan, recipe=kept(recipe))
+
+
+def kept(recipe: Recipe) -> Recipe:
+    """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys."""
+    return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
+
+
+def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress: Progress | None = None) -> xr.Dataset:
+    """Return the result of what a configuration asks for, computed in memory.
+
+    Parameters
+    ----------
+    config : mapping
+        As a TOML file has it.
+    threads : int, optional
+        None for one per processor; the result does not depend on it.
+    progress : callable, optional
+        ``progress(done, total)``.
+
+    Returns
+    -------
+    xarray.Dataset
+        What the function of the study returns; its attribute ``grazing_recipe`` keeps the configuration.
+
+    Examples
+    --------
+    >>> from grazing.config import result_of
+    >>> config = {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "mu": 0.1, "l": 0.1}}
+    >>> dict(result_of({**config, "settings": {"state": [0.0], "steps": 3}}).sizes)
+    {'n': 4, 'step': 3}
+    """
+    recipe = checked(config)
+    if recipe["study"] == "trajectory":
+        result = trajectory(model_of(recipe), **recipe["settings"])
+        result.attrs |= {
+            "source": f"grazing {own_version()}",
+            "grazing_versions": json.dumps(versions(), sort_keys=True),
+        }
+    elif recipe["study"] == "cobweb":
+        result = cobweb(map_in(recipe), **recipe["settings"])
+    else:
+        result = run_plan(plan_of(recipe), threads, progress)
+    result.attrs[RECIPE] = json.dumps(kept(recipe), sort_keys=True)
+    return result

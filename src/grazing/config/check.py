@@ -1,0 +1,273 @@
+"""Check a configuration: every error is found in one go, and what was left out is filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from typing import Any
+
+from pydantic import ValidationError
+
+from grazing.config.maps import LAW, UNFOLD, map_of, names_of, parameter_defaults
+from grazing.config.own import is_own, located, own_object
+from grazing.config.parameters import AMPLITUDES, defaults_of
+from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
+from grazing.config.schema import MAPS, Config, config_of
+from grazing.config.settings import STUDIES
+from grazing.config.values import extremes, number, range_of
+from grazing.maps.discontinuity import discontinuity_map
+from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.outcome import GrazingError, InputError
+
+Recipe = dict[str, Any]
+#: Of the keys in a recipe.
+ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings")
+
+
+def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", label: Label = dotted) -> Recipe:
+    """Return a configuration with all that was left out filled in, as JSON can write it.
+
+    Parameters
+    ----------
+    mapping : mapping
+        As a TOML file has it.
+    folder : str
+        From where a user's own files are found.
+    source : str
+        Where the mapping is from, for the message.
+    label : callable
+        How the message names a path in it.
+
+    Returns
+    -------
+    dict
+        The recipe: equal ones give equal numbers.
+
+    Raises
+    ------
+    InputError
+        With every error that there is, one a line.
+
+    Examples
+    --------
+    >>> from grazing.config import checked
+    >>> try:
+    ...     checked({"study": "diagram", "parameters": {"r": 1.2}, "vary": {"b": "0:1:10"}, "settings": {"strats": 9}})
+    ... except ValueError as error:
+    ...     print(error)
+    there are 3 errors:
+      parameters.r = 1.2; allowed is 0 <= r <= 1 (coefficient of restitution)
+      settings.strats: unknown key; did you mean 'starts'? allowed are starts, transient, keep, seed, arithmetic, ...
+      vary.b: unknown parameter; allowed are alpha, k, omega, t0, d, cos1, sin1, sigma, r, V, phase
+    """
+    if not isinstance(mapping, Mapping):
+        raise InputError(f"{source or 'the configuration'} is {mapping!r}; give a table of keys and values")
+    raw: Recipe = deepcopy({str(key): value for key, value in mapping.items()})
+    problems, config = _by_schema(_located(raw, folder))
+    if config is not None:
+        problems += list(_across(config, raw, problems))
+    if problems or config is None:
+        raise refusal(problems, source, label)
+    return config
+
+
+def _located(raw: Recipe, folder: str) -> Recipe:
+    """Return the mapping with whole paths of the user's files; a file that holds an oscillator is the model."""
+    for key in ("map", "model"):
+        if isinstance(raw.get(key), str) and is_own(raw[key]):
+            raw[key] = located(raw[key], folder)
+    return raw
+
+
+def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
+    """Return what the schema finds wrong, and what is left without it; None where too little is left."""
+    study = raw.get("study")
+    schema: type[Config] = config_of(study) if isinstance(study, str) and study in STUDIES else Config
+    problems: list[Problem] = []
+    own: dict[str, Any] = {}
+    if isinstance(raw.get("map"), str) and is_own(raw["map"]) and isinstance(raw.get("parameters", {}), Mapping):
+        own = dict(raw.pop("parameters", {}))  # a map of one's own has parameters and ranges of its own
+    try:
+        config = schema.model_validate(raw)
+    except ValidationError as error:
+        problems = found_by(error, schema)
+        left = _without(raw, problems)
+        try:
+            config = schema.model_validate(left)
+        except ValidationError:  # what is missing cannot be left out
+            return problems, {**_defaults(left), "parameters": {**left.get("parameters", {}), **own}}
+    found = config.model_dump(exclude_none=True)
+    return problems, {**found, "parameters": {**found["parameters"], **own}}
+
+
+def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
+    left = deepcopy(raw)
+    for problem in problems:
+        at: Any = left
+        for depth, part in enumerate(problem.path):
+            if not isinstance(at, dict) or part not in at:
+                break
+            if depth == len(problem.path) - 1 or not isinstance(at[part], dict):
+                del at[part]
+                break
+            at = at[part]
+    return left
+
+
+def _defaults(left: Recipe) -> Recipe:
+    """Return what is left in the form of a valid configuration, so that the checks across its parts can go on."""
+    tables = {name: left.get(name, {}) for name in ("parameters", "vary", "settings")}
+    return {"map": "stroboscopic", **left, **tables}
+
+
+# ---- checks across the parts
+
+
+def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Problem]:
+    """Yield what is wrong between the parts, and fill in what was left out."""
+    broken = {problem.path for problem in before}
+    if ("map",) in broken or ("law",) in broken or ("model",) in broken:
+        return
+    kind = config["map"]
+    if not is_own(kind) and kind not in MAPS:
+        yield Problem(("map",), unknown_key(kind, [*MAPS, "file.py:name"], f"map = {kind!r}"))
+        return
+    try:
+        _adopt(config)
+        known, (names, coordinates) = parameter_defaults(config), names_of(config)
+    except GrazingError as error:
+        yield Problem(("model" if config.get("model") else "map",), str(error))
+        return
+    for i, problem in enumerate(before):  # what is out of range, of a parameter that there is not
+        if problem.path[0] == "parameters" and len(problem.path) > 1 and problem.path[1] not in known:
+            before[i] = Problem(problem.path, unknown_key(problem.path[1], known, "unknown parameter"))
+    yield from _pieces(config)
+    broken_ranges: list[Problem] = []
+    ranges = dict(_ranges(config, broken_ranges))
+    yield from broken_ranges
+    yield from _names(config, ranges, names, coordinates)
+    yield from _parameters(
+        config, known, {*ranges, *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
+    )
+    if config.get("study") == "cobweb" and len(coordinates) != 1:
+        yield Problem(
+            ("map",),
+            f"the {config['map']} map has coordinates {', '.join(coordinates)}; a cobweb needs one with one: gap",
+        )
+    config["vary"] = ranges
+    ordered = {key: config[key] for key in ORDER if key in config}
+    config.clear()
+    config |= ordered
+
+
+def _adopt(config: Recipe) -> None:
+    """Take a map that is an oscillator in a user's file for the stroboscopic map of that oscillator."""
+    if is_own(config["map"]) and isinstance(own_object(config["map"]), Oscillator):
+        if config.get("model"):
+            raise InputError("map and model both name an oscillator; give one of them, and the map by its name")
+        config |= {"model": config["map"], "map": "stroboscopic"}
+
+
+def _pieces(config: Recipe) -> Iterator[Problem]:
+    """Yield keys that have no meaning for this map, and fill in the defaults of those that have one."""
+    kind = config["map"]
+    oscillator = not is_own(kind) and kind != "gap"
+    if config.get("model") and not oscillator:
+        yield Problem(("model",), f"the map {kind} is not made of an oscillator; leave the model out")
+    if config.get("law") and (config.get("model") or not oscillator):
+        brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
+        yield Problem(("law",), f"{brings}; leave the law out")
+    for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
+        if config.get(key) and kind != at:
+            yield Problem((key,), f"the {at} map has one, the {kind} map has not; leave it out")
+    if kind == "discontinuity":
+        config.setdefault("order", defaults_of(discontinuity_map)["order"])
+    if kind == "normal-form":
+        config.setdefault("unfold", UNFOLD)
+    if oscillator and not config.get("model"):
+        config.setdefault("law", LAW)
+
+
+def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]]:
+    for name, written in config["vary"].items():
+        try:
+            yield name, range_of(written, name)
+        except InputError as error:
+            problems.append(Problem(("vary", name), str(error)))
+
+
+def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str]) -> Iterator[Problem]:
+    """Yield what varies and cannot, how many should, and values that are out of range."""
+    study = STUDIES.get(config.get("study", ""))
+    allowed = coordinates if study is not None and study.varies == "coordinate" else names
+    for name in config["vary"]:
+        if name not in allowed:
+            what = "unknown coordinate" if allowed is coordinates else "unknown parameter"
+            yield Problem(("vary", name), unknown_key(name, allowed, what))
+        elif (
+            name in ranges
+            and allowed is names
+            and not is_own(config["map"])
+            and config["map"] not in ("gap", "normal-form")
+        ):
+            for value in extremes(ranges[name]):
+                try:
+                    describe_parameter(name).check(value)
+                except InputError as error:
+                    yield Problem(("vary", name), str(error))
+                    break
+    if study is not None and not study.least <= len(config["vary"]) <= study.most:
+        yield Problem(("vary",), _how_many(config, study.least, study.most, allowed))
+
+
+def _how_many(config: Recipe, least: int, most: int, allowed: list[str]) -> str:
+    study = config["study"]
+    if not most:
+        return f"{', '.join(config['vary'])}: a {study} varies nothing; give single values"
+    varies = STUDIES[study].varies
+    wanted = f"{least}" if least == most else f"{least} to {most}"
+    plural = "" if most == 1 else "s"
+    example = "d" if "d" in allowed else allowed[0]
+    got = f"{len(config['vary'])} vary" if config["vary"] else "nothing varies"
+    return f"{got}; {study} varies {wanted} {varies}{plural} of {', '.join(allowed)}, such as {example}=0.1:0.2:100"
+
+
+def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:
+    """Yield parameters that the map does not have, or needs; then complete them and see that the map can be made."""
+    given = config["parameters"]
+    sound = True
+    for name, value in list(given.items()):
+        if name not in known:
+            sound = False
+            extra = (
+                f"the {config['law']} law has none"
+                if name in ("r", "V", "trigger") and config.get("law")
+                else "unknown parameter"
+            )
+            yield Problem(("parameters", name), unknown_key(name, known, extra))
+        elif name not in AMPLITUDES:
+            try:
+                given[name] = number(value, name)
+            except InputError as error:
+                sound = False
+                yield Problem(("parameters", name), str(error))
+    for name, default in known.items():
+        if default is None and name not in given and name not in elsewhere:
+            sound = False
+            yield Problem(("parameters", name), f"missing; give {_says(name)}")
+    complete = {name: given.get(name, default) for name, default in known.items()}
+    config["parameters"] = {
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere
+    }
+    if sound and config["map"] != "normal-form":
+        filled = {name: 0.5 if value is None else value for name, value in complete.items()}
+        try:
+            map_of({**config, "parameters": filled})
+        except GrazingError as error:
+            yield Problem(("parameters",), str(error))
+
+
+def _says(name: str) -> str:
+    from grazing.config.parameters import meaning
+
+    return meaning(name)

@@ -1,0 +1,80 @@
+"""The command that makes a thing again."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from grazing.config.check import Recipe, checked
+from grazing.config.maps import LAW, UNFOLD, parameter_defaults
+from grazing.config.own import is_own
+from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
+from grazing.config.settings import settings_of, text_of
+from grazing.maps.discontinuity import discontinuity_map
+
+#: What a configuration says beside study, parameters, ranges and settings, with what is meant if it does not.
+KEYS = {
+    "map": "stroboscopic",
+    "order": defaults_of(discontinuity_map)["order"],
+    "unfold": UNFOLD,
+    "model": None,
+    "law": LAW,
+}
+
+
+def command_of(config: Mapping[str, Any], out: Sequence[str] = ()) -> str:
+    """Return the shell command that makes what a configuration asks for; it names what differs from the defaults.
+
+    Parameters
+    ----------
+    config : mapping
+    out : sequence of str
+        Files to write.
+
+    Returns
+    -------
+    str
+        Quoted for a POSIX shell.
+
+    Examples
+    --------
+    >>> from grazing.config import command_of
+    >>> print(command_of({"study": "diagram", "vary": {"d": "0:0.2:500"}, "parameters": {"V": 0.3}}, ["figure 1.png"]))
+    grazing diagram d=0:0.2:500 --V 0.3 -o 'figure 1.png'
+    """
+    recipe = checked(config)
+    tokens = ["grazing", recipe["study"], *tokens_of(recipe)]
+    for file in out:
+        tokens += ["-o", file]
+    return " ".join(shlex.quote(token) for token in tokens)
+
+
+def tokens_of(recipe: Recipe) -> Iterator[str]:
+    """Yield what follows the name of a study: ranges, the map, parameters and settings, without the defaults."""
+    for name, written in recipe["vary"].items():
+        yield f"{name}={text_of('', written)}"
+    for key, usual in KEYS.items():
+        if recipe.get(key, usual) != usual:
+            yield from _option(key, recipe[key])
+    defaults = parameter_defaults(recipe)
+    own = is_own(recipe["map"]) or "model" in recipe
+    for name, value in recipe["parameters"].items():
+        if value != defaults.get(name):
+            if name in parameter_names() and not (own and name in AMPLITUDES):
+                yield from _option(name, value)
+            else:
+                yield f"{name}={text_of('', value)}"
+    settings = settings_of(recipe["study"]).model_fields
+    for name, value in recipe["settings"].items():
+        if value != settings[name].get_default():
+            yield from _option(name, value)
+
+
+def _option(name: str, value: Any) -> Iterator[str]:
+    text = text_of(name, value)
+    if text.startswith("-"):  # a shell's reader and ours take what begins with - for an option
+        yield f"--{name.replace('_', '-')}={text}"
+    else:
+        yield f"--{name.replace('_', '-')}"
+        yield text

@@ -1,0 +1,136 @@
+"""The map that a configuration speaks of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from grazing.config.own import is_own, own_object
+from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, defaults_of, law_names
+from grazing.config.schema import MAPS
+from grazing.maps.discontinuity import discontinuity_map
+from grazing.maps.gap import gap_map
+from grazing.maps.impact import impact_map
+from grazing.maps.map import Map
+from grazing.maps.normal_form import normal_form
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.oscillator.model import Forcing, Oscillator, pinball
+from grazing.outcome import InputError
+
+#: Maps that have a section in time.
+PHASED = ("stroboscopic", "discontinuity")
+#: The parameter that leads a normal form to its graze, if none is named.
+UNFOLD = "d"
+LAW = "active"
+
+
+def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parameters that a configuration's map has, in their order, with defaults; None where there is none.
+
+    Parameters
+    ----------
+    config : mapping
+        ``map``, ``model`` and ``law``, valid each by itself.
+    """
+    kind, law = config["map"], config.get("law") or LAW
+    if is_own(kind):
+        found = own_object(kind)
+        return dict(found.params)
+    if kind == "gap":
+        return dict.fromkeys(GAP)
+    phase = defaults_of(stroboscopic_map)
+    section = {"phase": phase["phase"]} if kind in PHASED else {}
+    if config.get("model"):
+        return {**own_model(config["model"]).params, **section}
+    paper, shape = defaults_of(pinball), defaults_of(Forcing)
+    flight = {name: paper[name] for name in FLIGHT} | {name: list(shape[name]) for name in AMPLITUDES}
+    return {**flight, **{name: paper.get(name) for name in law_names(law)}, **section}
+
+
+def own_model(text: str) -> Oscillator:
+    """Return the oscillator that ``file.py:name`` names."""
+    found = own_object(text)
+    if not isinstance(found, Oscillator):
+        raise InputError(f"{text} is a gz.Map; give it as the map, and leave the model out")
+    return found
+
+
+def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
+    """Return the parameters that can vary and the coordinates of a configuration's map, whatever their values."""
+    kind = config["map"]
+    if is_own(kind):
+        P = own_object(kind)
+        assert isinstance(P, Map)
+        return list(P.params), list(P.coordinates)
+    if config.get("model"):
+        P = section_of(own_model(config["model"]), {**config, "parameters": {}})
+        return list(P.params), list(P.coordinates)
+    waves = {name: config.get("parameters", {}).get(name) for name in AMPLITUDES}
+    return _names(kind, config.get("law") or LAW, *(len(waves[name] or ()) for name in AMPLITUDES))
+
+
+@cache
+def _names(kind: str, law: str, cosines: int, sines: int) -> tuple[list[str], list[str]]:
+    if kind in ("gap", "normal-form"):
+        P = gap_map(0.5, 0.1, 0.1)
+    else:
+        known = parameter_defaults({"map": kind, "law": law})
+        known |= {name: 0.0 for name, value in known.items() if value is None}
+        known |= {"cos": [1.0] + [0.0] * max(cosines - 1, 0), "sin": [0.0] * sines}
+        P = map_of({"map": kind, "law": law, "parameters": known})
+    return list(P.params), list(P.coordinates)
+
+
+def map_of(config: Mapping[str, Any]) -> Map:
+    """Return the map of a checked configuration.
+
+    Parameters
+    ----------
+    config : mapping
+        With all parameters that have no default.
+
+    Examples
+    --------
+    >>> from grazing.config.maps import map_of
+    >>> map_of({"map": "gap", "parameters": {"lam": 0.5, "mu": 0.1, "l": 0.2}})
+    <Map gap map: (x); lam=0.5, mu=0.1, l=0.2>
+    """
+    kind, given = config["map"], dict(config.get("parameters", {}))
+    if is_own(kind):
+        found = own_object(kind)
+        assert isinstance(found, Map)
+        return found.replace(**given)
+    if kind == "gap":
+        return gap_map(**given)
+    return section_of(model_of(config), config)
+
+
+def section_of(model: Oscillator, config: Mapping[str, Any]) -> Map:
+    """Return the map that a configuration makes of an oscillator."""
+    kind = config["map"]
+    phase = config.get("parameters", {}).get("phase")
+    at = {} if phase is None else {"phase": phase}
+    if kind == "impact":
+        return impact_map(model)
+    if kind == "discontinuity":
+        return discontinuity_map(model, **({"order": config["order"]} if config.get("order") else {}), **at)
+    if kind == "normal-form":
+        name = config.get("unfold") or UNFOLD
+        if name not in model.params:
+            raise InputError(f"unfold = {name!r}; allowed are the parameters of the model: {', '.join(model.params)}")
+        return normal_form(model, name).gap_map(model.params[name])
+    assert kind in MAPS
+    return stroboscopic_map(model, **at)
+
+
+def model_of(config: Mapping[str, Any]) -> Oscillator:
+    """Return the oscillator of a checked configuration: the paper's, where nothing else is said."""
+    given = {name: value for name, value in config.get("parameters", {}).items() if name != "phase"}
+    if config.get("model"):
+        return own_model(config["model"]).replace(**given)
+    law = config.get("law") or LAW
+    known = {**parameter_defaults({"map": "impact", "law": law}), **given}
+    forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
+    bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
+    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d")

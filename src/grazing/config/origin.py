@@ -1,0 +1,178 @@
+"""The recipe of a result or a figure: the one it keeps, or one made from the configuration that it records."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.config.build import RECIPE, map_in
+from grazing.config.check import Recipe, checked
+from grazing.config.parameters import AMPLITUDES, GAP, LAWS, OF_LAWS, law_names
+from grazing.config.schema import MAPS
+from grazing.config.settings import STUDIES, settings_of
+from grazing.config.values import extremes, values_of, written_as
+from grazing.outcome import GrazingError, InputError
+from grazing.studies.labels import fingerprint
+
+#: What a model and a configuration call differently.
+SAME = {"offset": "d"}
+#: Maps by the names that they give themselves.
+BY_NAME = {"stroboscopic map": "stroboscopic", "impact map": "impact", "gap map": "gap"}
+
+
+def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]] | None = None) -> Recipe:
+    """Return the recipe of a result.
+
+    Parameters
+    ----------
+    attrs : mapping
+        The attributes of a result, or the provenance of a figure.
+    coordinates : mapping of str to ndarray, optional
+        The values along the axes of the result, where they are at hand.
+
+    Returns
+    -------
+    dict
+        For :func:`plan_of`, :func:`result_of` and :func:`command_of`.
+
+    Raises
+    ------
+    InputError
+        If the result does not say enough: a map of one's own that only Python knows, values that are not evenly
+        spaced and not at hand. The message says which.
+
+    Examples
+    --------
+    >>> import grazing as gz, numpy as np
+    >>> from grazing.config import command_of, recipe_of
+    >>> G = gz.gap_map(lam=0.5, mu=0.1, l=0.2)
+    >>> diagram = gz.orbit_diagram(G, "mu", np.linspace(0, 0.1, 5), starts=3)
+    >>> print(command_of(recipe_of(diagram.attrs)))
+    grazing diagram mu=0:0.1:5 --map gap --lam 0.5 --l 0.2 --starts 3
+    """
+    if RECIPE in attrs:
+        return checked(_decoded(attrs[RECIPE]))
+    if "grazing_config" not in attrs:
+        raise InputError("it does not say how it was made")
+    config = _decoded(attrs["grazing_config"])
+    study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
+    if study is None:
+        raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
+    recipe = {
+        "study": study,
+        **_map(config),
+        "vary": _ranges(config, coordinates or {}, str(attrs.get("title", ""))),
+        "settings": _settings(study, config),
+    }
+    try:
+        return _own_box(checked(recipe), config)
+    except GrazingError as error:
+        raise InputError(f"its configuration is not one that a command can say ({error})") from error
+
+
+def _decoded(value: Any) -> dict[str, Any]:
+    found = json.loads(value) if isinstance(value, str) else value
+    if not isinstance(found, dict):
+        raise InputError("its configuration is damaged")
+    return found
+
+
+def _map(config: Mapping[str, Any]) -> Recipe:
+    """Return map, law and parameters from the name of a map and its flat parameters."""
+    name, params = str(config["map"]), dict(config["params"])
+    kind, _, order = name.partition(", ")
+    if kind == "discontinuity map":
+        found: Recipe = {"map": "discontinuity", "order": order.removesuffix(" order")}
+    elif name in BY_NAME:
+        found = {"map": BY_NAME[name]}
+    else:
+        raise InputError(f"its map, {name}, is known to Python alone; allowed are {', '.join(MAPS)} and file.py:name")
+    if found["map"] == "gap":
+        return {**found, "parameters": {name: params[name] for name in GAP if name in params}}
+    varied = {*_axes(config)}
+    m = max(1, *(int(key[3:]) for key in {*params, *varied} if key[:3] in AMPLITUDES and key[3:].isdigit()))
+    waves = {key: [params.pop(f"{key}{j}", 0.0) for j in range(1, m + 1)] for key in AMPLITUDES}
+    while waves["sin"] and waves["sin"][-1] == 0.0:  # the cosines say how many harmonics there are
+        waves["sin"].pop()
+    flight = {SAME.get(key, key): value for key, value in params.items()}
+    has = {key for key in {*flight, *varied} if key in OF_LAWS}
+    law = next((law for law in LAWS if set(law_names(law)) == has), None)
+    if law is None:
+        raise InputError("its reset law is known to Python alone")
+    return {**found, "law": law, "parameters": {**flight, **waves}}
+
+
+def _axes(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what varies, each with its description: first, last, count, sha256."""
+    if "parameter" in config:
+        return {config["parameter"]: config["values"]}
+    for key in ("parameters", "grid"):
+        found = config.get(key)
+        if (
+            isinstance(found, dict)
+            and found
+            and all(isinstance(item, dict) and "sha256" in item for item in found.values())
+        ):
+            return dict(found)
+    return {}
+
+
+def _ranges(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str) -> Recipe:
+    """Return what varies, in order: that of the result's dimensions; a figure has its title, JSON sorts its keys."""
+    found: Recipe = {}
+    axes = _axes(config)
+    order = list(coordinates) if {*axes} <= {*coordinates} else title.split()
+    for name, described in sorted(axes.items(), key=lambda item: order.index(item[0]) if item[0] in order else 0):
+        for text in (f"{described['first']!r}:{described['last']!r}:{described['count']}{log}" for log in ("", ":log")):
+            try:
+                if fingerprint(values_of(text)) == described["sha256"]:
+                    found[name] = _short(text)
+                    break
+            except InputError:
+                continue
+        else:
+            if name not in coordinates:
+                raise InputError(
+                    f"its values of {name} are not evenly spaced and were not kept; save the result as .nc too"
+                )
+            found[name] = written_as(np.asarray(coordinates[name], np.float64))
+    return {SAME.get(name, name): written for name, written in found.items()}
+
+
+def _short(text: str) -> str:
+    """Return a range with whole numbers written as such."""
+    return ":".join(part.removesuffix(".0") for part in text.split(":"))
+
+
+def _own_box(recipe: Recipe, config: Mapping[str, Any]) -> Recipe:
+    """Leave out a box of random starts that is the map's own; at every value the map has its own."""
+    box = recipe["settings"].get("box")
+    if box is None:
+        return recipe
+    P = map_in(recipe)
+    names = [name for name in recipe["vary"] if name in P.params]
+    ends = [P.replace(**{name: end}).box for name in names for end in extremes(recipe["vary"][name])]
+    if any([list(pair) for pair in own] == box for own in (P.box, *ends)):
+        return {**recipe, "settings": {key: item for key, item in recipe["settings"].items() if key != "box"}}
+    if any(own != P.box for own in ends):
+        raise InputError("it does not say whether its starts were drawn in boxes that move with what varies")
+    return recipe
+
+
+def _settings(study: str, config: Mapping[str, Any]) -> Recipe:
+    """Return the settings that a configuration records; random starts are recorded with their seed and box."""
+    names = settings_of(study).model_fields
+    found = {name: config[name] for name in names if config.get(name) is not None}
+    starts = config.get("starts")
+    if isinstance(starts, dict):
+        if "random" not in starts:
+            raise InputError("its starts were given and only their fingerprint was kept")
+        found |= {"starts": starts["random"], "seed": starts["seed"]}
+        box = starts.get("box")
+        if box is not None:
+            found["box"] = box
+    return found

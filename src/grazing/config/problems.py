@@ -1,0 +1,94 @@
+"""What is wrong with a configuration: every problem with its path, what was got and what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from grazing.outcome import InputError
+
+Path = tuple[str, ...]
+Label = Callable[[Path], str]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong, and where."""
+
+    path: Path
+    message: str
+
+    def line(self, label: Label) -> str:
+        """Return it in one line."""
+        where, message = label(self.path), " ".join(self.message.split())
+        if self.path and message.startswith(f"{self.path[-1]} = "):
+            return where + message.removeprefix(self.path[-1])
+        return f"{where}: {message}" if where else message
+
+
+def dotted(path: Path) -> str:
+    """Return a path as TOML writes it."""
+    return ".".join(path)
+
+
+def refusal(problems: Sequence[Problem], source: str, label: Label = dotted) -> InputError:
+    """Return the error that lists all problems, one a line."""
+    lines = list(dict.fromkeys(problem.line(label) for problem in problems))
+    if len(lines) == 1:
+        return InputError(f"{source}: {lines[0]}" if source else lines[0])
+    of = f"{source} has" if source else "there are"
+    return InputError("\n  ".join([f"{of} {len(lines)} errors:", *lines]))
+
+
+def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> str:
+    """Return what to say of a name that does not exist."""
+    known = list(names)
+    near = get_close_matches(name, known, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"{what}; {hint}allowed are {', '.join(known)}" if known else f"{what}; none is allowed here"
+
+
+def found_by(error: ValidationError, schema: type[BaseModel]) -> list[Problem]:
+    """Return what pydantic found, in our words."""
+    return [_in_words(item, schema) for item in error.errors(include_url=False)]
+
+
+def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
+    path = tuple(str(part) for part in item["loc"])
+    kind, got = item["type"], item["input"]
+    if kind == "value_error":
+        return Problem(path, str(item["ctx"]["error"]))
+    if kind == "extra_forbidden":
+        return Problem(path, unknown_key(path[-1], _keys(schema, path[:-1])))
+    if kind == "missing":
+        return Problem(path, f"missing; give {_meaning(schema, path)}")
+    if kind == "literal_error":
+        return Problem(path, f"{path[-1]} = {got!r}; allowed are {item['ctx']['expected'].replace(' or ', ', ')}")
+    if kind in ("model_type", "dict_type"):
+        return Problem(path, f"{path[-1]} = {got!r}; give a table")
+    if kind == "string_type":
+        return Problem(path, f"{path[-1]} = {got!r}; give a text")
+    return Problem(path, f"{path[-1]} = {got!r}: {item['msg']}")
+
+
+def _keys(schema: type[BaseModel], path: Path) -> list[str]:
+    """Return the keys of the table at a path."""
+    for part in path:
+        inner = schema.model_fields[part].annotation
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return []
+        schema = inner
+    return list(schema.model_fields)
+
+
+def _meaning(schema: type[BaseModel], path: Path) -> str:
+    for part in path[:-1]:
+        inner = schema.model_fields[part].annotation
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return "it"
+        schema = inner
+    return schema.model_fields[path[-1]].description or "it"

@@ -1,0 +1,79 @@
+"""The schema: what a configuration may say. Files, options, help and JSON Schema are all made from it."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
+
+from grazing.config import values
+from grazing.config.parameters import LAWS, Parameters, Table
+from grazing.config.settings import STATE, STUDIES, settings_of
+from grazing.maps.discontinuity import ORDERS
+
+MAPS = {
+    "stroboscopic": "the state (u, v) once per period of the forcing",
+    "impact": "from one impact to the next, (tau, v_plus)",
+    "discontinuity": "the local map near a graze, (2.4) and (2.5) of the paper",
+    "gap": "the one-dimensional map with a gap, (2.6) of the paper",
+    "normal-form": "the gap map that an oscillator has near its graze",
+}
+
+
+_RANGES = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [{"type": "string", "pattern": "^[^:]+:[^:]+:[0-9]+(:log)?$"}, STATE]},
+}
+
+
+def _in_order(value: Any) -> Any:
+    """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
+    if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
+        return {str(name): written for name, written in value}
+    return value
+
+
+class Config(Table):
+    """What is computed: a study of a map, at these parameter values."""
+
+    study: Literal[tuple(STUDIES)] = Field(description="what is computed")  # type: ignore[valid-type]
+    map: Annotated[str, WithJsonSchema({"type": "string", "examples": [*MAPS, "file.py:name"]})] = Field(
+        default="stroboscopic", description=f"{', '.join(MAPS)}, or file.py:name for a gz.Map of your own"
+    )
+    order: Literal[ORDERS] | None = Field(default=None, description="terms of the discontinuity map")  # type: ignore[valid-type]
+    unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
+    model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator of your own")
+    law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
+    parameters: Parameters = Field(  # type: ignore[valid-type]
+        default_factory=Parameters, description=str(Parameters.__doc__)
+    )
+    vary: Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(_RANGES)] = Field(
+        default_factory=dict, description=f"what varies: {values.RANGE_FORM}; the first name is the horizontal axis"
+    )
+    settings: Any = Field(default_factory=dict, description="how it is computed")
+
+
+@cache
+def config_of(study: str) -> type[Config]:
+    """Return the schema of one study's configuration."""
+    table = settings_of(study)
+    kind: Any = Literal[study]
+    return create_model(
+        f"{study.capitalize()}Config",
+        __base__=Config,
+        __doc__=STUDIES[study].says,
+        study=(kind, Field(description=STUDIES[study].says)),
+        settings=(table, Field(default_factory=dict, validate_default=True, description=str(table.__doc__))),
+    )
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a configuration, for editors and other programs."""
+    from pydantic import TypeAdapter
+
+    kinds: Any = None
+    for study in STUDIES:
+        kinds = config_of(study) if kinds is None else kinds | config_of(study)
+    schema = TypeAdapter(Annotated[kinds, Field(discriminator="study")]).json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "grazing configuration", **schema}

@@ -1,0 +1,172 @@
+"""Values that a file writes as numbers and lists and a command line as text: numbers, ranges, states, boxes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.outcome import InputError
+from grazing.parameter import real, whole
+
+#: More values along one axis than any grid has; a typing error, not a wish.
+MOST = 10**8
+RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
+
+
+def number(value: Any, name: str, allowed: str = "any finite number is allowed") -> float:
+    """Return a finite float from a number or its text, or raise InputError."""
+    return real(_plain(value, float), name, allowed)
+
+
+def count(value: Any, name: str, low: int) -> int:
+    """Return a whole number >= low from a number or its text, or raise InputError."""
+    return whole(_plain(value, int), name, low)
+
+
+def _plain(value: Any, kind: Callable[[str], Any]) -> Any:
+    """Return what a text says, or the value as it is; what is wrong with it is said by the check that follows."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return kind(value.strip())
+    except ValueError:
+        return value
+
+
+def numbers(value: Any, name: str, least: int = 1) -> list[float]:
+    """Return a list of floats from a list, a number or text such as ``0.1,0.2``."""
+    items = value.split(",") if isinstance(value, str) else value
+    if isinstance(items, (int, float)) and not isinstance(items, bool):
+        items = [items]
+    if not isinstance(items, (list, tuple)) or len(items) < least:
+        raise InputError(f"{name} = {value!r}; give a list of numbers")
+    return [number(item, f"{name}[{i}]") for i, item in enumerate(items)]
+
+
+def pair(value: Any, name: str) -> list[float]:
+    """Return [low, high] from a list of two numbers or text such as ``-1:1``."""
+    items = value.split(":") if isinstance(value, str) else value
+    if not isinstance(items, (list, tuple)) or len(items) != 2:
+        raise InputError(f"{name} = {value!r}; give low:high, or [low, high] in a file")
+    low, high = (number(item, name) for item in items)
+    if not low < high:
+        raise InputError(f"{name} = {low:g}:{high:g}; the lower end must come first")
+    return [low, high]
+
+
+def pairs(value: Any, name: str) -> list[list[float]]:
+    """Return [[low, high], ...], one for each coordinate, from lists or text such as ``0:1,-2:2``."""
+    items = value.split(",") if isinstance(value, str) else value
+    if not isinstance(items, (list, tuple)) or not items:
+        raise InputError(
+            f"{name} = {value!r}; give low:high for each coordinate, commas between them, or a list of [low, high]"
+        )
+    return [pair(item, name) for item in items]
+
+
+def states(value: Any, name: str) -> int | list[list[float]]:
+    """Return a number of random starts, or the starts themselves, from lists or text such as ``0.1,0;0.2,0``."""
+    if isinstance(value, str) and ("," in value or ";" in value):
+        value = [part for part in value.split(";") if part.strip()]
+    if not isinstance(value, (list, tuple)):
+        try:
+            return count(value, name, 1)
+        except InputError:
+            raise InputError(
+                f"{name} = {value!r}; allowed is a whole number >= 1, or states: 0.1,0;0.2,0 or a list of lists"
+            ) from None
+    return [numbers(item, f"{name}[{i}]") for i, item in enumerate(value)]
+
+
+def by_name(value: Any, name: str) -> dict[str, float]:
+    """Return numbers by name from a table or text such as ``v=0,w=1``."""
+    if isinstance(value, str):
+        parts = [part.partition("=") for part in value.split(",")]
+        if not all(equals for _name, equals, _number in parts):
+            raise InputError(f"{name} = {value!r}; give coordinate=value, commas between several")
+        value = {key.strip(): item for key, _equals, item in parts}
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} = {value!r}; give a table of coordinates, such as {{ v = 0.0 }}")
+    return {str(key): number(item, f"{name}.{key}") for key, item in value.items()}
+
+
+def range_of(value: Any, name: str) -> str | list[float]:
+    """Return a range as it is written, checked: text ``start:stop:count[:log]``, or a list of floats.
+
+    Examples
+    --------
+    >>> range_of(" 0 : 0.5:11", "d"), range_of("0.1,0.2", "d")
+    ('0:0.5:11', [0.1, 0.2])
+    """
+    if isinstance(value, str) and ":" in value:
+        text = ":".join(part.strip() for part in value.split(":"))
+        _ends(text, name)
+        return text
+    if isinstance(value, (list, tuple)) or (isinstance(value, str) and "," in value):
+        return numbers(value, name)
+    raise InputError(f"{name} = {value!r}; give {RANGE_FORM}")
+
+
+def values_of(written: str | list[float]) -> NDArray[np.float64]:
+    """Return the values of a range.
+
+    Examples
+    --------
+    >>> values_of("0:0.5:3").tolist(), values_of("1:100:3:log").tolist()
+    ([0.0, 0.25, 0.5], [1.0, 10.0, 100.0])
+    """
+    if not isinstance(written, str):
+        return np.array(written, np.float64)
+    start, stop, n, log = _ends(written, "range")
+    return np.geomspace(start, stop, n) if log else np.linspace(start, stop, n)
+
+
+def extremes(written: str | list[float]) -> tuple[float, float]:
+    """Return the least and the greatest value of a range."""
+    if not isinstance(written, str):
+        return min(written), max(written)
+    start, stop, n, _log = _ends(written, "range")
+    return (min(start, stop), max(start, stop)) if n > 1 else (start, start)
+
+
+def written_as(values: NDArray[np.float64]) -> str | list[float]:
+    """Return the shortest way to write values that gives back the same bits.
+
+    Examples
+    --------
+    >>> written_as(np.linspace(0.05, 0.16, 12)), written_as(np.array([1.0, 2.0, 4.0]))
+    ('0.05:0.16:12', '1.0:4.0:3:log')
+    """
+    start, stop = float(values[0]), float(values[-1])
+    text = f"{start!r}:{stop!r}:{values.size}"
+    forms = [text, f"{text}:log"] if start > 0.0 and stop > 0.0 else [text]
+    for form in forms if start != stop else ():
+        if np.array_equal(values_of(form), values):
+            return form
+    return [float(value) for value in values]
+
+
+def _ends(text: str, name: str) -> tuple[float, float, int, bool]:
+    """Return (start, stop, count, log) of a range in words, or raise InputError."""
+    parts = text.split(":")
+    if not (len(parts) == 3 or (len(parts) == 4 and parts[3] == "log")):
+        raise InputError(f"{name} = {text!r}; give {RANGE_FORM}")
+    try:
+        start, stop = number(parts[0], "start"), number(parts[1], "stop")
+        n = count(parts[2], "count", 1)
+    except InputError as error:
+        raise InputError(f"{name} = {text!r}: {error}") from None
+    if n > MOST:
+        raise InputError(f"{name} = {text!r}: {n} values are more than {MOST}; give a smaller count")
+    log = len(parts) == 4
+    if log and not (start > 0.0 and stop > 0.0):
+        raise InputError(f"{name} = {text!r}: a logarithm needs both ends > 0")
+    if n > 1 and start == stop:
+        raise InputError(f"{name} = {text!r}: both ends are {start:g}; give different ends or count 1")
+    if not math.isfinite(stop - start):
+        raise InputError(f"{name} = {text!r}: the ends are too far apart")
+    return start, stop, n, log

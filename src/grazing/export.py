@@ -1,0 +1,150 @@
+"""Write a result as tidy tables: one row an observation, one column a variable, for any program that reads CSV."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.outcome import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Rows that are put together at a time.
+ROWS = 200_000
+
+
+def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
+    """Write a result as comma-separated values, whole or not at all.
+
+    Variables on the same dimensions, or on some of them, share a table; the largest table gets the name given, another
+    one ``name-dimension.csv``. A dimension of names, such as those of the coordinates, makes a column for each. Numbers
+    are written so that they are read back with the same bits, NaN as nothing, infinity as inf. Words may consist of
+    digits: tell the reader that they are text, as ``pandas.read_csv(file, dtype={"word": str})``. A table says nothing
+    of where it comes from: save the result as ``.nc`` too.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From any study.
+    path : path-like
+        Must end in ``.csv``.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files, the one asked for first.
+
+    Raises
+    ------
+    InputError
+        For another ending, or a folder that is missing or not writable.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import grazing as gz
+    >>> from grazing.export import to_csv
+    >>> diagram = gz.orbit_diagram(gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.07], starts=1, keep=6)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     (file,) = to_csv(diagram[["x", "letter", "period", "word"]], pathlib.Path(folder) / "orbits.csv")
+    ...     file.read_text().splitlines()[0]
+    'mu,start,n,x,letter,period,word'
+    """
+    target = Path(path)
+    if target.suffix != ".csv":
+        raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.csv'")
+    written = []
+    flat = _spread_names(result)
+    for i, (dims, names) in enumerate(tables(flat)):
+        own = "" if i == 0 else "-" + "-".join(dims or ("values",))
+        written.append(_write(flat, dims, names, target.with_name(f"{target.stem}{own}.csv")))
+    return written
+
+
+def _spread_names(result: xr.Dataset) -> xr.Dataset:
+    """Return a result with a variable ``point_u`` for each name along a dimension of names, such as coordinates."""
+    for dim in [str(dim) for dim in result.sizes if dim in result.coords and result[dim].dtype.kind in "OU"]:
+        for name in [str(name) for name in result.data_vars if dim in result[name].dims]:
+            parts = {
+                f"{name}_{label}": result[name].isel({dim: i}, drop=True) for i, label in enumerate(result[dim].values)
+            }
+            result = result.drop_vars(name).assign(parts)
+        result = result.drop_vars(dim)
+    return result
+
+
+def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
+    """Return the tables of a result, the largest first: dimensions, and the variables on them or on some of them."""
+    names = [str(name) for name in [*result.coords, *result.data_vars] if name not in result.dims]
+    of = {name: tuple(str(dim) for dim in result[name].dims) for name in names}
+    groups: list[tuple[str, ...]] = []
+    for dims in sorted(set(of.values()), key=len, reverse=True):
+        if not any(set(dims) <= set(group) for group in groups):
+            groups.append(dims)
+    groups = groups or [tuple(str(dim) for dim in result.dims)]
+
+    def rows(dims: tuple[str, ...]) -> int:
+        return int(np.prod([result.sizes[dim] for dim in dims], dtype=np.float64))
+
+    groups.sort(key=rows, reverse=True)
+    home = {name: next(group for group in groups if set(dims) <= set(group)) for name, dims in of.items()}
+    return [(group, [name for name in names if home[name] == group]) for group in groups]
+
+
+def _write(result: xr.Dataset, dims: tuple[str, ...], names: list[str], target: Path) -> Path:
+    part = target.with_name(f".{target.stem}-{uuid4().hex}.partial")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow([*dims, *names])
+            for columns in _pieces(result, dims, names):
+                rows.writerows(zip(*columns, strict=True))
+        part.replace(target)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
+    finally:
+        part.unlink(missing_ok=True)
+    return target
+
+
+def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iterator[list[list[Any]]]:
+    """Yield the columns of a table, so many rows at a time: pieces along the first dimension."""
+    length = result.sizes[dims[0]] if dims else 1
+    inner = max(1, int(np.prod([result.sizes[dim] for dim in dims[1:]], dtype=np.float64)))
+    step = max(1, ROWS // inner)
+    for first in range(0, length, step):
+        part = result.isel({dims[0]: slice(first, first + step)}) if dims else result
+        sizes = tuple(part.sizes[dim] for dim in dims)
+        columns = []
+        for i, dim in enumerate(dims):
+            along = part[dim].values if dim in part.coords else np.arange(sizes[i]) + (first if i == 0 else 0)
+            shape = [1] * len(dims)
+            shape[i] = sizes[i]
+            columns.append(_cells(np.broadcast_to(along.reshape(shape), sizes)))
+        yield columns + [_cells(_spread(part[name], dims, sizes)) for name in names]
+
+
+def _spread(variable: Any, dims: tuple[str, ...], sizes: tuple[int, ...]) -> NDArray[Any]:
+    """Return a variable on all dimensions of its table."""
+    own = [dim for dim in dims if dim in variable.dims]
+    values = variable.transpose(*own).values
+    shape = [size if dim in own else 1 for dim, size in zip(dims, sizes, strict=True)]
+    return np.broadcast_to(np.asarray(values).reshape(shape), sizes)
+
+
+def _cells(values: NDArray[Any]) -> list[Any]:
+    """Return what stands in the cells of a column; nothing for NaN, which every program takes for a missing number."""
+    cells = np.ravel(values)
+    plain: list[Any] = cells.tolist()
+    if cells.dtype.kind == "f":
+        for i in np.flatnonzero(np.isnan(cells)).tolist():
+            plain[i] = ""
+    return plain

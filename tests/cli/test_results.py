@@ -1,0 +1,152 @@
+"""``grazing plot``, ``info`` and ``config``: stored results, where they come from, what a configuration says."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.cli import main
+from grazing.config import json_schema
+
+DIAGRAM = ["diagram", "mu=0:0.1:5", "--map", "gap", "--lam", "0.5", "--l", "0.1", "--starts", "3", "--keep", "8", "-q"]
+CHART = ["chart", "mu=0:0.1:3", "l=0:0.2:4", "--map", "gap", "--lam", "0.5", "--starts", "3", "--keep", "8", "-q"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def said(capsys, code, *tokens):
+    capsys.readouterr()
+    assert main(list(tokens)) == code
+    out, err = capsys.readouterr()
+    assert "Traceback" not in err
+    return out + err
+
+
+# ---- info
+
+
+@pytest.mark.parametrize("file", ["a.png", "a.pdf", "a.svg", "a.nc", "a.zarr"])
+def test_every_file_tells_the_command_that_makes_it(file, capsys):
+    main([*CHART, "-o", file])
+    text = said(capsys, 0, "info", file)
+    kind = {"nc": "result", "zarr": "store"}.get(file.partition(".")[2], "figure")
+    assert text.startswith(f"{file}: {kind}: chart of the gap map in mu and l\n")
+    command = "grazing chart mu=0:0.1:3 l=0:0.2:4 --map gap --lam 0.5 --starts 3 --keep 8"
+    assert text.splitlines()[-1] == f"again:     {command} -o {file}"
+    assert "made by:   grazing" in text and "sha256" in text
+    found = json.loads(said(capsys, 0, "info", file, "--json"))
+    assert found["kind"] == kind and found["recipe"]["study"] == "chart" and found["why_not"] is None
+    recipe = tomllib.loads(said(capsys, 0, "info", file, "--config"))
+    assert recipe["vary"] == {"mu": "0:0.1:3", "l": "0:0.2:4"}
+
+
+def test_a_configuration_tells_its_command(folder, capsys):
+    (folder / "a.toml").write_text('study = "diagram"\nvary.d = "0.05:0.16:9"\nparameters.V = 0.2\n')
+    assert "again:     grazing diagram d=0.05:0.16:9 --V 0.2" in said(capsys, 0, "info", "a.toml")
+
+
+def test_what_has_no_command_says_why(folder, capsys):
+    P = gz.Map(lambda state, p: (p.a * state[0],), params={"a": 0.5}, name="my map")
+    gz.save(gz.orbit_diagram(P, "a", [0.1, 0.2], starts=2, keep=4), "a.nc")
+    assert "no command: its map, my map, is known to Python alone" in said(capsys, 0, "info", "a.nc")
+    assert "cannot be made again by a command" in said(capsys, 2, "info", "a.nc", "--config")
+    values = np.sort(np.random.default_rng(0).uniform(0, 0.1, 500))
+    gz.save(gz.orbit_diagram(gz.gap_map(0.5, 0.1, 0.1), "mu", values, starts=1, keep=4), "b.nc")
+    assert "no command: its values make a long command; --config prints a file" in said(capsys, 0, "info", "b.nc")
+    (folder / "b.toml").write_text(said(capsys, 0, "info", "b.nc", "--config"))
+    main(["diagram", "--config", "b.toml", "-o", "c.nc", "-q"])
+    assert np.array_equal(gz.load("c.nc").x.values, gz.load("b.nc").x.values)
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("no.nc", "there is no file no.nc"),
+        ("a.csv", "ask a .nc of the same result"),
+        ("a.txt", "was not written by gz.save"),
+        ("a.png", "is no figure"),
+        ("a.toml", "is not TOML"),
+        ("folder", "folder"),
+    ],
+)
+def test_what_is_not_ours(file, text, folder, capsys):
+    for name in ("a.csv", "a.txt", "a.png", "a.toml"):
+        (folder / name).write_text("= nonsense")
+    (folder / "folder").mkdir()
+    assert text in said(capsys, 2, "info", file)
+
+
+# ---- plot
+
+
+def test_a_stored_result_is_drawn(folder, capsys):
+    main([*DIAGRAM, "-o", "a.nc", "-o", "a.png"])
+    assert "written: b.png, b.pdf" in said(capsys, 0, "plot", "a.nc", "-o", "b.png", "-o", "b.pdf")
+    assert (folder / "a.png").read_bytes() == (folder / "b.png").read_bytes()
+    assert json.loads(said(capsys, 0, "plot", "a.nc", "-o", "c.svg", "--json"))["files"] == ["c.svg"]
+    main([*CHART, "-o", "c.zarr"])
+    assert "written: c.png" in said(capsys, 0, "plot", "c.zarr", "-o", "c.png")
+
+
+def test_arguments_of_the_figure(folder, capsys):
+    main([*CHART, "-o", "a.nc", "-o", "a.png"])
+    assert main(["plot", "a.nc", "-o", "b.png", "--style", "by=exponent", "--style", "legend=no"]) == 0
+    assert (folder / "a.png").read_bytes() != (folder / "b.png").read_bytes()
+    assert "--style colour=red: unknown argument; allowed are by" in said(
+        capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "colour=red"
+    )
+    assert "allowed are true and false" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend=maybe")
+    assert "give NAME=VALUE" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend")
+    assert "by" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "by=colour")
+    main([*DIAGRAM, "-o", "d.nc"])
+    assert "give a number" in said(capsys, 2, "plot", "d.nc", "-o", "b.png", "--style", "size=big")
+    assert main(["plot", "d.nc", "-o", "b.png", "--style", "size=0.5", "--style", "longest=4"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("tokens", "text"),
+    [
+        (["a.nc"], "nothing to write; give -o"),
+        (["a.nc", "-o", "b.nc"], "allowed are png, pdf, svg"),
+        (["no.nc", "-o", "b.png"], "there is no file no.nc"),
+        (["x.nc", "-o", "b.png"], "there is no figure of a result that does not say its study"),
+        ([], "RESULT"),
+    ],
+)
+def test_what_cannot_be_drawn(tokens, text, capsys):
+    import xarray as xr
+
+    gz.save(xr.Dataset({"a": ("x", [1.0])}), "x.nc")
+    assert text in said(capsys, 2, "plot", *tokens)
+
+
+# ---- config
+
+
+def test_the_schema_is_json(capsys):
+    assert json.loads(said(capsys, 0, "config", "schema")) == json_schema()
+
+
+def test_a_configuration_is_completed(folder, capsys):
+    (folder / "a.toml").write_text('study = "diagram"\nvary.d = "0.05:0.16:9"\n')
+    found = tomllib.loads(said(capsys, 0, "config", "show", "a.toml"))
+    assert found["parameters"]["omega"] == 2.2 and found["settings"]["transient"] == 200
+    assert json.loads(said(capsys, 0, "config", "show", "a.toml", "--json")) == found
+    (folder / "a.toml").write_text('study = "diagram"\nvary.d = "0.05:0.16:9"\n[parameters]\nr = 3\nq = 1\n')
+    text = said(capsys, 2, "config", "show", "a.toml")
+    assert text.startswith("error: a.toml has 2 errors:\n  parameters.r = 3; allowed is 0 <= r <= 1")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_knows_options_with_their_case(shell, folder, monkeypatch):
+    monkeypatch.setenv("HOME", str(folder))
+    assert main(["--install-completion", "--shell", shell, "--output", str(folder / "completion")]) == 0
+    text = (folder / "completion").read_text()
+    assert "diagram" in text and "resume" in text
+    assert ("--V" in text and "--omega" in text) or "-l V" in text

@@ -1,0 +1,169 @@
+"""Configurations: every error at once with its path, and what was left out filled in."""
+
+import inspect
+import json
+
+import pytest
+
+import grazing as gz
+from grazing import InputError
+from grazing.config import checked
+from grazing.config.maps import map_of, names_of
+from grazing.config.parameters import LAWS, law_names, parameter_names
+from grazing.config.schema import MAPS
+from grazing.config.settings import ARGUMENTS, SETTINGS, SINGLE, STUDIES, function_of, settings_of
+
+DIAGRAM = {"study": "diagram", "vary": {"d": "0.05:0.16:5"}}
+GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
+
+
+def problems(config, **more):
+    with pytest.raises(InputError) as error:
+        checked(config, **more)
+    return [line.strip() for line in str(error.value).splitlines()]
+
+
+# ---- what was left out
+
+
+def test_defaults_are_those_of_the_functions():
+    found = checked(DIAGRAM)
+    paper = {name: item.default for name, item in inspect.signature(gz.pinball).parameters.items()}
+    assert {name: value for name, value in found["parameters"].items() if name in paper} == {
+        name: value for name, value in paper.items() if name != "d"
+    }
+    assert list(found) == ["study", "map", "law", "parameters", "vary", "settings"]
+    assert found["map"] == "stroboscopic" and found["law"] == "active"
+    for study in STUDIES:
+        known = inspect.signature(function_of(study)).parameters
+        for name, field in settings_of(study).model_fields.items():
+            usual = inspect.Parameter.empty if field.is_required() else field.default
+            assert usual is known[name].default or usual == known[name].default
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_every_argument_of_a_study_is_a_setting_or_none_for_a_reason(study):
+    assert set(inspect.signature(function_of(study)).parameters) <= {*SETTINGS, *ARGUMENTS}
+
+
+def test_a_checked_configuration_is_checked_again_to_itself():
+    for config in (DIAGRAM, GAP, {**DIAGRAM, "map": "discontinuity", "parameters": {"cos": [1, 0.5]}}):
+        found = checked(config)
+        assert checked(found) == found
+        assert checked(json.loads(json.dumps(found))) == found
+
+
+def test_a_parameter_that_varies_has_no_fixed_value():
+    assert "d" not in checked({**DIAGRAM, "parameters": {"d": 0.1}})["parameters"]
+
+
+def test_whole_numbers_and_text_become_floats():
+    found = checked({**DIAGRAM, "parameters": {"V": "0.25", "alpha": 2}, "settings": {"starts": "7"}})
+    assert found["parameters"]["V"] == 0.25 and repr(found["parameters"]["alpha"]) == "2.0"
+    assert found["settings"]["starts"] == 7
+
+
+@pytest.mark.parametrize("kind", MAPS)
+@pytest.mark.parametrize("law", LAWS)
+def test_every_map_with_every_law_can_be_made(kind, law):
+    if kind == "gap":
+        names, coordinates = names_of({"map": kind})
+        assert (names, coordinates) == (["lam", "mu", "l"], ["x"])
+        return
+    given = {"map": kind, "law": law, "parameters": {"trigger": 0.1} if law == "triggered" else {}}
+    varied = "mu" if kind == "normal-form" else "d"
+    if kind == "normal-form" and law == "triggered":
+        given["parameters"]["trigger"] = 0.0  # else the law is passive near zero speed, where the form is taken
+    P = map_of(checked({"study": "diagram", **given, "vary": {varied: "0.1:0.12:2"}}))
+    names, coordinates = names_of(given)
+    assert (list(P.params), list(P.coordinates)) == (names, coordinates)
+    if kind != "normal-form":
+        assert set(law_names(law)) <= set(P.params)
+
+
+# ---- what is wrong
+
+
+def test_all_errors_come_at_once_with_their_paths():
+    found = problems(
+        {
+            "study": "chart",
+            "studdy": 1,
+            "order": "full",
+            "parameters": {"r": 1.2, "omega": 0, "V": True, "phse": 0.0, "cos": [1, "x"]},
+            "vary": {"d": "0.05:0.16", "b": "0:1:3"},
+            "settings": {"strats": 3, "keep": 0, "arithmetic": "slow"},
+        },
+        source="study.toml",
+    )
+    assert found[0] == "study.toml has 12 errors:"
+    text = "\n".join(found)
+    for said in (
+        "studdy: unknown key; did you mean 'study'? allowed are study, map",
+        "order: the discontinuity map has one, the stroboscopic map has not",
+        "parameters.r = 1.2; allowed is 0 <= r <= 1 (coefficient of restitution)",
+        "parameters.omega = 0; allowed is omega > 0",
+        "parameters.V = True is not a real number; allowed is V >= 0",
+        "parameters.phse: unknown parameter; did you mean 'phase'?",
+        "parameters.cos: cos[1] = 'x' is not a real number",
+        "vary.d = '0.05:0.16'; give start:stop:count",
+        "vary.b: unknown parameter; allowed are alpha, k",
+        "settings.strats: unknown key; did you mean 'starts'?",
+        "settings.keep = 0; allowed is a whole number >= 1",
+        "settings.arithmetic = 'slow'; allowed are fast, strict",
+    ):
+        assert said in text, said
+
+
+@pytest.mark.parametrize(
+    ("config", "said"),
+    [
+        ({}, "study: missing; give what is computed"),
+        ({"study": "diagrm"}, "study = 'diagrm'; allowed are 'diagram', 'density'"),
+        ({**DIAGRAM, "map": "stroboscpic"}, "map = 'stroboscpic'; did you mean 'stroboscopic'?"),
+        ({**DIAGRAM, "map": 3}, "map = 3; give a text"),
+        ({**DIAGRAM, "map": "mine.py:P"}, "map: there is no file"),
+        ({**DIAGRAM, "law": "elastic"}, "law = 'elastic'; allowed are 'active', 'newton', 'triggered'"),
+        ({**DIAGRAM, "parameters": 3}, "parameters = 3; give a table"),
+        ({**DIAGRAM, "settings": 3}, "settings = 3; give a table"),
+        ({**DIAGRAM, "vary": "d"}, "vary = 'd'; give a table"),
+        ({**DIAGRAM, "vary": {}}, "vary: nothing varies; diagram varies 1 parameter of alpha"),
+        ({**DIAGRAM, "vary": {"d": [0.1], "V": [0.1]}}, "vary: 2 vary; diagram varies 1 parameter"),
+        ({**DIAGRAM, "vary": {"r": "0.5:1.5:10"}}, "vary.r = 1.5; allowed is 0 <= r <= 1"),
+        ({**DIAGRAM, "vary": {"omega": [1.0, 0.0]}}, "vary.omega = 0; allowed is omega > 0"),
+        ({**DIAGRAM, "law": "newton", "parameters": {"V": 0.1}}, "parameters.V: the newton law has none"),
+        ({**DIAGRAM, "law": "triggered"}, "parameters.trigger: missing; give least speed of impact"),
+        ({**DIAGRAM, "unfold": "d"}, "unfold: the normal-form map has one, the stroboscopic map has not"),
+        ({**DIAGRAM, "map": "impact", "parameters": {"phase": 0.1}}, "parameters.phase: unknown parameter"),
+        ({**DIAGRAM, "parameters": {"omega": 1e-200}}, "omega = 1e-200; allowed is 1e-100 <= omega"),
+        ({**DIAGRAM, "settings": {"starts": [[0.1, "a"]]}}, "settings.starts: starts[0][1] = 'a' is not"),
+        ({**DIAGRAM, "settings": {"box": [[1, 0]]}}, "the lower end must come first"),
+        ({**DIAGRAM, "settings": {"sweep": "left"}}, "settings.sweep = 'left'; allowed are up, down"),
+        ({**DIAGRAM, "settings": {"seed": 1.5}}, "settings.seed = 1.5; allowed is a whole number >= 0"),
+        ({**GAP, "law": "newton"}, "law: the map gap has no reset law"),
+        ({**GAP, "parameters": {"lam": 0.5}}, "parameters.l: missing; give size of the gap"),
+        ({**GAP, "parameters": {"lam": 0.5, "l": -1e999}}, "parameters.l = -inf is not finite"),
+        ({**GAP, "vary": {"m": "0:1:3"}}, "vary.m: unknown parameter; did you mean 'mu'?"),
+        ({"study": "trajectory"}, "settings.state: missing; give initial state"),
+        ({"study": "trajectory", "settings": {"state": [0, 0]}, "vary": {"d": [0.1]}}, "a trajectory varies nothing"),
+        ({"study": "cobweb", "settings": {"state": [0, 0]}}, "a cobweb needs one with one: gap"),
+        ({"study": "basins", "vary": {"x": "0:1:3"}}, "vary.x: unknown coordinate; allowed are u, v"),
+        (3, "give a table of keys and values"),
+    ],
+)  # fmt: skip
+def test_each_error_says_where_what_and_what_is_allowed(config, said):
+    assert said in "\n".join(problems(config))
+
+
+def test_errors_in_one_part_do_not_hide_those_in_another():
+    found = problems({"study": "nothing", "parameters": {"r": 2}, "vary": {"b": "0:1:2"}, "settings": 1})
+    assert len(found) == 4 and "study" in found[1]
+
+
+def test_parameters_are_described_once():
+    for name in parameter_names():
+        if name not in ("cos", "sin"):
+            from grazing.config.parameters import described
+
+            assert described(name).meaning and described(name).meaning != "parameter of the reset law"
+    assert set(SINGLE) < set(STUDIES)

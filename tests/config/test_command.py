@@ -1,0 +1,149 @@
+"""The command that makes a thing again says all that differs from the defaults, and makes the same bits."""
+
+import json
+import shlex
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import grazing as gz
+from grazing import InputError
+from grazing.cli import main
+from grazing.config import checked, command_of, plan_of, recipe_of, result_of
+from grazing.studies.plan import run_plan
+
+GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
+CONFIGS = [
+    GAP,
+    {**GAP, "parameters": {"lam": -0.5, "l": 0.1}, "settings": {"starts": [[0.1]], "keep": 4, "arithmetic": "strict"}},
+    {**GAP, "settings": {"box": [[-0.5, 0.25]], "starts": 3, "seed": 5, "sweep": "down"}},
+    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {"cos": [1.0, 0.1], "t0": -0.5}},
+    {"study": "diagram", "map": "discontinuity", "order": "full", "law": "newton", "vary": {"r": "0.5:0.9:3"}},
+    {"study": "diagram", "map": "normal-form", "vary": {"mu": "0:0.1:3"}, "parameters": {"V": 0.2}},
+    {"study": "diagram", "map": "impact", "law": "triggered", "vary": {"trigger": "0:0.1:3"}},
+    {"study": "chart", "map": "gap", "parameters": {"lam": 0.5}, "vary": {"mu": "0:0.1:3", "l": "0:0.2:2"}},
+    {"study": "density", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0}, "vary": {"mu": "0:0.1:3"},
+     "settings": {"range": [-1.0, 0.5], "bins": 10}},
+    {"study": "lyapunov", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": 0.1}, "settings": {"steps": 50}},
+    {"study": "basins", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": 0.1}, "vary": {"x": "-1:1:9"}},
+    {"study": "trajectory", "settings": {"state": [0.1, -0.25], "until": 7.0}},
+    {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "settings": {"state": [-0.1]}},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("config", CONFIGS)
+def test_the_command_asks_for_the_same(config, capsys):
+    recipe = checked(config)
+    assert main([*shlex.split(command_of(recipe))[1:], "--dump-config"]) == 0
+    import tomllib
+
+    assert checked(tomllib.loads(capsys.readouterr().out)) == recipe
+
+
+@pytest.mark.parametrize("config", [CONFIGS[1], CONFIGS[3], CONFIGS[7], CONFIGS[12]])
+def test_the_printed_command_makes_the_same_bits(config, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    small = {"starts": 2, "keep": 8} if config["study"] in ("diagram", "chart") else {}
+    recipe = checked({**config, "settings": {**small, **config.get("settings", {})}})
+    first = result_of(recipe)
+    title = first.attrs["title"]
+    gz.plot.save(_figure(first, recipe), "figure.png", title, gz.plot.provenance_of(first))
+    assert main(["info", "figure.png", "--json"]) == 0
+    command = json.loads(capsys.readouterr().out)["command"]
+    again = command.replace("-o figure.png", "-o again.nc -o again.png")
+    assert main([*shlex.split(again)[1:], "-q"]) == 0
+    xr.testing.assert_identical(gz.load("again.nc"), first)
+    assert (tmp_path / "again.png").read_bytes() == (tmp_path / "figure.png").read_bytes()
+
+
+def _figure(result, recipe):
+    from grazing.cli.output import figure
+
+    return figure(result, recipe)
+
+
+def test_what_needs_quotes_is_quoted(tmp_path):
+    file = tmp_path / "my map.py"
+    file.write_text("import grazing as gz\nP = gz.gap_map(0.5, 0.1, 0.1)\n")
+    command = command_of({**GAP, "map": f"{file}:P"}, ["a figure.png"])
+    assert f"'{file}:P'" in command and command.endswith("-o 'a figure.png'")
+    assert f"{file}:P" in shlex.split(command)
+
+
+# ---- from results that Python made
+
+
+def test_a_result_made_in_python_says_its_command():
+    P = gz.stroboscopic_map(gz.pinball(V=0.3, alpha=2.0), phase=0.25)
+    result = gz.orbit_diagram(P, "d", np.linspace(0.1, 0.12, 3), starts=2, keep=6, seed=4)
+    recipe = recipe_of(result.attrs)
+    assert command_of(recipe) == (
+        "grazing diagram d=0.1:0.12:3 --alpha 2.0 --V 0.3 --phase 0.25 --starts 2 --keep 6 --seed 4"
+    )
+    again = run_plan(plan_of(recipe))
+    assert again.attrs["grazing_config_sha256"] == result.attrs["grazing_config_sha256"]
+    xr.testing.assert_identical(again, result)
+
+
+def test_values_that_are_not_even_are_taken_from_the_result():
+    result = gz.orbit_diagram(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.01, 0.05, 0.02], starts=2, keep=6)
+    assert recipe_of(result.attrs, {"mu": result.mu.values})["vary"] == {"mu": [0.01, 0.05, 0.02]}
+    with pytest.raises(InputError, match=r"values of mu are not evenly spaced and were not kept"):
+        recipe_of(result.attrs)
+
+
+def test_an_oscillator_with_harmonics_and_its_own_box():
+    model = gz.Oscillator(0.1, 1.0, gz.Forcing(2.8, cos=(1.0, 0.2), sin=(0.1,)), gz.newton(0.9), sigma=-0.1)
+    result = gz.orbit_diagram(gz.stroboscopic_map(model), "r", [0.5, 0.9], starts=2, keep=6)
+    recipe = recipe_of(result.attrs)
+    assert recipe["parameters"]["cos"] == [1.0, 0.2] and recipe["parameters"]["sin"] == [0.1]
+    assert recipe["law"] == "newton" and "box" not in recipe["settings"]
+    assert np.array_equal(run_plan(plan_of(recipe)).u.values, result.u.values)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"map": "my map"}, "known to Python alone"),
+        ({"study": "survey"}, "not one that a command can do"),
+        ({"starts": {"given": 3, "sha256": ""}}, "only their fingerprint was kept"),
+        ({"params": {"lam": "a", "l": 0.1}}, "not one that a command can say"),
+    ],
+)
+def test_what_a_result_does_not_say(change, said):
+    result = gz.orbit_diagram(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.01, 0.05], starts=2, keep=6)
+    config = json.loads(result.attrs["grazing_config"]) | change
+    with pytest.raises(InputError, match=said):
+        recipe_of({"grazing_config": json.dumps(config)})
+
+
+def test_what_is_no_result():
+    with pytest.raises(InputError, match="does not say how it was made"):
+        recipe_of({})
+    with pytest.raises(InputError, match="damaged"):
+        recipe_of({"grazing_config": "[1]"})
+
+
+def test_the_order_of_a_charts_axes_survives_sorted_keys():
+    config = {"study": "chart", "vary": {"d": "0.05:0.16:4", "V": "0:0.4:3"}, "settings": {"starts": 1}}
+    plan = plan_of(config)
+    kept = json.loads(json.dumps(plan.recipe, sort_keys=True))
+    assert list(plan_of(kept).axes) == ["d", "V"]
+    assert plan_of(kept).document["grazing_config_sha256"] == plan.document["grazing_config_sha256"]
+
+
+def test_a_chart_made_in_python_knows_its_axes_from_a_figure_too(tmp_path):
+    params = {"mu": np.linspace(0.0, 0.1, 3), "l": np.linspace(0.0, 0.2, 4)}
+    result = gz.chart(gz.gap_map(0.5, 0.1, 0.1), params, starts=2)
+    gz.plot.save(gz.plot.chart(result), tmp_path / "a.png", provenance=gz.plot.provenance_of(result))
+    stored = gz.plot.provenance(tmp_path / "a.png")["provenance"]
+    assert list(recipe_of(stored)["vary"]) == ["mu", "l"]
+    assert list(recipe_of(result.attrs, {name: result[name].values for name in ("mu", "l")})["vary"]) == ["mu", "l"]
+
+
+@pytest.mark.parametrize("study", ["trajectory", "cobweb"])
+def test_one_orbit_has_no_plan(study):
+    config = next(config for config in CONFIGS if config["study"] == study)
+    with pytest.raises(InputError, match="has no cells to sweep"):
+        plan_of(config)

@@ -1,0 +1,83 @@
+"""Results as tidy tables."""
+
+import csv
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from grazing import InputError, export
+from grazing.export import tables, to_csv
+
+
+def read(file):
+    with file.open(newline="", encoding="utf-8") as opened:
+        return list(csv.DictReader(opened))
+
+
+@pytest.fixture
+def result():
+    rng = np.random.default_rng(0)
+    return xr.Dataset(
+        {
+            "u": (("d", "start", "n"), rng.normal(size=(4, 3, 2))),
+            "period": (("d", "start"), rng.integers(0, 9, (4, 3)).astype(np.int32)),
+            "mean": ("start", [0.1, np.nan, np.inf]),
+            "graze": ("d", np.arange(4) > 1),
+            "word": ("attractor", np.array(["01", "a,b", 'say "x"'], object)),
+            "point": (("attractor", "coordinate"), rng.normal(size=(3, 2))),
+            "trust": ((), "certified"),
+        },
+        coords={"d": [0.1, 0.2, 0.3, 1e-300], "coordinate": ["u", "v"], "phase": ("d", [1, 2, 3, 4])},
+    )
+
+
+def test_variables_on_the_same_dimensions_share_a_table(result, tmp_path):
+    files = to_csv(result, tmp_path / "out.csv")
+    assert [file.name for file in files] == ["out.csv", "out-attractor.csv"]
+    rows = read(files[0])
+    assert list(rows[0]) == ["d", "start", "n", "phase", "u", "period", "mean", "graze", "trust"]
+    assert len(rows) == 24
+    for row in rows:
+        at = {"d": float(row["d"]), "start": int(row["start"]), "n": int(row["n"])}
+        assert float(row["u"]) == float(result.u.sel(**at))
+        assert int(row["period"]) == int(result.period.sel(d=at["d"], start=at["start"]))
+        assert row["graze"] == str(bool(result.graze.sel(d=at["d"])))
+    assert {row["start"]: row["mean"] for row in rows} == {"0": "0.1", "1": "", "2": "inf"}
+    rows = read(files[1])
+    assert list(rows[0]) == ["attractor", "word", "point_u", "point_v"]
+    assert [row["word"] for row in rows] == ["01", "a,b", 'say "x"']
+    assert [float(row["point_v"]) for row in rows] == result.point.sel(coordinate="v").values.tolist()
+
+
+def test_pieces_make_one_table(result, tmp_path, monkeypatch):
+    to_csv(result, tmp_path / "whole.csv")
+    monkeypatch.setattr(export, "ROWS", 5)
+    to_csv(result, tmp_path / "pieces.csv")
+    assert (tmp_path / "pieces.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_dimensions_in_another_order_are_put_in_order(tmp_path):
+    data = np.arange(6.0).reshape(2, 3)
+    result = xr.Dataset({"a": (("x", "y"), data), "b": (("y", "x"), data.T)})
+    (file,) = to_csv(result, tmp_path / "a.csv")
+    assert all(row["a"] == row["b"] for row in read(file))
+
+
+def test_scalars_and_nothing(tmp_path):
+    (file,) = to_csv(xr.Dataset({"a": 1.5}), tmp_path / "a.csv")
+    assert read(file) == [{"a": "1.5"}]
+    (file,) = to_csv(xr.Dataset({"a": ("x", np.zeros(0))}), tmp_path / "b.csv")
+    assert file.read_text() == "x,a\n"
+    assert tables(xr.Dataset(coords={"x": [1, 2]})) == [(("x",), [])]
+
+
+def test_what_cannot_be_written_is_said_and_leaves_nothing(result, tmp_path):
+    with pytest.raises(InputError, match=r"ends in '.txt'; allowed is '.csv'"):
+        to_csv(result, tmp_path / "a.txt")
+    with pytest.raises(InputError, match="cannot be written"):
+        to_csv(result, tmp_path / "no" / "a.csv")
+    (tmp_path / "a.csv").mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        to_csv(result, tmp_path / "a.csv")
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
