@@ -25,7 +25,7 @@ LAYERS = (
     ("sweep", "compare"),
     ("plot",),
     ("paper",),
-    ("io", "testing"),
+    ("io", "export", "testing"),
     ("grazing", "explorer"),
     ("citation",),
     ("cli",),
