@@ -1,4 +1,4 @@
-"""The derivative of a step by central differences, for maps that bring none of their own."""
+"""The derivative of a step as the studies need it: by differences, or a map's own with what else is known of it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from functools import lru_cache
 from typing import Any
 
 from grazing.kernel.primitives import replaced
+
+NAN = float("nan")
 
 #: Cube root of the rounding error: it balances rounding against curvature, and leaves about ten digits.
 STEP = 6e-6
@@ -37,3 +39,14 @@ def differences_of(step: Callable[..., Any], dimension: int) -> Callable[..., An
         return new, letter, outcome, J
 
     return tangent
+
+
+@lru_cache(maxsize=256)
+def extended(tangent: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a tangent whose J is followed by NaN: the logarithm of |det J| is not known apart from J."""
+
+    def derived(state: Any, c: Any) -> Any:
+        new, letter, outcome, J = tangent(state, c)
+        return new, letter, outcome, (*J, NAN)
+
+    return derived

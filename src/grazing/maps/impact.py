@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.maps.period import log_size
 from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
@@ -30,12 +31,15 @@ Ints = NDArray[np.int64]
 def return_of(
     law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
 ) -> Callable[..., Any]:
-    """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for one reset law."""
+    """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for one reset law.
+
+    J is followed by the logarithm of |det J|.
+    """
     departure = departure_of(law, slope, contraction)
 
     def tangent(state: Any, c: Any) -> Any:
         tau, w = state
-        lost = (nan, nan, nan, nan)
+        lost = (nan, nan, nan, nan, nan)
         if not (0.0 <= w < INFINITY and abs(tau) < INFINITY):
             return (nan, nan), 0, (OK if w != w or tau != tau else BAD_LAW), lost
         if c.T > MAX_SWINGS * c.piece:
@@ -60,7 +64,7 @@ def return_of(
                     t, at = ball.t, strobes
                     if t >= c.T:
                         t, at = 0.0, strobes + 1
-                    J = (0.0, 0.0, 0.0, 0.0) if lying or kind != FLIES else lost
+                    J = (0.0, 0.0, 0.0, 0.0, -INFINITY) if lying or kind != FLIES else lost
                     if kind == FLIES and smooth and not outcome & (GRAZE | AMBIGUOUS):
                         J = derivative(start, w, ball.t + strobes * c.T, arrived, slope(arrived, c.p), c)
                     return (t, ball.v), at, outcome, J
@@ -77,9 +81,12 @@ def return_of(
 
 
 def derivative(start: float, w: float, end: float, v: float, g: float, c: Any) -> Any:
-    """Return the Jacobian of (tau, w) -> (tau', w') from the flight between the impacts; g = law'(v). NaN for v = 0."""
+    """Return the Jacobian of (tau, w) -> (tau', w') from the flight between the impacts, and the logarithm of |det J|.
+
+    g = law'(v). NaN for v = 0. The flight keeps w dtau dw but for damping, so det J = g w/v exp(-alpha s).
+    """
     if v == 0.0:
-        return nan, nan, nan, nan
+        return nan, nan, nan, nan, nan
     E11, E12, E21, E22 = modes(end - start, c)
     F0, _dF0 = forcing(start, c)
     F1, _dF1 = forcing(end - c.T * (end // c.T), c)
@@ -87,7 +94,22 @@ def derivative(start: float, w: float, end: float, v: float, g: float, c: Any) -
     # starting later by dtau is starting at (-w dtau, -lift dtau) in the flight's own time
     y_tau, v_tau = -(E11 * w + E12 * lift), -(E21 * w + E22 * lift)
     tau_tau, tau_w = -y_tau / v, -E12 / v
-    return tau_tau, tau_w, g * (v_tau + fall * tau_tau), g * (E22 + fall * tau_w)
+    area = log_size(g * w / v) - c.alpha * (end - start)
+    return tau_tau, tau_w, g * (v_tau + fall * tau_tau), g * (E22 + fall * tau_w), area
+
+
+@lru_cache(maxsize=256)
+def return_tangent_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return the step of the impact map with its Jacobian, for one reset law."""
+    derived = return_of(law, slope, contraction)
+
+    def tangent(state: Any, c: Any) -> Any:
+        new, letter, outcome, J = derived(state, c)
+        return new, letter, outcome, (J[0], J[1], J[2], J[3])
+
+    return tangent
 
 
 @lru_cache(maxsize=256)
@@ -145,7 +167,7 @@ def impact_map(model: Oscillator) -> Map:
         coordinates=("tau", "v_plus"),
         box=((0.0, model.period), (0.0, 1.0)),
         prepare=constants_of(model.harmonics),
-        tangent=return_of(law.law, law.slope, law.contraction),
+        tangent=return_tangent_of(law.law, law.slope, law.contraction),
         name="impact map",
         check=leaves_wall,
         exact=law.exact_slope,

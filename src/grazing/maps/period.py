@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import log
 from typing import Any
 
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
@@ -39,6 +40,11 @@ def saltation(t: float, v: float, w: float, slope: float, c: Constants) -> tuple
     return w / v, 0.0, ((F - c.alpha * w) - slope * (F - c.alpha * v)) / v, slope
 
 
+def log_size(x: float) -> float:
+    """Return log|x|, minus infinity for 0."""
+    return log(abs(x)) if x != 0.0 else -INFINITY
+
+
 def product(
     a: tuple[float, float, float, float], b: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
@@ -58,14 +64,16 @@ def period_of(
     """Return ``period(state, c) -> (state, letter, outcome, J, near, slow)``: one period (0, T] of the oscillator.
 
     The letter is the number of impacts, or says that chatter was completed or that the ball lay throughout. An impact
-    exactly at the end counts; the state returned is the one after it. ``near`` is the narrowest miss, see
+    exactly at the end counts; the state returned is the one after it. J is the derivative row by row,
+    then the logarithm of |det J|, summed up from flights and impacts: J itself loses it where damping is strong.
+    ``near`` is the narrowest miss, see
     :func:`grazing.oscillator.contact.piece_hit`; ``slow`` the speed of the slowest impact; infinity for none.
     """
     departure = departure_of(law, slope, contraction)
 
     def period(state: Any, c: Any) -> Any:
         u, v = state
-        J, lost = (1.0, 0.0, 0.0, 1.0), (NAN, NAN, NAN, NAN)
+        J, area, lost = (1.0, 0.0, 0.0, 1.0), 0.0, (NAN, NAN, NAN, NAN, NAN)
         y = u - c.sigma
         if not y >= 0.0 or not abs(v) < INFINITY:
             return (NAN, NAN), 0, (INSIDE_WALL if y < 0.0 else OK), lost, INFINITY, INFINITY
@@ -88,9 +96,11 @@ def period_of(
                     slow = min(slow, -arrived)
                 if with_tangent:
                     if kind != FLIES:
-                        J = (0.0, 0.0, 0.0, 0.0)
+                        J, area = (0.0, 0.0, 0.0, 0.0), -INFINITY
                     elif arrived < 0.0:
-                        J = product(saltation(ball.t, arrived, ball.v, slope(arrived, c.p), c), J)
+                        steep = slope(arrived, c.p)
+                        J = product(saltation(ball.t, arrived, ball.v, steep, c), J)
+                        area += log_size(steep * ball.v / arrived)
                     else:  # a touch, or a kick from rest: nearby orbits do something else
                         smooth = False
                 if kind == LIES:
@@ -106,11 +116,13 @@ def period_of(
             outcome |= flags
             if with_tangent:
                 J = product(modes(ball.t - left, c), J)
+                area -= c.alpha * (ball.t - left)
             if not contact:
                 break
+        whole = (J[0], J[1], J[2], J[3], area)
         if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
-            J = lost
+            whole = lost
         letter = CHATTER_LETTER if chattered else (STUCK_LETTER if lay else impacts)
-        return (ball.y + c.sigma, ball.v), letter, outcome, J, near, slow
+        return (ball.y + c.sigma, ball.v), letter, outcome, whole, near, slow
 
     return period

@@ -26,7 +26,8 @@ LAW = ("ratio", "speed", "law", "slope", "row")
 class Derived(NamedTuple):
     """The derivative of a map's step in the form in which it is compiled.
 
-    ``tangent(state, c) -> (state, letter, outcome, J)``; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
+    ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
+    is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
     ``source`` are the rows that these may point to: they must live as long as they are used.
     """
 

@@ -44,13 +44,27 @@ def tangent_of(
     law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
 ) -> Callable[..., Any]:
     """Return the step of the stroboscopic map with its Jacobian, for one reset law."""
-    period = period_of(law, slope, contraction, True)
+    derived = derived_of(law, slope, contraction)
 
     def tangent(state: Any, c: Any) -> Any:
+        new, letter, outcome, J = derived(state, c)
+        return new, letter, outcome, (J[0], J[1], J[2], J[3])
+
+    return tangent
+
+
+@lru_cache(maxsize=256)
+def derived_of(
+    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return the tangent of the stroboscopic map with log|det J| behind the Jacobian, for one reset law."""
+    period = period_of(law, slope, contraction, True)
+
+    def derived(state: Any, c: Any) -> Any:
         new, letter, outcome, J, _near, _slow = period(state, c)
         return new, letter, outcome, J
 
-    return tangent
+    return derived
 
 
 def above_wall(state: Any, params: Any) -> None:
@@ -139,7 +153,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
             pointed_derivative,
             model.harmonics,
             law,
-            tangent_of(pointed_law, pointed_slope, pointed_contraction),
+            derived_of(pointed_law, pointed_slope, pointed_contraction),
             constants_of(model.harmonics, section_phase),
             parameter_tuple((*model.params, "phase")),
         ),

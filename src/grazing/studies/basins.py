@@ -169,6 +169,7 @@ def plan(
         config={
             "study": "basins",
             "params": dict(P.params),
+            "axes": list(axes),
             "grid": {name: describe_values(values) for name, values in axes.items()},
             "fixed": others,
             "transient": transient,

@@ -130,6 +130,7 @@ def plan(
         title=f"chart of the {P.name} in {names}",
         config={
             "study": "chart",
+            "axes": list(runs.axes),
             "parameters": {name: describe_values(values) for name, values in runs.axes.items()},
             "exponent_steps": steps,
             **runs.config,
@@ -175,17 +176,23 @@ def rank(runs: Runs, cells: Ints, found: Columns, settled: Settled, steps: int, 
     exponent = np.full(shape, np.nan)
     grows = used & (period != ENDED)
     q, _rank = np.nonzero(grows)
-    exponent[grows] = exponents(runs, cells[q], found.points[q, -1, :, first[grows]], period[grows], steps)
+    last = found.points[q, -1, :, first[grows]], found.letters[q, :, first[grows]]
+    exponent[grows] = exponents(runs, cells[q], *last, period[grows], steps)
     arrays["exponent"][...] = exponent
 
 
-def exponents(runs: Runs, cells: Ints, states: Floats, period: NDArray[np.int32], steps: int) -> Floats:
-    """Return the largest exponent per step of orbits on their attractors, one a row of ``states``."""
+def exponents(runs: Runs, cells: Ints, states: Floats, seen: Ints, period: NDArray[np.int32], steps: int) -> Floats:
+    """Return the largest exponent per step of orbits on their attractors, one a row of ``states``.
+
+    ``seen`` are the latest letters of each orbit. A cycle is first reached by Newton's method; without a period the
+    exponent is the mean over ``steps`` steps.
+    """
     P, derived = runs.P, runs.P.derivative(runs.rows(cells))
     entry = grower(derived.tangent, derived.prepare, derived.kind, P.dimension)
-    cyclic = period > 0
-    many, result = np.where(cyclic, period, steps).astype(np.int64), np.empty(len(states))
-    call(entry, derived.rows, np.ascontiguousarray(states), many, cyclic, result, who=f"the step of {P.name}")
+    cyclic, result = period > 0, np.empty(len(states))
+    many = np.where(cyclic, period, steps).astype(np.int64)
+    points, latest = np.ascontiguousarray(states), np.ascontiguousarray(seen)
+    call(entry, derived.rows, points, latest, many, cyclic, result, who=f"the step of {P.name}")
     return result
 
 

@@ -14,7 +14,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.outcome import FATAL, InputError
-from grazing.parameter import checked_box, whole
+from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
@@ -124,7 +124,7 @@ def plan(
     bins, i = whole(bins, "bins", 1), list(P.coordinates).index(shown)
     grid = runs.axes[name]
     refuse_too_large(8 * len(grid) * (bins + 3), f"reduce values ({len(grid)}) or bins ({bins})")
-    low, high = trial_range(runs, i) if range is None else checked_box((range,), (shown,))[0]
+    low, high = trial_range(runs, i) if range is None else checked_range(range)
 
     def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
         counts = np.zeros((len(cells), bins + 3), np.int64)
@@ -167,6 +167,18 @@ def plan(
     )
 
 
+def checked_range(ends: object) -> tuple[float, float]:
+    """Return the ends of a raster, or raise InputError."""
+    wanted = f"range = {ends!r}; give (low, high), finite, low < high"
+    try:
+        low, high = (float(end) for end in ends)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise InputError(wanted) from None
+    if not -np.inf < low < high < np.inf:
+        raise InputError(wanted)
+    return low, high
+
+
 def trial_range(runs: Runs, i: int) -> tuple[float, float]:
     """Return where a few orbits at some of the values have coordinate i, and a little more."""
     (name, grid), settings = next(iter(runs.axes.items())), runs.settings
@@ -200,11 +212,10 @@ def raster(points: Any, i: int, low: float, high: float, bins: int, counts: Any)
                 width = min(BLOCK, lanes - start)
                 for j in range(width):
                     x = points[q, n, i, start + j]
-                    inside = min(floor((x - low) * scale), bins - 1.0) + 1.0
-                    inside = 0.0 if x < low else inside
-                    inside = bins + 1.0 if x > high else inside
-                    inside = inside if x == x else bins + 2.0
-                    place[j] = int(inside)
+                    inside = low <= x <= high
+                    at = min(floor(((x if inside else low) - low) * scale), bins - 1.0) + 1.0
+                    at = at if inside else (0.0 if x < low else (bins + 1.0 if x > high else bins + 2.0))
+                    place[j] = int(at)
                 for j in range(width):
                     counts[q, place[j]] += 1
 

@@ -73,9 +73,10 @@ def orthonormal(image: Any, frame: Any, sums: Any, sides: Any) -> None:
         size = 0.0
         for i in range(d):
             size += image[i, j] * image[i, j]
-        # what is left after the overlaps is rounding where the columns are dependent: a side of length zero
-        if not size > 1e-30 * before:
-            size = size if size != size else 0.0
+        if not size < inf:
+            size = nan
+        elif not size > 1e-30 * before:  # what is left after the overlaps is rounding: the columns are dependent
+            size = 0.0
         length = sqrt(size)
         sides[j] *= length
         if not LEAST < sides[j] < MOST:
@@ -102,15 +103,18 @@ def stretcher(
     Returns
     -------
     callable
-        ``run(rows, lanes, steps, frames, sums, letters, outcomes)``: lanes (columns, dim, n) are advanced by ``steps``
-        with their frames (columns, n, dim, dim); logarithms are added to sums (columns, n, dim), letters to letters
-        (columns, n), and outcomes (columns, n) are folded.
+        ``run(rows, lanes, steps, frames, sums, sides, areas, letters, outcomes)``: lanes (columns, dim, n) are advanced
+        by ``steps`` with their frames (columns, n, dim, dim); logarithms are added to sums (columns, n, dim), what is
+        not yet there is multiplied up in sides (columns, n, dim), logarithms of determinants are added to areas
+        (columns, n), letters to letters (columns, n), and outcomes (columns, n) are folded.
     """
     unpack, zero = unpacker(kind), (0.0,) * dimension
     constants = prepare if prepare is not None else _same
 
-    def run(rows: Any, lanes: Any, steps: int, frames: Any, sums: Any, letters: Any, outcomes: Any) -> None:
-        image, sides = np.empty((dimension, dimension)), np.ones(dimension)
+    def run(
+        rows: Any, lanes: Any, steps: int, frames: Any, sums: Any, sides: Any, areas: Any, letters: Any, outcomes: Any
+    ) -> None:
+        image = np.empty((dimension, dimension))
         for q in range(lanes.shape[0]):
             c = constants(unpack(rows[q]))
             for j in range(lanes.shape[2]):
@@ -119,11 +123,34 @@ def stretcher(
                     put(lanes[q], j, state)
                     letters[q, j] += letter
                     outcomes[q, j] |= outcome
+                    areas[q, j] += J[dimension * dimension]
                     carried(J, frames[q, j], image)
-                    orthonormal(image, frames[q, j], sums[q, j], sides)
-                summed(sums[q, j], sides)
+                    orthonormal(image, frames[q, j], sums[q, j], sides[q, j])
 
     return compiled(run, "strict")
+
+
+@lru_cache(maxsize=256)
+def reacher(tangent: Callable[..., Any], dimension: int) -> Callable[..., None]:
+    """Return ``reach(state, seen, N, c, x, M)``: go from a state (dim,) near a cycle of N points to the cycle.
+
+    ``seen`` (keep,) are the latest letters there. x (dim, 1) becomes the point that Newton's method reaches, or the
+    state itself where it reaches none; M is room for a matrix.
+    """
+    find = finder(tangent, dimension)
+
+    def reach(state: Any, seen: Any, N: int, c: Any, x: Any, M: Any) -> None:
+        point, tolerance = np.empty((1, dimension, 1)), np.empty((dimension, 1))
+        last = np.empty((seen.shape[0], 1), np.int64)
+        for k in range(seen.shape[0]):
+            last[k, 0] = seen[k]
+        for i in range(dimension):
+            point[0, i, 0], tolerance[i, 0] = state[i], SMALL * max(abs(state[i]), SMALL)
+        if find(point, last, 0, N, c, tolerance, x, M) != FOUND:
+            for i in range(dimension):
+                x[i, 0] = state[i]
+
+    return reach
 
 
 @lru_cache(maxsize=256)
@@ -140,13 +167,11 @@ def turner(
         method where that succeeds; turns[i] (dim, dim) becomes the derivative of one period from there, logs[i] the
         logarithm of its determinant, and letters[i] the sum of the letters.
     """
-    unpack, zero, find = unpacker(kind), (0.0,) * dimension, finder(tangent, dimension)
+    unpack, zero, reach = unpacker(kind), (0.0,) * dimension, reacher(tangent, dimension)
     constants = prepare if prepare is not None else _same
 
     def run(rows: Any, states: Any, seen: Any, steps: Any, turns: Any, logs: Any, letters: Any) -> None:
         x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
-        point, tolerance = np.empty((1, dimension, 1)), np.empty((dimension, 1))
-        last = np.empty((seen.shape[1], 1), np.int64)
         M, frame, image = (
             np.empty((dimension, dimension)),
             np.empty((dimension, dimension)),
@@ -154,14 +179,10 @@ def turner(
         )
         for n in range(states.shape[0]):
             c = constants(unpack(rows[n]))
-            letters[n] = 0
-            for k in range(seen.shape[1]):
-                last[k, 0] = seen[n, k]
+            letters[n], area = 0, 0.0
+            reach(states[n], seen[n], steps[n], c, x, M)
             for i in range(dimension):
-                point[0, i, 0], tolerance[i, 0] = states[n, i], SMALL * max(abs(states[n, i]), SMALL)
-            if find(point, last, 0, steps[n], c, tolerance, x, M) == FOUND:
-                for i in range(dimension):
-                    states[n, i] = x[i, 0]
+                states[n, i] = x[i, 0]
             for i in range(dimension):
                 x[i, 0], sums[i] = states[n, i], 0.0
                 for j in range(dimension):
@@ -170,6 +191,7 @@ def turner(
                 state, letter, _outcome, J = tangent(column(x, 0, zero), c)
                 put(x, 0, state)
                 letters[n] += letter
+                area += J[dimension * dimension]
                 carried(J, M, image)
                 for i in range(dimension):
                     for j in range(dimension):
@@ -177,9 +199,9 @@ def turner(
                 carried(J, frame, image)
                 orthonormal(image, frame, sums, sides)
             summed(sums, sides)
-            logs[n] = 0.0
+            logs[n] = area
             for i in range(dimension):
-                logs[n] += sums[i]
+                logs[n] += sums[i] if area != area else 0.0
                 for j in range(dimension):
                     turns[n, i, j] = M[i, j]
 
@@ -220,20 +242,24 @@ def grower(
     Returns
     -------
     callable
-        ``run(rows, states, steps, cyclic, exponents)``: from states[i] at the parameters rows[i], exponents[i] becomes
-        the largest exponent per step of steps[i] steps; where cyclic[i], these are a whole period, and the exponent is
-        that of its multipliers.
+        ``run(rows, states, seen, steps, cyclic, exponents)``: from states[i] at the parameters rows[i], exponents[i]
+        becomes the largest exponent per step of steps[i] steps; where cyclic[i], these are a whole period, and the
+        exponent is that of its multipliers, on the cycle if it can be reached; seen[i] (keep,) are the latest letters.
     """
-    unpack, zero = unpacker(kind), (0.0,) * dimension
+    unpack, zero, reach = unpacker(kind), (0.0,) * dimension, reacher(tangent, dimension)
     constants = prepare if prepare is not None else _same
 
-    def run(rows: Any, states: Any, steps: Any, cyclic: Any, exponents: Any) -> None:
+    def run(rows: Any, states: Any, seen: Any, steps: Any, cyclic: Any, exponents: Any) -> None:
         x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
         frame, image = np.empty((dimension, dimension)), np.empty((dimension, dimension))
         for n in range(states.shape[0]):
             c = constants(unpack(rows[n]))
             for i in range(dimension):
-                x[i, 0], sums[i] = states[n, i], 0.0
+                x[i, 0] = states[n, i]
+            if cyclic[n]:
+                reach(states[n], seen[n], steps[n], c, x, image)
+            for i in range(dimension):
+                sums[i] = 0.0
                 for j in range(dimension):
                     frame[i, j] = 1.0 if i == j else 0.0
             for _ in range(steps[n]):
@@ -248,6 +274,8 @@ def grower(
                     orthonormal(image, frame, sums, sides)
             summed(sums, sides)
             exponents[n] = (log_radius(frame) if cyclic[n] else sums[0]) / max(steps[n], 1)
+            if not exponents[n] < inf:
+                exponents[n] = nan
 
     return compiled(run, "strict")
 

@@ -29,6 +29,10 @@ Ints = NDArray[np.int64]
 TAKEN = ("start", "index", "exponent", "exponent_per_time", "return_time", "period", "word", "outcome", "trust")
 #: Steps in which the frame of deviations turns into place before anything is summed.
 WARM = 64
+#: Eigenvalues that are equal but for so many units of rounding are equal.
+ROUNDING = 32 * np.finfo(float).eps
+#: A step with its derivative takes about so many times as long as one without.
+SLOWER = 10
 #: Steps of a tile, over all its orbits.
 TILE = 100_000
 
@@ -150,7 +154,7 @@ def plan(
         variables=_variables(P, runs.settings.keep),
         compute=compute,
         together=max(1, runs.together // 8),
-        work=runs.work + lanes * steps,
+        work=runs.work + SLOWER * lanes * steps,
     )
 
 
@@ -206,12 +210,39 @@ def of_cycles(
     points, turns, logs, letters = turned(P, rows, states, seen, many)
     known = np.isfinite(turns).all(axis=(1, 2))
     moduli = np.full((n, d), np.nan)
-    moduli[known] = np.sort(np.abs(np.linalg.eigvals(turns[known])), axis=1)[:, ::-1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        exponents = np.log(moduli)
-        rest = exponents[:, :-1].sum(axis=1)
-        exponents[:, -1] = np.where(np.isfinite(rest), logs - rest, np.where(known, exponents[:, -1], np.nan))
-    return np.sort(exponents, axis=1)[:, ::-1] / many[:, None], points, points, letters
+    moduli[known] = moduli_of(turns[known])
+    with np.errstate(divide="ignore"):
+        exponents = completed(np.log(moduli), np.where(known, logs, np.nan))
+    return exponents / many[:, None], points, points, letters
+
+
+def moduli_of(M: Floats) -> Floats:
+    """Return the moduli of the eigenvalues of matrices (n, dim, dim), not ordered.
+
+    Of two by two matrices in closed form: a double eigenvalue, as at critical damping, keeps its digits then, which a
+    general method loses half of.
+    """
+    if M.shape[1] != 2:
+        return np.asarray(np.abs(np.linalg.eigvals(M)))
+    middle, half = 0.5 * (M[:, 0, 0] + M[:, 1, 1]), 0.5 * (M[:, 0, 0] - M[:, 1, 1])
+    square, cross = half * half, M[:, 0, 1] * M[:, 1, 0]
+    apart = square + cross
+    apart = np.where(np.abs(apart) <= ROUNDING * (square + np.abs(cross)), 0.0, apart)
+    root = np.sqrt(np.abs(apart))
+    pair = np.stack([np.abs(middle) + root, np.abs(np.abs(middle) - root)], axis=1)
+    return np.asarray(np.where((apart < 0.0)[:, None], np.hypot(middle, root)[:, None], pair))
+
+
+def completed(exponents: Floats, total: Floats) -> Floats:
+    """Return exponents (n, dim), greatest first, the last one being the known total less the others.
+
+    The others are those of the matrix; its least one is lost to rounding where the matrix is nearly singular.
+    """
+    ordered = -np.sort(-exponents, axis=1)
+    rest = ordered[:, :-1].sum(axis=1)
+    known = np.isfinite(rest) & ~np.isnan(total)
+    ordered[known, -1] = total[known] - rest[known]
+    return ordered
 
 
 def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
@@ -220,12 +251,15 @@ def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     derived, who = P.derivative(rows), f"the step of {P.name}"
     entry = stretcher(derived.tangent, derived.prepare, derived.kind, d)
     rows, lanes = derived.rows, np.ascontiguousarray(states)[:, :, None].copy()
-    frames, sums = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1, d))
+    frames, areas = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1))
+    sums, sides = np.zeros((n, 1, d)), np.ones((n, 1, d))
     letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
-    call(entry, rows, lanes, WARM, frames, sums, letters, outcomes, who=who)
+    found = frames, sums, sides, areas, letters, outcomes
+    call(entry, rows, lanes, WARM, *found, who=who)
     first, tile = lanes[:, :, 0].copy(), max(1, TILE // n)
-    sums[np.isfinite(sums)], letters[...] = 0.0, 0
+    sums[np.isfinite(sums)], sides[...], areas[np.isfinite(areas)], letters[...] = 0.0, 1.0, 0.0, 0
     for done in range(0, steps, tile):
-        call(entry, rows, lanes, min(tile, steps - done), frames, sums, letters, outcomes, who=who)
+        call(entry, rows, lanes, min(tile, steps - done), *found, who=who)
         yield
-    return -np.sort(-sums[:, 0], axis=1) / steps, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]
+    exponents = completed((sums + np.log(sides))[:, 0], areas[:, 0]) / steps
+    return exponents, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]

@@ -128,7 +128,8 @@ class Runs:
         """All that decides the numbers; the own value of a parameter that varies does not."""
         starts, transient, keep, seed, arithmetic, box = self.settings
         if isinstance(starts, int):
-            begin: dict[str, Any] = {"random": starts, "seed": seed, "box": self.P.box if box is None else box}
+            own = "that of the map at each value" if self.moving else self.P.box
+            begin: dict[str, Any] = {"random": starts, "seed": seed, "box": own if box is None else box}
         else:
             begin = {"given": len(starts), "sha256": labels.fingerprint(starts)}
         return {
@@ -222,6 +223,8 @@ def checked_values(name: str, values: ArrayLike) -> Floats:
     """Return finite values in a one-dimensional array, or raise InputError."""
     wanted = f"give finite values of {name} in a list or a one-dimensional array"
     try:
+        if np.iscomplexobj(values):
+            raise TypeError
         grid = np.array(values, np.float64)
     except (TypeError, ValueError):
         raise InputError(f"values are not numbers: {values!r}; {wanted}") from None

@@ -57,6 +57,8 @@ def checked_starts(starts: ArrayLike, coordinates: Sequence[str]) -> int | NDArr
         return whole(starts, "starts", 1)
     wanted = f"give a whole number >= 1, or states of shape (n, {len(coordinates)}): {', '.join(coordinates)}"
     try:
+        if np.iscomplexobj(starts):
+            raise TypeError
         states = np.array(starts, np.float64)
     except (TypeError, ValueError):
         raise InputError(f"starts are not numbers; {wanted}") from None

@@ -47,6 +47,8 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
     (True, True)
     """
     try:
+        if np.iscomplexobj(series):
+            raise TypeError
         values = np.array(series, np.float64)
     except (TypeError, ValueError):
         raise InputError("the series is not numbers; give an array of shape (n,) or (n, m)") from None
@@ -61,7 +63,10 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
 def _median(x: NDArray[np.float64], c: NDArray[np.float64]) -> float:
     if not np.isfinite(x).all():
         return float("nan")
-    if np.ptp(x) <= 1e-12 * np.abs(x).max():
+    size = np.abs(x).max()
+    if size > 0.0:
+        x = x / size
+    if np.ptp(x) <= 1e-12:
         return 0.0
     n = len(x)
     lags = np.arange(1, n // 10 + 1)
