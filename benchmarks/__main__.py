@@ -1,4 +1,4 @@
-"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [options]`."""
+"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [options]`."""
 
 from __future__ import annotations
 
@@ -20,8 +20,11 @@ from .report import write
 from .rows import rows
 from .shallow import shallow, show_shares
 from .speeds import show_goals, show_speeds
+from .studies import cost, show_costs
 
-PARTS = ("speed", "shallow", "chatter")
+PARTS = ("speed", "shallow", "chatter", "studies")
+#: Studies take seconds each: so many rounds are enough.
+STUDY_ROUNDS = 5
 QUICK = 0.2  # share of the work, of the fixed set and of the rounds in a quick run
 
 
@@ -81,7 +84,7 @@ def run(tokens: Sequence[str] | None = None) -> None:
     finders = list(FINDERS) if "shallow" in parts else []
     followers = list(FOLLOWERS) if "chatter" in parts else []
     names = [selected(group, options.only) for group in (every, finders, followers)]
-    if not any(names):
+    if not any(names) and (parts != {"studies"} or options.only):
         known = "; ".join(dict.fromkeys([*every, *finders, *followers]))
         raise BadInput(f"--only {' '.join(options.only)!r} fits no row; there are: {known}")
 
@@ -99,8 +102,12 @@ def run(tokens: Sequence[str] | None = None) -> None:
     tell("")
     if bounces:
         show_bounces(out, bounces)
+    costs = cost(min(rounds, STUDY_ROUNDS), share, tell) if "studies" in parts and not options.only else []
+    tell("")
+    if costs:
+        show_costs(out, costs)
     if options.json is not None:
-        write(options.json, rounds, results, seen, bounces)
+        write(options.json, rounds, results, seen, bounces, costs)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

@@ -7,6 +7,7 @@ import math
 import os
 import platform
 from collections.abc import Sequence
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
@@ -15,12 +16,18 @@ from typing import Any
 from .chatter import Chatter
 from .measure import Result, beside, ratio
 from .shallow import DEPTHS, Shallow
+from .studies import Cost
 
 PACKAGES = ("grazing", "numba", "numpy", "scipy", "heyoka", "diffrax", "jax", "scikit-sundae")
 
 
 def write(
-    file: Path, rounds: int, results: Sequence[Result], seen: Sequence[Shallow], bounces: Sequence[Chatter]
+    file: Path,
+    rounds: int,
+    results: Sequence[Result],
+    seen: Sequence[Shallow],
+    bounces: Sequence[Chatter],
+    costs: Sequence[Cost] = (),
 ) -> None:
     """Write everything to a JSON file; docs/benchmarks.md says what the fields mean."""
     content = {
@@ -40,6 +47,7 @@ def write(
             }
             for c in bounces
         ],
+        "studies": [asdict(one) for one in costs],
     }
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 

@@ -52,8 +52,8 @@ app = App(
     name="grazing",
     help="Oscillators that hit things: impacts, grazing bifurcations and the maps that describe them.",
     help_format="plaintext",
-    help_epilogue="Exit codes: 0 done, 1 failed, 2 wrong usage or input, 3 incomplete (a sweep that can be resumed),\n"
-    "130 interrupted.",
+    help_epilogue="Exit codes: 0 done, 1 failed, 2 wrong usage or input,\n"
+    "3 incomplete: a sweep that can be resumed, 130 interrupted.",
     version=f"grazing {__version__}",
     default_parameter=Parameter(negative=()),
     suppress_keyboard_interrupt=False,

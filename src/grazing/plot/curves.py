@@ -103,8 +103,15 @@ def _place(own: Floats, others: list[Floats], taken: list[Floats]) -> tuple[Floa
     if len(own) < 3:
         return None
     candidates = np.arange(1, len(own) - 1)[:: max(1, len(own) // SAMPLES)]
-    room = 2.0 * np.minimum(own[candidates], 1.0 - own[candidates]).min(axis=1)  # a name is longer than high
-    room = np.minimum(room, 0.36)
+    # first of all clear of the frame and of other names, where there is such a place
+    frame = np.minimum(own[candidates], 1.0 - own[candidates]).min(axis=1)
+    apart = np.full(candidates.size, np.inf)
+    for name in taken:
+        apart = np.minimum(apart, np.hypot(*(own[candidates] - name).T))
+    clear = (frame >= 0.07) & (apart >= 0.14)
+    if clear.any():
+        candidates, frame = candidates[clear], frame[clear]
+    room = np.minimum(2.0 * frame, 0.36)  # a name is longer than high
     for points, weight in [*((s, 1.0) for s in others if len(s)), *((t[None, :], 0.6) for t in taken)]:
         gap = np.hypot(*(own[candidates][:, None, :] - points[None, :, :]).transpose(2, 0, 1)).min(axis=1)
         room = np.minimum(room, weight * gap)

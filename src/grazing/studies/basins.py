@@ -146,7 +146,7 @@ def plan(
     size = int(np.prod(shape)) * (4 + 8 + 8 * P.dimension + 4 + 1 + 4)
     refuse_too_large(size, "reduce " + ", ".join(f"{name} ({n})" for name, n in zip(axes, shape, strict=True)))
     if P.check is not None:
-        for corner in product(*[(0, n - 1) for n in shape]):
+        for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
             state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
             P.check(tuple(state[:, 0].tolist()), P.params)
     row = np.array([list(P.params.values()) or [0.0]])
@@ -293,8 +293,10 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         ),
     }
     kept = result.drop_vars(["reached_period", "reached_word", "reached_point"])
-    if P.model is not None and P.name == "stroboscopic map":
-        curve, order = grazing_arrays(P.model, P.params["phase"], preimages, CURVE)
+    if P.model is not None and P.name == "stroboscopic map" and len(axes) == 2:
+        named = list(enumerate(P.coordinates))
+        ends = [(float(axes[name].min()), float(axes[name].max())) if name in axes else P.box[i] for i, name in named]
+        curve, order = grazing_arrays(P.model, P.params["phase"], preimages, CURVE, box=ends)
         table["graze"] = (
             ("graze_point", "coordinate"),
             curve,

@@ -41,18 +41,18 @@ def basin_entropy(grid: NDArray[np.int64]) -> dict[str, float]:
     }
 
 
-def uncertain_share(grid: NDArray[np.int64], distance: int) -> float:
+def uncertain_share(grid: NDArray[np.int64], distance: int, longest: int) -> float:
     """Return the share of cells with a neighbour, so many cells away along an axis, on another attractor.
 
-    Only cells that have both neighbours along every axis count.
+    The cells are those that have both neighbours along every axis at the longest distance, the same for all distances.
     """
-    inner = tuple(slice(distance, n - distance) for n in grid.shape)
+    inner = tuple(slice(longest, n - longest) for n in grid.shape)
     here = grid[inner]
     uncertain = np.zeros(here.shape, bool)
     for axis in range(grid.ndim):
         for shift in (-distance, distance):
             moved = list(inner)
-            moved[axis] = slice(distance + shift, grid.shape[axis] - distance + shift)
+            moved[axis] = slice(longest + shift, grid.shape[axis] - longest + shift)
             uncertain |= grid[tuple(moved)] != here
     return float(uncertain.mean())
 
@@ -74,8 +74,8 @@ def uncertainty(grid: NDArray[np.int64]) -> dict[str, float]:
     """
     longest = max(1, int(REACH * min(grid.shape)))
     distances = np.unique(np.geomspace(1, longest, DISTANCES).round().astype(int))
-    usable = [k for k in distances.tolist() if 2 * k < min(grid.shape)]
-    shares = np.array([uncertain_share(grid, k) for k in usable])
+    usable = [k for k in distances.tolist() if 2 * longest < min(grid.shape)]
+    shares = np.array([uncertain_share(grid, k, longest) for k in usable])
     met = (shares > 0.0) & (shares < 1.0)
     slope = error = float("nan")
     if met.sum() >= 3:

@@ -28,9 +28,9 @@ Ints = NDArray[np.int64]
 #: Names of variables and dimensions of the result, which a parameter must not have.
 TAKEN = (
     "attractor", "start", "coordinate", "change", "period", "word", "share", "lifetime", "reached", "steps", "last",
-    "before", "after", "word_before", "word_after", "kind",
+    "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
 )  # fmt: skip
-#: An orbit has settled once it stays this near its cycle, in units of the cycle's size.
+#: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it ever has.
 ARRIVED = 1e-6
 #: The number of steps of an orbit that settled on no cycle.
 NEVER = -1
@@ -66,9 +66,9 @@ def coexistence(
     xarray.Dataset
         Tables on the dimension "attractor", in the order of first appearance: ``period`` (0 undecided, -1 aperiodic as
         far as seen, -2 ended) and ``word``. On (name, "attractor"): ``share`` of the starts, and ``lifetime``, the
-        mean number of steps before an orbit stays within 1e-6 of the cycle's size of its cycle; not a number where
-        there is none. On (name, "start"): ``reached``, the row of the table, and ``steps``, its lifetime (-1 for
-        none).
+        mean number of steps after which an orbit was last away from its cycle, by more than 1e-6 of the greatest
+        coordinate of its start or cycle; not a number where there is none. On (name, "start"): ``reached``, the row of
+        the table, and ``steps``, its lifetime (-1 for none).
         On the dimension "change": ``before`` and ``after``, neighbouring values, ``word_before`` and ``word_after``,
         ``period_before`` and ``period_after`` (0 for none), and ``kind``: *appears*, *disappears*, *doubles*, *halves*,
         or *relabelled*, where an impact crosses the strobe: the same orbit, no bifurcation.
@@ -159,19 +159,20 @@ def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]
     """
     steps = runs.settings.transient + runs.settings.keep
     cycles, result = np.ascontiguousarray(found.points), np.zeros(period.shape, np.int64)
-    n, lanes, who = 0, runs.states(cells), runs.rows(cells)
-    for part in pieces(runs.P, who, lanes, 0, steps, runs.settings.arithmetic):
-        call(compiled_arrival(), part.points, cycles, period, n, steps, result)
+    n, lanes, rows = 0, runs.states(cells), runs.rows(cells)
+    near = ARRIVED * np.maximum(np.abs(cycles).max(axis=(1, 2)), np.abs(lanes).max(axis=1))
+    for part in pieces(runs.P, rows, lanes, 0, steps, runs.settings.arithmetic):
+        call(compiled_arrival(), part.points, cycles, period, near, n, steps, result)
         n += part.points.shape[1]
         yield
     return np.where(period > 0, result, NEVER)
 
 
-def arrival(points: Any, cycles: Any, period: Any, done: int, total: int, last: Any) -> None:
+def arrival(points: Any, cycles: Any, period: Any, near: Any, done: int, total: int, last: Any) -> None:
     """Write to ``last`` how many steps each orbit had made when it was last away from its cycle.
 
     ``points`` (columns, steps, dim, n) are those of the steps after ``done`` of ``total``; ``cycles`` (columns, keep,
-    dim, n) the last ones of all.
+    dim, n) the last ones of all; within ``near`` (columns, n) is not away.
     """
     columns, steps, dimension, lanes = points.shape
     keep = cycles.shape[1]
@@ -181,12 +182,9 @@ def arrival(points: Any, cycles: Any, period: Any, done: int, total: int, last: 
             if N < 1:
                 continue
             for i in range(dimension):
-                size = 0.0
-                for k in range(keep - N, keep):
-                    size = max(size, abs(cycles[q, k, i, j]))
                 for n in range(steps):
                     k = keep - 1 - (total - 1 - done - n) % N
-                    if not abs(points[q, n, i, j] - cycles[q, k, i, j]) <= ARRIVED * size:
+                    if not abs(points[q, n, i, j] - cycles[q, k, i, j]) <= near[q, j]:
                         last[q, j] = max(last[q, j], done + n + 1)
 
 

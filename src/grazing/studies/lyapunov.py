@@ -239,10 +239,10 @@ def completed(exponents: Floats, total: Floats) -> Floats:
     The others are those of the matrix; its least one is lost to rounding where the matrix is nearly singular.
     """
     ordered = -np.sort(-exponents, axis=1)
-    rest = ordered[:, :-1].sum(axis=1)
+    rest = ordered[:, :-1].sum(axis=1)  # minus infinity where the orbit chatters or sticks
     known = np.isfinite(rest) & ~np.isnan(total)
     ordered[known, -1] = total[known] - rest[known]
-    return ordered
+    return -np.sort(-ordered, axis=1)  # equal ones may have changed places by rounding
 
 
 def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:

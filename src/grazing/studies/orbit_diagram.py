@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -73,8 +73,8 @@ def orbit_diagram(
         ``progress(done, total)``, called now and then with the number of finished values.
     sweep : {"up", "down"}, optional
         Begin at each value where the orbits of the next smaller ("up") or larger ("down") value ended, so that
-        hysteresis shows; the first value has the ``starts``, and so has an orbit that ended. None: every value has
-        its own starts.
+        hysteresis shows; the first value has the ``starts``, and so has an orbit that ended or that a moving wall
+        overtook. None: every value has its own starts.
 
     Returns
     -------
@@ -138,10 +138,12 @@ def plan(
             yield from _fill(runs, cells, arrays, slice(0, len(cells)), None)
             return
         order = np.argsort(grid[cells], kind="stable")
-        states = runs.states(cells[order[:1]])
-        for i in (order if sweep == "up" else order[::-1]).tolist():
-            alive = np.isfinite(states).all(axis=1, keepdims=True)
-            states = np.where(alive, states, runs.states(cells[i : i + 1]))
+        order = order if sweep == "up" else order[::-1]
+        states = np.full((1, P.dimension, lanes), np.nan)
+        for i in order.tolist():
+            at = {**P.params, name: float(grid[cells[i]])}
+            allowed = [_allowed(P, state, at) for state in states[0].T]
+            states = np.where(allowed, states, runs.states(cells[i : i + 1]))
             yield from _fill(runs, cells[i : i + 1], arrays, slice(i, i + 1), states)
 
     return Plan(
@@ -157,6 +159,16 @@ def plan(
         work=runs.work,
         sequential=sweep is not None,
     )
+
+
+def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:
+    """Return whether an orbit may begin at a state: not where one ended, nor where a wall has moved."""
+    try:
+        if P.check is not None:
+            P.check(tuple(state.tolist()), params)
+    except InputError:
+        return False
+    return bool(np.isfinite(state).all())
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
