@@ -196,6 +196,38 @@ def test_example_passive_and_active(tmp_path):
     assert out.read_bytes().startswith(b"\x89PNG")
 
 
+def example(name, tmp_path, *tokens):
+    """Run an example at a reduced size; return what it returns, and check the figure it wrote."""
+    out = tmp_path / f"{name}.png"
+    found = load(ROOT / "examples" / f"{name}.py").main([*tokens, "--out", str(out)])
+    assert out.read_bytes().startswith(b"\x89PNG")
+    return found
+
+
+def test_example_hysteresis(tmp_path):
+    differ = example("hysteresis", tmp_path, "--values", "60")
+    # the orbits differ in the three overlaps of windows, and nowhere else
+    overlaps = [(0.0984, 0.1034), (0.1219, 0.1236), (0.1282, 0.1288)]
+    assert all(any(low < d < high for low, high in overlaps) for d in differ)
+    assert any(overlaps[0][0] < d < overlaps[0][1] for d in differ)
+
+
+def test_example_chart_with_theory(tmp_path):
+    several = example("chart_with_theory", tmp_path, "--size", "12", "--lines", "5")
+    assert 0.0 < several < 0.5
+
+
+def test_example_coexisting_basins(tmp_path):
+    fractions = example("coexisting_basins", tmp_path, "--size", "40")
+    assert fractions.keys() == {"01", "001"}
+    assert sum(fractions.values()) == pytest.approx(1.0)
+
+
+def test_example_robust_chaos(tmp_path):
+    shares = example("robust_chaos", tmp_path, "--values", "60")
+    assert shares[0.0] > 2 * shares[0.5] > 0.0
+
+
 def test_example_own_reset_law():
     seen = load(ROOT / "examples" / "own_reset_law.py").main()
     assert [sum(letters) for letters in seen.values()] == [3, 3, 4]

@@ -135,7 +135,7 @@ def test_what_cannot_be_loaded(tmp_path):
     damaged.write_bytes(ours.read_bytes()[:500])
     for path, said in [
         (tmp_path / "none.nc", "there is no file .*none.nc"),
-        (tmp_path, "is a folder; give a file that gz.save wrote"),
+        (tmp_path, "is a folder: give the store of a sweep, or a file that gz.save wrote; "),
         (foreign, "foreign.nc was not written by gz.save; open it with xarray.open_dataset instead"),
         (text, "text.nc was not written by gz.save"),
         (damaged, "damaged.nc is damaged and cannot be read"),

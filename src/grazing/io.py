@@ -110,7 +110,12 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     if source.is_dir():
         from grazing.sweep import open_store
 
-        return open_store(source)
+        try:
+            return open_store(source)
+        except InputError as error:
+            raise InputError(
+                f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
+            ) from error
     try:
         with open(source, "rb") as file:
             ours = file.read(3) == b"CDF"
