@@ -45,6 +45,19 @@ def called_for_all(function: float, work: Any, start: int, end: int, row: float)
     pointed[int(function)](work, start, end, numbers_at(row))
 
 
+def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
+    """Copy eight records of eight numbers from a table to eight rows of ``work``, number h of record k to place k of row h.
+
+    The rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the table,
+    counted through all its rows. Compiled code reads and writes whole vectors.
+    """
+    numbers = table.reshape(-1)
+    for k in range(8):
+        record = int(work[where + k]) + plus
+        for h in range(8):
+            work[to + h * step + k] = numbers[record + h]
+
+
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
 pointed: list[Callable[..., Any]] = []
 
@@ -105,6 +118,44 @@ def _register() -> None:
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, types.int64, types.int64, types.float64), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        vector, places = ir.VectorType(number, 8), ir.VectorType(count, 8)
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            out = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
+            source = ctx.make_array(signature.args[3])(ctx, builder, args[3]).data
+
+            def place(pointer: Any, index: Any) -> Any:
+                return builder.bitcast(builder.gep(pointer, [index]), vector.as_pointer())
+
+            def loaded(pointer: Any, index: Any) -> Any:
+                found = builder.load(place(pointer, index))
+                found.align = 8
+                return found
+
+            starts = builder.fptosi(loaded(out, args[4]), places)
+            lanes = [builder.extract_element(starts, ir.Constant(ir.IntType(32), k)) for k in range(8)]
+            rows = [loaded(source, builder.add(lane, args[5])) for lane in lanes]
+            for size in (1, 2, 4):  # blocks of this size change places across the diagonal
+                for k in range(8):
+                    if k & size == 0:
+                        a, b = rows[k], rows[k + size]
+                        upper = [j + 8 - size if j & size else j for j in range(8)]
+                        lower = [j + 8 if j & size else j + size for j in range(8)]
+                        kinds = [ir.Constant(ir.VectorType(ir.IntType(32), 8), mask) for mask in (upper, lower)]
+                        rows[k], rows[k + size] = (builder.shuffle_vector(a, b, kind) for kind in kinds)
+            for h, row in enumerate(rows):
+                at_row = builder.add(args[1], builder.mul(args[2], count(h)))
+                builder.store(row, place(out, at_row)).align = 8
+            return ctx.get_dummy_value()
+
+        return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
+
+    @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
+    def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        return lambda work, to, step, table, where, plus: transposing(work, to, step, table, where, plus)
 
     @overload(called, strict=False)  # type: ignore[untyped-decorator]
     def _called(function: Any, v: Any, row: Any) -> Any:

@@ -17,37 +17,42 @@ from grazing.maps.columns import Columns
 from grazing.maps.period import period_of
 from grazing.oscillator.block import (
     AFTER,
+    BACK,
     BEFORE,
     C1,
     C2,
     COLUMN,
     DOUBT,
     EVENT,
+    FLIES,
+    INSIDE,
     LANES,
+    LEAST,
     LIMIT,
+    LOW,
     NEAR,
-    NEXT,
-    NOTHING,
+    ONE_ON,
     PROVEN,
     PULL,
-    SINCE,
     SLOW,
     WHEN,
+    WIDER,
     WIDTH,
     X1,
     X2,
+    Z1,
+    Z2,
     U,
     V,
-    cell_of,
     certify,
     certify_rest,
     dip_of,
-    gathered,
     guess_of,
     kick,
-    next_event,
+    locate,
+    look_up,
+    onward,
     solve_of,
-    spread_constants,
     strike_of,
     workspace_size,
 )  # fmt: skip
@@ -55,8 +60,6 @@ from grazing.oscillator.cells import (
     BAND,
     CERTIFICATE,
     MARGIN,
-    MAX_CERTIFICATE,
-    ONWARD,
     PAIR,
     SIGMA,
     STATE,
@@ -138,72 +141,82 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
                 hits[i], flags[i] = letter, outcome
 
-    @inlined
-    def placed(w: Any, to: int, t: Any, q: int, cell: int, x: float, y: float, doubt: float) -> None:
-        """Put an orbit with an impact in this cell to the impacts at hand."""
-        gathered(w, to, t, q, cell, harmonics)
-        w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
-
-    def first_impacts(
-        w: Any, t: Any, columns: int, seg: Any, who: Any, event: Any, cell: Any, met: Any, wanted: Any, needy: Any
-    ) -> int:
-        """Gather the first impacts of the orbits that the certificate did not settle; return their number."""
+    def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, who: Any, met: Any) -> int:
+        """Put the orbits that the certificate did not settle to the impacts at hand; return their number."""
         places = 0
         for q in range(columns):
-            for k in range(seg[q], seg[q + 1]):
-                i = who[k]
-                found = int(w[at(EVENT + i)])
-                if found == 0:  # not surely above the wall at the strobe
-                    wanted[i] = 1
-                    needy[q] += 1
-                    continue
-                x, y, doubt = w[at(C1 + i)], w[at(C2 + i)], w[at(LIMIT + i)]
-                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
-                placed(w, places, t, q, inside, x, y, doubt)
-                who[places], event[places], cell[places], met[places] = i, found, inside, 0
-                places += 1
+            first, start = q * stride, places
+            for i in range(first, first + starts if tabled[q] else first):
+                who[at(places)] = i
+                places += 0 if w[at(LEAST + i)] >= w[at(LIMIT + i)] else 1
+            for k in range(start, places):
+                i = who[at(k)]
+                w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)] = w[at(C1 + i)], w[at(C2 + i)], w[at(LIMIT + i)]
+                w[at(ONE_ON + k)], w[at(COLUMN + k)], w[at(BACK + k)] = 0.0, float(q), -1.0
+                met[at(k)] = 0
         return places
 
+    def runs_of(w: Any, places: int, runs: Any) -> int:
+        """Find the runs of equal columns among the impacts at hand: where each begins; return their number."""
+        count, last = 0, -1.0
+        for k in range(places):
+            runs[at(count)] = k
+            count += 1 if w[at(COLUMN + k)] != last else 0
+            last = w[at(COLUMN + k)]
+        runs[count] = places
+        return count
+
+    @inlined
+    def placed(
+        w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float
+    ) -> None:
+        """Put a flight whose next impact is to be found from place ``since`` on to the impacts at hand."""
+        w[at(COLUMN + to)] = q
+        w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
+        w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
+
     def impacts(
-        w: Any, low: Any, t: Any, places: int, who: Any, event: Any, cell: Any, met: Any, hits: Any, wanted: Any,
+        w: Any, low: Any, t: Any, places: int, who: Any, met: Any, runs: Any, hits: Any, wanted: Any,
         needy: Any, strike: float, law_rows: float,
     ) -> None:  # fmt: skip
         """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
         while places > 0:
-            spread_constants(w, places, t)
+            columns = runs_of(w, places, runs)
+            locate(w, t, runs, columns)
+            look_up(w, t, runs, columns, harmonics)
             guess(w, places)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
-            kick(w, places)
-            certify_rest(w, places, t)
+            kick(w, t, runs, columns)
+            certify_rest(w, t, runs, columns)
             count, dips = places, 0
             places = 0
             for k in range(count):
                 i = who[k]
-                if w[at(PROVEN + k)] > 0.0:
+                if w[at(FLIES + k)] > 0.0:
                     w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
-                    if w[at(NEXT + k)] == NOTHING:
-                        w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
+                    x, y, doubt = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)]
+                    if w[at(LOW + k)] >= doubt:
+                        w[at(C1 + i)], w[at(C2 + i)] = x, y
                         hits[i] = met[k] + 1
                         continue
-                    found, before, when = int(w[at(NEXT + k)]), cell[k], w[at(WHEN + k)]
-                    x, y, doubt, q = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)], int(w[at(COLUMN + k)])
-                    inside = cell_of(t, q, found, x, y, doubt, before, harmonics)
-                    placed(w, places, t, q, inside, x, y, doubt)
-                    if inside == before:
-                        w[at(SINCE + places)] = when
-                    who[places], event[places], cell[places], met[places] = i, found, inside, met[k] + 1
+                    since, cell, when = w[at(ONE_ON + k)], w[at(INSIDE + k)], w[at(WHEN + k)]
+                    placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when)
+                    who[places], met[places] = i, met[k] + 1
                     places += 1
-                elif event[k] % 2 == 1:
+                elif int(w[at(EVENT + k)]) % 2 == 1:
                     for j in range(X1, work, WIDTH):
                         low[at(j + dips)] = w[at(j + k)]
-                    low[at(C1 + dips)], low[at(C2 + dips)], low[at(NEAR + dips)] = float(i), float(event[k]), met[k]
+                    low[at(Z1 + dips)], low[at(Z2 + dips)] = w[at(X1 + k)], w[at(X2 + k)]
+                    low[at(ONE_ON + dips)] = w[at(EVENT + k)] + 1.0
+                    low[at(C1 + dips)], low[at(C2 + dips)] = float(i), float(met[k])
                     dips += 1
                 else:
                     wanted[i] = 1
                     needy[int(w[at(COLUMN + k)])] += 1
             if dips > 0:
                 dip(low, dips)
+                certify_rest(low, t, runs, runs_of(low, dips, runs))
             for k in range(dips):
                 i, q = int(low[at(C1 + k)]), int(low[at(COLUMN + k)])
                 if not low[at(PROVEN + k)] > 0.0:
@@ -212,27 +225,14 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     continue
                 if low[at(PULL + k)] > 0.0:
                     w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
-                x, y, doubt = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)]
-                found = next_event(t, q, x, y, doubt, int(low[at(C2 + k)]) + 1)
-                if found == NOTHING:
+                x, y, doubt, met_there = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)], int(low[at(C2 + k)])
+                if low[at(LOW + k)] >= doubt:
                     w[C1 + i], w[C2 + i] = x, y
-                    hits[i] = int(low[at(NEAR + k)])
+                    hits[i] = met_there
                     continue
-                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
-                placed(w, places, t, q, inside, x, y, doubt)
-                who[places], event[places], cell[places] = i, found, inside
-                met[places] = int(low[at(NEAR + k)])
+                placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0)
+                who[places], met[places] = i, met_there
                 places += 1
-
-    def onward(w: Any, start: int, end: int, t: Any, q: int) -> None:
-        """Take the pairs of column q over to the next period."""
-        start = max(start, 0)
-        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
-        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
-        for i in range(start, end):
-            x, y = w[at(C1 + i)], w[at(C2 + i)]
-            w[at(C1 + i)] = a00 * x + (a01 * y + s0)
-            w[at(C2 + i)] = a10 * x + (a11 * y + s1)
 
     def run(
         rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
@@ -240,27 +240,27 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     ) -> None:  # fmt: skip
         top, bottom, left, right, blocks, transient, start, stop = job
         columns, starts = bottom - top, right - left
+        stride = padded(starts)
         last = outcomes.shape[1] - 1
-        t = np.empty((columns, size))
+        t = np.zeros((columns, size))
         tabled = np.zeros(columns, np.int64)
         w, low = np.zeros(work), np.zeros(work)
-        who, event = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
-        cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        who, runs = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
-        seg, held, fresh = np.zeros(columns + 1, np.int64), np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
+        held, fresh = np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
         for q in range(columns):
             c = constants_at(rows, top + q)
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
             for j in range(starts):
-                i = q * starts + j
+                i = q * stride + j
                 w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
                 w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
                 held[i] = held_back(w, i, t, q, tabled[q])
         for n in range(transient + stop - start):
-            count = 0
+            certify(w, t, columns, stride)
             for q in range(columns):
-                first = q * starts
-                seg[q] = count
+                first = q * stride
                 needy[q] = 0
                 if n >= transient:
                     for i in range(first, first + starts):
@@ -269,24 +269,18 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     needy[q] = starts
                     for i in range(first, first + starts):
                         wanted[i] = 1
-                    continue
-                certify(w, first, first + starts, t, q)
-                for i in range(first, first + starts):
-                    who[at(count)] = i
-                    count += 1 if w[at(EVENT + i)] < NOTHING else 0
-            seg[columns] = count
-            places = first_impacts(w, t, columns, seg, who, event, cell, met, wanted, needy)
-            impacts(w, low, t, places, who, event, cell, met, hits, wanted, needy, strike, law_rows)
+            places = candidates(w, columns, stride, starts, tabled, who, met)
+            impacts(w, low, t, places, who, met, runs, hits, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
-                first = q * starts
                 if needy[q]:
-                    for i in range(first, first + starts):
+                    for i in range(q * stride, q * stride + starts):
                         if wanted[i] and held[i] == FLOWN:
                             w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
-                if tabled[q]:
-                    onward(w, first, first + starts, t, q)
+            onward(w, t, columns, stride)
+            for q in range(columns):
+                first = q * stride
                 if fresh[q]:
                     for i in range(first, first + starts):
                         held[i] = held[i] if wanted[i] else FLOWN
@@ -316,7 +310,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             points[top + q, kept, 1, left + j] = w[V + first + j]
         for q in range(columns):
             for j in range(starts):
-                i = q * starts + j
+                i = q * stride + j
                 if held[i] == FLOWN:
                     w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
                 lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
@@ -325,6 +319,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
+
+
+def padded(starts: int) -> int:
+    """Return the room of a column in a block: whole vectors, so that loops that run over the end hit no neighbour."""
+    return (starts + 15) // 16 * 16
 
 
 def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
@@ -338,11 +337,11 @@ def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
         x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
         margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
         at = CERTIFICATE
-        height = t[q, at] * x + (t[q, at + MAX_CERTIFICATE] * y + t[q, at + 2 * MAX_CERTIFICATE])
+        height = t[q, at] * x + (t[q, at + 4] * y + t[q, at + 8])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i] = x, y
+            w[C1 + i], w[C2 + i], w[LIMIT + i] = x, y, margin
             return FRESH
-    w[C1 + i], w[C2 + i] = NAN, NAN  # fails every row of the certificate, the first one first
+    w[C1 + i], w[C2 + i], w[LIMIT + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
     return HELD
 
 
@@ -413,7 +412,7 @@ def ensemble_tasks(
     flat = np.ascontiguousarray(np.hstack([rows[:, :flight], rows[:, -1:], known, here])).ravel()
     entry = ensemble(harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
-    shape = max(1, LANES // starts), min(starts, LANES)
+    shape = max(1, LANES // padded(starts)), min(starts, LANES)
 
     def task(top: int, left: int) -> Iterator[None]:
         box = top, min(top + shape[0], len(rows)), left, min(left + shape[1], starts)

@@ -14,190 +14,178 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import at, inlined
+from grazing.kernel.primitives import at, inlined, transposed
 from grazing.oscillator.cells import (
     ALPHA,
-    CELL,
     CELLS,
     CERTIFICATE,
     COUNT,
-    END,
     F0,
-    FIRST,
     FORCE,
-    GO_ON,
+    FREE,
     GROWTH,
-    HIGH_END,
     K2,
     LEVER,
-    LOW_END,
     MARGIN,
-    MAX_CELLS,
-    MAX_CERTIFICATE,
     OMEGA2,
+    ONWARD,
     RATIO,
+    ROW_COUNT,
+    ROWS,
     SLOWEST,
-    TIME_LEFT,
+    cell_size,
 )  # fmt: skip
 from grazing.oscillator.taylor import bends, expand, rough, value
 
 #: Orbits of a block, and the room of an array in the workspace: loops may run over by a vector or two.
-LANES = 512
+LANES = 1024
 WIDTH = LANES + 64
 
-# Arrays over the orbits of a block: the pair (c1, c2), the margin, what comes first in the period, the narrowest miss,
-# the slowest impact, and the state where the scalar routine is needed.
-C1, C2, LIMIT, EVENT, NEAR, SLOW, U, V = (i * WIDTH for i in range(8))
-# Arrays over the impacts at hand: pair, margin, and what comes next after the impact,
-X1, X2, DOUBT, NEXT = (i * WIDTH for i in range(8, 12))
-# the cell: Y, Y', b1, b1', b2, b2', where its series begins and ends, time left in the window, place to go on from,
-YM, VM, B1, D1, B2, D2, SINCE, UNTIL, ROOM, ONE_ON = (i * WIDTH for i in range(12, 22))
+# Arrays over the orbits of a block: the pair (c1, c2), the margin, the least row, the narrowest miss, the slowest impact,
+# and the state where the scalar routine is needed.
+C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V = (i * WIDTH for i in range(8))
+# Arrays over the impacts at hand: pair, margin, the place of what comes next, its cell, where that stands in the table,
+# the cell of the impact before;
+X1, X2, DOUBT, EVENT, INSIDE, RECORD, BACK = (i * WIDTH for i in range(8, 15))
 # constants of the column, and which it is,
-A, K, F, W2, M, FAR, GAP, SLOWEST_ALLOWED, WORSE, COLUMN = (i * WIDTH for i in range(22, 32))
-# results: time, velocity before and after, slope of the law, acceleration, 1 where proven;
-WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 38))
-# harmonics of the force at the middle of the series, two arrays each.
-WAVES = 38 * WIDTH
+A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, COLUMN = (i * WIDTH for i in range(15, 24))
+# results: time, velocity before and after, slope of the law, acceleration, 1 where proven,
+WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(24, 30))
+# after the impact: pair, margin, 1 where the ball flies, the least row;
+Z1, Z2, WIDER, FLIES, LOW = (i * WIDTH for i in range(30, 35))
+# the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it begins and ends, time left in the
+# window, place to go on from; the harmonics.
+YM, VM, B1, D1, B2, D2, SINCE, UNTIL, ROOM, ONE_ON, WAVES = (i * WIDTH for i in range(35, 46))
 
 NAN = float("nan")
-#: No event in the rest of the period.
-NOTHING = 1e9
+#: Above every row that counts, below every margin of numbers that overflow.
+HIGH = 1e280
 
 
 def workspace_size(harmonics: int) -> int:
     """Return how many numbers the workspace of a block has."""
-    return WAVES + 2 * harmonics * WIDTH
+    return YM + cell_size(harmonics) * WIDTH
 
 
-def certify(w: Any, start: int, end: int, t: Any, q: int) -> None:
-    """Ask the certificate about orbits start to end, all of column q: EVENT gets the place of the first row that fails.
+def certify(w: Any, t: Any, columns: int, stride: int) -> None:
+    """Ask the certificate about all orbits: LEAST gets the least row.
 
-    NOTHING is proof that there is no impact in the period. Runs over the end.
+    LEAST >= LIMIT is proof that there is no impact in the period.
     """
-    start = max(start, 0)
-    m0, m1, m2 = t[q, MARGIN], t[q, MARGIN + 1], t[q, MARGIN + 2]
-    count = int(t[q, COUNT])
-    for base in range(start, end, 16):
-        for j in range(count - 4, -1, -4):
+    for q in range(columns):
+        start, end = q * stride, (q + 1) * stride
+        for j in range(0, 4 * int(t[q, COUNT]), 16):
             i = CERTIFICATE + j
-            p0, q0, r0 = t[q, i], t[q, i + MAX_CERTIFICATE], t[q, i + 2 * MAX_CERTIFICATE]
-            p1, q1, r1 = t[q, i + 1], t[q, i + 1 + MAX_CERTIFICATE], t[q, i + 1 + 2 * MAX_CERTIFICATE]
-            p2, q2, r2 = t[q, i + 2], t[q, i + 2 + MAX_CERTIFICATE], t[q, i + 2 + 2 * MAX_CERTIFICATE]
-            p3, q3, r3 = t[q, i + 3], t[q, i + 3 + MAX_CERTIFICATE], t[q, i + 3 + 2 * MAX_CERTIFICATE]
-            i += 3 * MAX_CERTIFICATE
-            o0, o1, o2, o3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
+            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
+            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
+            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
+            for base in range(start, end, 16):
+                for k in range(16):
+                    i = base + k
+                    x, y = w[at(C1 + i)], w[at(C2 + i)]
+                    least = HIGH if j == 0 else w[at(LEAST + i)]
+                    z0, z1 = p0 * x + (q0 * y + r0), p1 * x + (q1 * y + r1)
+                    z2, z3 = p2 * x + (q2 * y + r2), p3 * x + (q3 * y + r3)
+                    least = z0 if z0 < least else least
+                    least = z1 if z1 < least else least
+                    least = z2 if z2 < least else least
+                    w[at(LEAST + i)] = z3 if z3 < least else least
+
+
+def onward(w: Any, t: Any, columns: int, stride: int) -> None:
+    """Take all pairs over to the next period; LIMIT gets their margins."""
+    for q in range(columns):
+        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
+        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
+        m0, m1, m2 = t[q, MARGIN], t[q, MARGIN + 1], t[q, MARGIN + 2]
+        for base in range(q * stride, (q + 1) * stride, 16):
             for k in range(16):
                 i = base + k
                 x, y = w[at(C1 + i)], w[at(C2 + i)]
-                d = m0 + (m1 * abs(x) + m2 * abs(y)) if j + 4 == count else w[at(LIMIT + i)]
-                event = NOTHING if j + 4 == count else w[at(EVENT + i)]
-                event = o3 if not p3 * x + (q3 * y + r3) >= d else event
-                event = o2 if not p2 * x + (q2 * y + r2) >= d else event
-                event = o1 if not p1 * x + (q1 * y + r1) >= d else event
-                event = o0 if not p0 * x + (q0 * y + r0) >= d else event
-                w[at(EVENT + i)] = event
-                if j + 4 == count:
-                    w[at(LIMIT + i)] = d
+                x, y = a00 * x + (a01 * y + s0), a10 * x + (a11 * y + s1)
+                w[at(C1 + i)], w[at(C2 + i)] = x, y
+                w[at(LIMIT + i)] = m0 + (m1 * abs(x) + m2 * abs(y))
 
 
-def certify_rest(w: Any, count: int, t: Any) -> None:
-    """Ask the certificate about the rest of the period after an impact: NEXT is the place of the first failing row."""
-    start = 0
-    while start < count:
-        column = w[at(COLUMN + start)]
-        end = start + 1
-        while end < count and w[at(COLUMN + end)] == column:
-            end += 1
-        q = int(column)
-        last = int(t[q, COUNT])
-        for base in range(start, end, 16):
-            for j in range(last - 4, -1, -4):
-                i = CERTIFICATE + j
-                p0, q0, r0 = t[q, i], t[q, i + MAX_CERTIFICATE], t[q, i + 2 * MAX_CERTIFICATE]
-                p1, q1, r1 = t[q, i + 1], t[q, i + 1 + MAX_CERTIFICATE], t[q, i + 1 + 2 * MAX_CERTIFICATE]
-                p2, q2, r2 = t[q, i + 2], t[q, i + 2 + MAX_CERTIFICATE], t[q, i + 2 + 2 * MAX_CERTIFICATE]
-                p3, q3, r3 = t[q, i + 3], t[q, i + 3 + MAX_CERTIFICATE], t[q, i + 3 + 2 * MAX_CERTIFICATE]
-                i += 3 * MAX_CERTIFICATE
-                o0, o1, o2, o3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
+def certify_rest(w: Any, t: Any, runs: Any, columns: int) -> None:
+    """Ask the certificate about what comes from place ONE_ON on: LOW gets the least row."""
+    for r in range(columns):
+        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
+        for j in range(0, 4 * int(t[q, COUNT]), 16):
+            i = CERTIFICATE + j
+            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
+            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
+            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
+            o0, o1, o2, o3 = t[q, i + 12], t[q, i + 13], t[q, i + 14], t[q, i + 15]
+            for base in range(start, end, 16):
+                for k in range(16):
+                    i = base + k
+                    x, y, since = w[at(Z1 + i)], w[at(Z2 + i)], w[at(ONE_ON + i)]
+                    least = HIGH if j == 0 else w[at(LOW + i)]
+                    z0, z1 = p0 * x + (q0 * y + r0), p1 * x + (q1 * y + r1)
+                    z2, z3 = p2 * x + (q2 * y + r2), p3 * x + (q3 * y + r3)
+                    least = z0 if (z0 < least) & (o0 >= since) else least
+                    least = z1 if (z1 < least) & (o1 >= since) else least
+                    least = z2 if (z2 < least) & (o2 >= since) else least
+                    w[at(LOW + i)] = z3 if (z3 < least) & (o3 >= since) else least
+
+
+def locate(w: Any, t: Any, runs: Any, columns: int) -> None:
+    """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
+    for r in range(columns):
+        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
+        for j in range(4 * int(t[q, ROW_COUNT]) - 16, -1, -16):
+            first = j + 16 == 4 * int(t[q, ROW_COUNT])
+            i = ROWS + j
+            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
+            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
+            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
+            o0, o1, o2, o3 = t[q, i + 12], t[q, i + 13], t[q, i + 14], t[q, i + 15]
+            for base in range(start, end, 16):
                 for k in range(16):
                     i = base + k
                     x, y, d, since = w[at(X1 + i)], w[at(X2 + i)], w[at(DOUBT + i)], w[at(ONE_ON + i)]
-                    event = NOTHING if j + 4 == last else w[at(NEXT + i)]
+                    event = 0.0 if first else w[at(EVENT + i)]
                     event = o3 if (not p3 * x + (q3 * y + r3) >= d) & (o3 >= since) else event
                     event = o2 if (not p2 * x + (q2 * y + r2) >= d) & (o2 >= since) else event
                     event = o1 if (not p1 * x + (q1 * y + r1) >= d) & (o1 >= since) else event
                     event = o0 if (not p0 * x + (q0 * y + r0) >= d) & (o0 >= since) else event
-                    w[at(NEXT + i)] = event
-        start = end
+                    w[at(EVENT + i)] = event
 
 
-def next_event(t: Any, q: int, x: float, y: float, margin: float, since: int) -> int:
-    """Return the place of the first row, from place ``since`` on, that the pair (x, y) fails; NOTHING for none."""
-    for j in range(int(t[q, COUNT])):
-        i = CERTIFICATE + j
-        place = t[q, i + 3 * MAX_CERTIFICATE]
-        z = t[q, i] * x + (t[q, i + MAX_CERTIFICATE] * y + t[q, i + 2 * MAX_CERTIFICATE])
-        if place >= since and not z >= margin:
-            return int(place)
-    return int(NOTHING)
+def look_up(w: Any, t: Any, runs: Any, columns: int, harmonics: int) -> None:
+    """Give each place the constants of its column and the cell of its event.
 
-
-@inlined
-def cell_of(t: Any, q: int, event: int, x: float, y: float, margin: float, since: int, harmonics: int) -> int:
-    """Return the cell to look into for an event: the chord's own, or the first, from ``since`` on, that ends below."""
-    last = (event - 1) >> 1
-    first = int(t[q, at(CELLS + last * (CELL + 2 * harmonics) + FIRST)])
-    cell = last if event % 2 == 1 else max(since, first)
-    while cell < last and ends_above(t[q, at(END + cell)], t[q, at(END + cell + MAX_CELLS)],
-                                     t[q, at(END + cell + 2 * MAX_CELLS)], x, y, margin):  # fmt: skip
-        cell += 1
-    return cell
-
-
-@inlined
-def ends_above(p: float, q: float, r: float, x: float, y: float, margin: float) -> bool:
-    """Return whether the pair (x, y) passes a row."""
-    return p * x + (q * y + r) >= margin
-
-
-@inlined
-def gathered(w: Any, to: int, t: Any, q: int, cell: int, harmonics: int) -> None:
-    """Copy a cell of column q to place ``to`` of the impacts at hand."""
-    i = CELLS + cell * (CELL + 2 * harmonics)
-    w[at(YM + to)], w[at(VM + to)] = t[q, at(i)], t[q, at(i + 1)]
-    w[at(B1 + to)], w[at(D1 + to)] = t[q, at(i + 2)], t[q, at(i + 3)]
-    w[at(B2 + to)], w[at(D2 + to)] = t[q, at(i + 4)], t[q, at(i + 5)]
-    w[at(SINCE + to)], w[at(UNTIL + to)] = t[q, at(i + LOW_END)], t[q, at(i + HIGH_END)]
-    w[at(ROOM + to)], w[at(ONE_ON + to)] = t[q, at(i + TIME_LEFT)], t[q, at(i + GO_ON)]
-    for h in range(2 * harmonics):
-        w[at(WAVES + h * WIDTH + to)] = t[q, at(i + CELL + h)]
-    w[at(COLUMN + to)] = float(q)
-
-
-def spread_constants(w: Any, count: int, t: Any) -> None:
-    """Give each place the constants of its column; a run of equal columns may write over what follows it."""
-    start = 0
-    while start < count:
-        column = w[at(COLUMN + start)]
-        end = start + 1
-        while end < count and w[at(COLUMN + end)] == column:
-            end += 1
-        q = int(column)
+    The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
+    that is not for the block to decide.
+    """
+    size = cell_size(harmonics)
+    for r in range(columns):
+        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
+        first = float(q * t.shape[1] + CELLS)
         a, k2, f0, omega2, force = t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2], t[q, FORCE]
-        gap, slowest, growth, lever = 1.0 - t[q, RATIO], t[q, SLOWEST], t[q, GROWTH], t[q, LEVER]
-        for base in range(start, end, 32):
-            for k in range(32):
+        slowest, growth, lever = t[q, SLOWEST], t[q, GROWTH], t[q, LEVER]
+        for base in range(start, end, 16):
+            for k in range(16):
                 i = base + k
+                cell = float(int(0.5 * (w[at(EVENT + i)] - 1.0)))
+                w[at(INSIDE + i)] = cell
+                w[at(RECORD + i)] = first + cell * size
                 w[at(A + i)] = a
                 w[at(K + i)] = k2
                 w[at(F + i)] = f0
                 w[at(W2 + i)] = omega2
                 w[at(M + i)] = force
                 w[at(FAR + i)] = lever
-                w[at(GAP + i)] = gap
                 w[at(SLOWEST_ALLOWED + i)] = slowest
                 w[at(WORSE + i)] = growth
-        start = end
+    for base in range(0, runs[at(columns)], 8):
+        for h in range(0, size, 8):
+            transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
+        for k in range(8):
+            i = base + k
+            low = w[at(WHEN + i)] if w[at(INSIDE + i)] == w[at(BACK + i)] else w[at(SINCE + i)]
+            w[at(SINCE + i)] = low if w[at(EVENT + i)] > 0.0 else HIGH
 
 
 @inlined
@@ -303,31 +291,38 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     return solve
 
 
-def kick(w: Any, count: int) -> None:
-    """Turn the flight at place i into the one after its impact, unless that needs the scalar routine."""
-    for base in range(0, count, 8):
-        for k in range(8):
-            i = base + k
-            v, u, alpha = w[at(BEFORE + i)], w[at(AFTER + i)], w[at(A + i)]
-            s = w[at(WHEN + i)]
-            room = w[at(ROOM + i)]
-            # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
-            press = -(w[at(PULL + i)] + alpha * v)
-            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[at(GAP + i)])
-            flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (u < 1e300) & (not ends)
-            free = expand(0.0, 1.0, alpha, w[at(K + i)], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-            y, d = value(free, -s)
-            change = u - v
-            b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]
-            scale = change / (b1 * d2 - b2 * d1)
-            x, y1 = w[at(X1 + i)], w[at(X2 + i)]
-            w[at(X1 + i)] = x + (d2 * y - b2 * d) * scale if flies else x
-            w[at(X2 + i)] = y1 + (b1 * d - d1 * y) * scale if flies else y1
-            # what an impact makes of the errors before it, see next_launch in contact.py
-            worse, steep = w[at(WORSE + i)], 1.0 + w[at(STEEP + i)]
-            carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
-            w[at(DOUBT + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
-            w[at(PROVEN + i)] = 1.0 if flies else 0.0
+def kick(w: Any, t: Any, runs: Any, columns: int) -> None:
+    """Find the flights after the impacts at places start to end, all of column q; runs over the end.
+
+    FLIES gets 0 where that is not to be done here.
+    """
+    for r in range(columns):
+        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
+        alpha, gap, worse, far, force = t[q, ALPHA], 1.0 - t[q, RATIO], t[q, GROWTH], t[q, LEVER], t[q, FORCE]
+        f = FREE
+        free = (
+            t[q, f], t[q, f + 1], t[q, f + 2], t[q, f + 3], t[q, f + 4], t[q, f + 5], t[q, f + 6],
+            t[q, f + 7], t[q, f + 8], t[q, f + 9], t[q, f + 10], t[q, f + 11], t[q, f + 12], t[q, f + 13],
+        )  # fmt: skip
+        for base in range(start, end, 8):
+            for k in range(8):
+                i = base + k
+                v, u, s, room = w[at(BEFORE + i)], w[at(AFTER + i)], w[at(WHEN + i)], w[at(ROOM + i)]
+                # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
+                press = -(w[at(PULL + i)] + alpha * v)
+                ends = (room > 0.0) & (3.9 * u <= (room - s) * press * gap)
+                flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (u < 1e300) & (not ends)
+                w[at(FLIES + i)] = 1.0 if flies else 0.0
+                y, d = value(free, -s)
+                change = u - v
+                b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]
+                scale = change / (b1 * d2 - b2 * d1)
+                w[at(Z1 + i)] = w[at(X1 + i)] + (d2 * y - b2 * d) * scale
+                w[at(Z2 + i)] = w[at(X2 + i)] + (b1 * d - d1 * y) * scale
+                # what an impact makes of the errors before it, see next_launch in contact.py
+                steep = 1.0 + w[at(STEEP + i)]
+                carried = worse * u + (far * force + change) * steep
+                w[at(WIDER + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
 
 
 @lru_cache(maxsize=64)

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from grazing.kernel.elementary import exp, sincos
 from grazing.oscillator.constants import Constants, steady_response
 from grazing.oscillator.flight import duhamel, modes
-from grazing.oscillator.taylor import REACH
+from grazing.oscillator.taylor import REACH, expand
 
 #: Cells of one period beyond which a parameter value is left to the scalar routine.
 MAX_CELLS = 96
@@ -36,27 +36,35 @@ GROWTH = 11
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, padded to a multiple of 4, the wall, and how far a velocity carries;
-COUNT, SIGMA, LEVER = 28, 29, 30
-# then the certificate: p of all rows, q, r, and the place of each in the order of time;
-CERTIFICATE = 32
-MAX_CERTIFICATE = 2 * MAX_CELLS + 16
-# a row for the end of each cell, in the same way;
-END = CERTIFICATE + 4 * MAX_CERTIFICATE
-# and the cells: Y, Y', b1, b1', b2, b2' at the middle of the series, where its use begins and ends, the time left in a
-# window with F < 0, the place in time from which to go on after an impact, the first cell of the piece; the harmonics.
-CELLS = END + 3 * MAX_CELLS
-LOW_END, HIGH_END, TIME_LEFT, GO_ON, FIRST = 6, 7, 8, 9, 10
-CELL = 11
-# In the order of time the start of the period is number 0, the chord of cell i number 2 i + 1, its end number 2 i + 2.
+# how many rows the certificate has, and how many all lists together, both padded to a multiple of 4; the wall, and how
+# far a velocity carries;
+COUNT, ROW_COUNT, SIGMA, LEVER = 28, 29, 30, 31
+# the free flight from y = 0 with velocity 1: coefficients of s^0 ... s^13;
+FREE = 32
+# then the certificate and the list of all rows, both in the order of time: four rows (p, q, r) and their places,
+# as four p, four q, four r, four places, and so on;
+CERTIFICATE = 48
+MAX_ROWS = 3 * MAX_CELLS + 4
+ROWS = CERTIFICATE + 4 * MAX_ROWS
+# and the cells: Y, Y', b1, b1', b2, b2' at the middle, where the cell begins and ends, the time left in a window with
+# F < 0, the place from which to go on after an impact; the harmonics.
+CELLS = ROWS + 4 * MAX_ROWS
+LOW_END, HIGH_END, TIME_LEFT, GO_ON = 6, 7, 8, 9
+CELL = 10
+# In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
 ALWAYS = -1e300  # fails for every orbit: its cell is always looked into
 
 
+def cell_size(harmonics: int) -> int:
+    """Return how many numbers a cell has: whole vectors."""
+    return (CELL + 2 * harmonics + 7) // 8 * 8
+
+
 def table_size(harmonics: int) -> int:
     """Return how many numbers a table has."""
-    return CELLS + MAX_CELLS * (CELL + 2 * harmonics)
+    return CELLS + MAX_CELLS * cell_size(harmonics)
 
 
 def exponential(c: Constants) -> bool:
@@ -113,10 +121,11 @@ class Extent(NamedTuple):
     blur: float  # how much a chord magnifies the errors of its ends
 
 
-def certified_by(t: Any, q: int, n: int, p: float, r: float, s: float, place: int) -> int:
-    """Write row n of the certificate, which stands at ``place`` in the order of time; return n + 1."""
-    put_row(t, q, CERTIFICATE + n, MAX_CERTIFICATE, p, r, s)
-    t[q, CERTIFICATE + 3 * MAX_CERTIFICATE + n] = place
+def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: int) -> int:
+    """Write row n of the list that begins at ``rows``; return n + 1."""
+    at = rows + 16 * (n // 4) + n % 4
+    put_row(t, q, at, 4, p, r, s)
+    t[q, at + 12] = place
     return n + 1
 
 
@@ -124,7 +133,7 @@ def put_cell(
     t: Any, q: int, cell: int, time: float, at_time: tuple[float, float, float, float, float, float], c: Constants
 ) -> int:
     """Write what a Taylor series about ``time`` needs; return where the cell's entries begin."""
-    at = CELLS + cell * (CELL + 2 * len(c.cos))
+    at = CELLS + cell * cell_size(len(c.cos))
     for k in range(6):
         t[q, at + k] = at_time[k]
     sine, cosine = sincos(c.omega * time + c.theta)
@@ -152,38 +161,37 @@ def chord(
 
 
 def fill_window(
-    t: Any, q: int, c: Constants, i: int, cell: int, n: int, extent: Extent, band: float
-) -> tuple[int, int, Extent]:
-    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents."""
+    t: Any, q: int, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
+) -> tuple[int, int, int, Extent]:
+    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents.
+
+    n rows are in the certificate and m in the list of all rows.
+    """
     a, b = c.edges[i], c.edges[i + 1]
     count = cells_in(b - a, c)
     length = (b - a) / count
     piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
     positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
-    f1, f2, g1, g2, first, last = 1.0, 0.0, 0.0, 0.0, 0, 0
+    f1, f2, last = 1.0, 0.0, 0
+    g1, g2, before1, before2 = 0.0, 0.0, 0.0, 0.0  # states that graze half a cell ago, and a whole one
     for k in range(2 * count + 1):
         j = k // 2
-        middle = a + length * (j + (0.25 if positive else 0.5))  # chord j is met half a cell before it, too
-        time = middle if k % 2 == 1 else (b if j == count else a + length * j)
+        time = b if k == 2 * count else a + 0.5 * length * k
         if (j % piece == 0 and k % 2 == 1) or k == 0:
-            first, last = j, min(j + piece, count)
+            last = min(j + piece, count)
             if c.q2 < 0.0:
-                sine, cosine = sincos(c.spread * (a + 0.5 * length * (first + last)))
+                sine, cosine = sincos(c.spread * (a + 0.5 * length * (j + last)))
                 f1, f2 = cosine, c.spread * sine
         at_time = basis(time, c)
         Y, dY, b1, d1, b2, d2 = at_time
         if k % 2 == 1:
             at = put_cell(t, q, cell + j, time, at_time, c)
-            around = 0.75 if positive else 0.5
-            t[q, at + LOW_END] = max(-around * length, a + length * first - time)
-            t[q, at + HIGH_END] = min(around * length, (b if last == count else a + length * last) - time)
+            t[q, at + LOW_END], t[q, at + HIGH_END] = -0.5 * length, 0.5 * length
             t[q, at + TIME_LEFT] = 0.0 if positive else b - time
             t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
-            t[q, at + FIRST] = cell + first
-            continue
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
-            for m in range(6):
-                t[q, (STATE if k == 0 and i == 0 else ONWARD) + m] = at_time[m]
+            for h in range(6):
+                t[q, (STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
         phi, W = f1 * b1 + f2 * b2, b1 * d2 - b2 * d1
         h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes now
         p, r, s = b1 / phi, b2 / phi, Y / phi
@@ -191,19 +199,24 @@ def fill_window(
             max(extent.r, abs(s)), max(extent.p, abs(p)), max(extent.q, abs(r)), max(extent.b1, abs(b1)),
             max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
         )  # fmt: skip
-        if k > 0:
-            put_row(t, q, END + cell + j - 1, MAX_CELLS, p, r, s)
-            if positive:
-                cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
-                n = certified_by(t, q, n, cp, cr, cs, 2 * (cell + j) - 1)
-                extent = Extent(
-                    max(extent.r, abs(cs) if cs > ALWAYS else 0.0), max(extent.p, abs(cp)), max(extent.q, abs(cr)),
-                    extent.b1, extent.b2, extent.least, max(extent.blur, blur),
-                )  # fmt: skip
-        if j == last or (i == 0 and k == 0):
-            n = certified_by(t, q, n, p, r, s, 2 * (cell + j))
+        if k > 0 and positive:
+            cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
+            extent = Extent(
+                max(extent.r, abs(cs) if cs > ALWAYS else 0.0), max(extent.p, abs(cp)), max(extent.q, abs(cr)),
+                extent.b1, extent.b2, extent.least, max(extent.blur, blur),
+            )  # fmt: skip
+            n = listed(t, q, CERTIFICATE, n, cp, cr, cs, 2 * (cell + (k - 1) // 2) + 1)
+            if k % 2 == 0:
+                cp, cr, cs, _blur = chord(f1, f2, before1, before2, h1, h2, band)
+                m = listed(t, q, ROWS, m, cp, cr, cs, 2 * (cell + j) - 1)
+        if k % 2 == 0 and (k > 0 or i == 0):
+            m = listed(t, q, ROWS, m, p, r, s, 2 * (cell + j))
+            if j == last or k == 0:
+                n = listed(t, q, CERTIFICATE, n, p, r, s, 2 * (cell + j))
+        if k % 2 == 0:
+            before1, before2 = h1, h2
         g1, g2 = h1, h2
-    return cell + count, n, extent
+    return cell + count, n, m, extent
 
 
 def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
@@ -223,15 +236,17 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     if total > MAX_CELLS or -c.l2 * c.T > MAX_DECAY:
         return False
     # clearances below this are measured one by one: a few percent of what the chords cost
-    band = 1e-3 * c.force * (REACH / fastest(c)) ** 2
+    band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
     extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
-    cell, n = 0, 0
+    cell, n, m = 0, 0, 0
     for i in range(windows):
-        cell, n, extent = fill_window(t, q, c, i, cell, n, extent, band)
+        cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
     while n % 4 != 0:
-        n = certified_by(t, q, n, 0.0, 0.0, NEVER, 0)
+        n = listed(t, q, CERTIFICATE, n, 0.0, 0.0, NEVER, 0)
+    while m % 4 != 0:
+        m = listed(t, q, ROWS, m, 0.0, 0.0, NEVER, 0)
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, RATIO], t[q, BAND] = n, ratio, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT], t[q, RATIO], t[q, BAND] = n, m, ratio, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
@@ -241,6 +256,9 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
     t[q, MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
     put_maps(t, q, c)
+    free = expand(0.0, 1.0, c.alpha, c.k2, (0.0,) * 12)
+    for k in range(14):
+        t[q, FREE + k] = free[k]
     return True
 
 
