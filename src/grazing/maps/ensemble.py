@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called, called_for_all, inlined
+from grazing.kernel.primitives import appended, at, called, called_for_all, inlined
 from grazing.maps.columns import Columns
 from grazing.maps.period import period_of
 from grazing.oscillator.block import (
@@ -31,7 +31,9 @@ from grazing.oscillator.block import (
     LIMIT,
     LOW,
     NEAR,
+    NUMBER,
     ONE_ON,
+    ORBIT,
     PROVEN,
     PULL,
     SLOW,
@@ -141,21 +143,26 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
                 hits[i], flags[i] = letter, outcome
 
-    def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, who: Any, met: Any) -> int:
+    @inlined
+    def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, met: Any) -> int:
         """Put the orbits that the certificate did not settle to the impacts at hand; return their number."""
         places = 0
         for q in range(columns):
-            first, start = q * stride, places
-            for i in range(first, first + starts if tabled[q] else first):
-                who[at(places)] = i
-                places += 0 if w[at(LEAST + i)] >= w[at(LIMIT + i)] else 1
-            for k in range(start, places):
-                i = who[at(k)]
-                w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)] = w[at(C1 + i)], w[at(C2 + i)], w[at(LIMIT + i)]
-                w[at(ONE_ON + k)], w[at(COLUMN + k)], w[at(BACK + k)] = 0.0, float(q), -1.0
-                met[at(k)] = 0
+            first, end = q * stride, q * stride + starts if tabled[q] else q * stride
+            for i in range(end, first + stride):  # nobody is there
+                w[at(LEAST + i)], w[at(LIMIT + i)] = 0.0, 0.0
+            for base in range(first, end, 8):
+                places = appended(w, base, LEAST, LIMIT, (C1, C2, LIMIT, NUMBER), (X1, X2, DOUBT, ORBIT), places)
+        for base in range(0, places, 64):
+            for k in range(64):
+                i = base + k
+                w[at(COLUMN + i)] = float(int(w[at(ORBIT + i)] / stride))
+                w[at(ONE_ON + i)], w[at(BACK + i)] = 0.0, -1.0
+        for k in range(places):
+            met[at(k)] = 0
         return places
 
+    @inlined
     def runs_of(w: Any, places: int, runs: Any) -> int:
         """Find the runs of equal columns among the impacts at hand: where each begins; return their number."""
         count, last = 0, -1.0
@@ -175,24 +182,25 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
         w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
 
+    @inlined
     def impacts(
-        w: Any, low: Any, t: Any, places: int, who: Any, met: Any, runs: Any, hits: Any, wanted: Any,
+        w: Any, low: Any, t: Any, places: int, met: Any, runs: Any, hits: Any, wanted: Any,
         needy: Any, strike: float, law_rows: float,
     ) -> None:  # fmt: skip
         """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
         while places > 0:
             columns = runs_of(w, places, runs)
             locate(w, t, runs, columns)
-            look_up(w, t, runs, columns, harmonics)
+            look_up(w, t, places, harmonics)
             guess(w, places)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
-            kick(w, t, runs, columns)
+            kick(w, places)
             certify_rest(w, t, runs, columns)
             count, dips = places, 0
             places = 0
             for k in range(count):
-                i = who[k]
+                i = int(w[at(ORBIT + k)])
                 if w[at(FLIES + k)] > 0.0:
                     w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
                     x, y, doubt = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)]
@@ -202,7 +210,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                         continue
                     since, cell, when = w[at(ONE_ON + k)], w[at(INSIDE + k)], w[at(WHEN + k)]
                     placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when)
-                    who[places], met[places] = i, met[k] + 1
+                    w[at(ORBIT + places)], met[places] = float(i), met[k] + 1
                     places += 1
                 elif int(w[at(EVENT + k)]) % 2 == 1:
                     for j in range(X1, work, WIDTH):
@@ -231,8 +239,25 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     hits[i] = met_there
                     continue
                 placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0)
-                who[places], met[places] = i, met_there
+                w[at(ORBIT + places)], met[places] = float(i), met_there
                 places += 1
+
+    @inlined
+    def keep(
+        w: Any, t: Any, q: int, first: int, starts: int, points: Any, letters: Any, hits: Any, row: int, n: int,
+        left: int,
+    ) -> None:  # fmt: skip
+        """Write the states of the pairs of column q, and how often each hit the wall."""
+        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
+        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
+        for j in range(starts):
+            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            points[at(row), at(n), 0, at(left + j)] = sigma + (u0 + (u1 * x + u2 * y))
+        for j in range(starts):
+            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            points[at(row), at(n), 1, at(left + j)] = v0 + (v1 * x + v2 * y)
+        for j in range(starts):
+            letters[at(row), at(n), at(left + j)] = hits[at(first + j)]
 
     def run(
         rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
@@ -242,10 +267,12 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         columns, starts = bottom - top, right - left
         stride = padded(starts)
         last = outcomes.shape[1] - 1
-        t = np.zeros((columns, size))
+        t = aligned(columns * size).reshape((columns, size))
         tabled = np.zeros(columns, np.int64)
-        w, low = np.zeros(work), np.zeros(work)
-        who, runs = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        w, low = aligned(work), aligned(work)
+        for i in range(LANES):
+            w[NUMBER + i] = float(i)
+        runs = np.zeros(WIDTH, np.int64)
         met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
         held, fresh = np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
@@ -269,8 +296,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     needy[q] = starts
                     for i in range(first, first + starts):
                         wanted[i] = 1
-            places = candidates(w, columns, stride, starts, tabled, who, met)
-            impacts(w, low, t, places, who, met, runs, hits, wanted, needy, strike, law_rows)
+            places = candidates(w, columns, stride, starts, tabled, met)
+            impacts(w, low, t, places, met, runs, hits, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
@@ -296,16 +323,9 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             wanted[i] = 0
                         fresh[q] += held[i]
                 if kept >= 0:
-                    if tabled[q]:
-                        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
-                        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
-                        for j in range(starts):
-                            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
-                            points[top + q, kept, 0, left + j] = sigma + (u0 + (u1 * x + u2 * y))
-                            points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
-                    for j in range(starts):
-                        letters[top + q, kept, left + j] = hits[first + j]
-                        if fresh[q] and held[first + j] != FLOWN:
+                    keep(w, t, q, first, starts, points, letters, hits, top + q, kept, left)
+                    for j in range(starts if fresh[q] else 0):
+                        if held[first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]
                             points[top + q, kept, 1, left + j] = w[V + first + j]
         for q in range(columns):
@@ -319,6 +339,13 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
+
+
+def aligned(count: int) -> Any:
+    """Return zeros from an address on that 64 divides: then no vector lies across two lines of the cache."""
+    room = np.zeros(count + 8)
+    skip = -(room.ctypes.data // 8) % 8
+    return room[skip : skip + count]
 
 
 def padded(starts: int) -> int:
@@ -337,7 +364,7 @@ def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
         x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
         margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
         at = CERTIFICATE
-        height = t[q, at] * x + (t[q, at + 4] * y + t[q, at + 8])
+        height = t[q, at] * x + (t[q, at + 8] * y + t[q, at + 16])
         if height > 2.0 * margin:
             w[C1 + i], w[C2 + i], w[LIMIT + i] = x, y, margin
             return FRESH

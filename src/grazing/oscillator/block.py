@@ -20,19 +20,11 @@ from grazing.oscillator.cells import (
     CELLS,
     CERTIFICATE,
     COUNT,
-    F0,
-    FORCE,
-    FREE,
-    GROWTH,
-    K2,
-    LEVER,
     MARGIN,
-    OMEGA2,
     ONWARD,
-    RATIO,
     ROW_COUNT,
     ROWS,
-    SLOWEST,
+    UPRIGHT,
     cell_size,
 )  # fmt: skip
 from grazing.oscillator.taylor import bends, expand, rough, value
@@ -43,19 +35,20 @@ WIDTH = LANES + 64
 
 # Arrays over the orbits of a block: the pair (c1, c2), the margin, the least row, the narrowest miss, the slowest impact,
 # and the state where the scalar routine is needed.
-C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V = (i * WIDTH for i in range(8))
-# Arrays over the impacts at hand: pair, margin, the place of what comes next, its cell, where that stands in the table,
-# the cell of the impact before;
-X1, X2, DOUBT, EVENT, INSIDE, RECORD, BACK = (i * WIDTH for i in range(8, 15))
-# constants of the column, and which it is,
-A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, COLUMN = (i * WIDTH for i in range(15, 24))
-# results: time, velocity before and after, slope of the law, acceleration, 1 where proven,
-WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(24, 30))
+C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V, NUMBER = (i * WIDTH for i in range(9))
+# Arrays over the impacts at hand: pair, margin, which orbit, the place of what comes next, its cell, where the table of
+# its column and the cell begin, the cell of the impact before, the column;
+X1, X2, DOUBT, ORBIT, EVENT, INSIDE, TABLE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(9, 19))
+# constants as they stand in the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the slowest impact
+# allowed, the growth of errors;
+A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE = (i * WIDTH for i in range(19, 27))
+# where to look from, time of the impact, velocity before and after, slope of the law, acceleration, 1 where proven,
+SINCE, WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(27, 34))
 # after the impact: pair, margin, 1 where the ball flies, the least row;
-Z1, Z2, WIDER, FLIES, LOW = (i * WIDTH for i in range(30, 35))
-# the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it begins and ends, time left in the
-# window, place to go on from; the harmonics.
-YM, VM, B1, D1, B2, D2, SINCE, UNTIL, ROOM, ONE_ON, WAVES = (i * WIDTH for i in range(35, 46))
+Z1, Z2, WIDER, FLIES, LOW = (i * WIDTH for i in range(34, 39))
+# the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window, place
+# to go on from, 1 less the contraction of the law; the harmonics.
+YM, VM, B1, D1, B2, D2, UNTIL, ROOM, ONE_ON, GAP, WAVES = (i * WIDTH for i in range(39, 50))
 
 NAN = float("nan")
 #: Above every row that counts, below every margin of numbers that overflow.
@@ -67,33 +60,21 @@ def workspace_size(harmonics: int) -> int:
     return YM + cell_size(harmonics) * WIDTH
 
 
-def certify(w: Any, t: Any, columns: int, stride: int) -> None:
-    """Ask the certificate about all orbits: LEAST gets the least row.
-
-    LEAST >= LIMIT is proof that there is no impact in the period.
-    """
-    for q in range(columns):
-        start, end = q * stride, (q + 1) * stride
-        for j in range(0, 4 * int(t[q, COUNT]), 16):
-            i = CERTIFICATE + j
-            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
-            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
-            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
-            for base in range(start, end, 16):
-                for k in range(16):
-                    i = base + k
-                    x, y = w[at(C1 + i)], w[at(C2 + i)]
-                    least = HIGH if j == 0 else w[at(LEAST + i)]
-                    z0, z1 = p0 * x + (q0 * y + r0), p1 * x + (q1 * y + r1)
-                    z2, z3 = p2 * x + (q2 * y + r2), p3 * x + (q3 * y + r3)
-                    least = z0 if z0 < least else least
-                    least = z1 if z1 < least else least
-                    least = z2 if z2 < least else least
-                    w[at(LEAST + i)] = z3 if z3 < least else least
+@inlined
+def eight(t: Any, q: int, i: int) -> tuple[float, float, float, float, float, float, float, float]:
+    """Return eight numbers of table q."""
+    return t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3], t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
 
 
+@inlined
+def lower(a: float, b: float) -> float:
+    """Return the smaller one; b where a is not a number."""
+    return a if a < b else b
+
+
+@inlined
 def onward(w: Any, t: Any, columns: int, stride: int) -> None:
-    """Take all pairs over to the next period; LIMIT gets their margins."""
+    """Take all pairs over to the next period; LIMIT gets their margins, NaN for numbers near overflow."""
     for q in range(columns):
         s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
         s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
@@ -104,87 +85,177 @@ def onward(w: Any, t: Any, columns: int, stride: int) -> None:
                 x, y = w[at(C1 + i)], w[at(C2 + i)]
                 x, y = a00 * x + (a01 * y + s0), a10 * x + (a11 * y + s1)
                 w[at(C1 + i)], w[at(C2 + i)] = x, y
-                w[at(LIMIT + i)] = m0 + (m1 * abs(x) + m2 * abs(y))
+                margin = m0 + (m1 * abs(x) + m2 * abs(y))
+                w[at(LIMIT + i)] = margin if margin < HIGH else NAN
 
 
-def certify_rest(w: Any, t: Any, runs: Any, columns: int) -> None:
-    """Ask the certificate about what comes from place ONE_ON on: LOW gets the least row."""
-    for r in range(columns):
-        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
-        for j in range(0, 4 * int(t[q, COUNT]), 16):
-            i = CERTIFICATE + j
-            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
-            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
-            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
-            o0, o1, o2, o3 = t[q, i + 12], t[q, i + 13], t[q, i + 14], t[q, i + 15]
+@lru_cache(maxsize=2)
+def certify_of(upright: bool) -> Callable[..., None]:
+    """Return the question whether a period has no impact; for tables with p = 1 in all rows it is shorter."""
+
+    @inlined
+    def certify(w: Any, t: Any, q: int, start: int, end: int) -> None:
+        """Ask the certificate about the orbits start to end of column q: LEAST gets the least row.
+
+        LEAST >= LIMIT is proof that there is no impact in the period. Runs over the end.
+        """
+        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
+        for j in range(CERTIFICATE, last + 1, 32):
+            p, c, r = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16)
             for base in range(start, end, 16):
                 for k in range(16):
+                    i = base + k
+                    x, y = w[at(C1 + i)], w[at(C2 + i)]
+                    least = HIGH if j == CERTIFICATE else w[at(LEAST + i)]
+                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
+                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
+                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
+                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
+                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
+                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
+                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
+                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
+                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
+                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
+                    w[at(LEAST + i)] = x + least if upright and j == last else least
+
+    return certify
+
+
+@lru_cache(maxsize=2)
+def certify_rest_of(upright: bool) -> Callable[..., None]:
+    """Return the question whether the rest of a period has no impact."""
+
+    @inlined
+    def certify_rest(w: Any, t: Any, q: int, start: int, end: int) -> None:
+        """Ask the certificate about the flights after impacts, from ONE_ON on: LOW gets the least row."""
+        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
+        for j in range(CERTIFICATE, last + 1, 32):
+            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
+            for base in range(start, end, 8):
+                for k in range(8):
                     i = base + k
                     x, y, since = w[at(Z1 + i)], w[at(Z2 + i)], w[at(ONE_ON + i)]
-                    least = HIGH if j == 0 else w[at(LOW + i)]
-                    z0, z1 = p0 * x + (q0 * y + r0), p1 * x + (q1 * y + r1)
-                    z2, z3 = p2 * x + (q2 * y + r2), p3 * x + (q3 * y + r3)
-                    least = z0 if (z0 < least) & (o0 >= since) else least
-                    least = z1 if (z1 < least) & (o1 >= since) else least
-                    least = z2 if (z2 < least) & (o2 >= since) else least
-                    w[at(LOW + i)] = z3 if (z3 < least) & (o3 >= since) else least
+                    least = HIGH if j == CERTIFICATE else w[at(LOW + i)]
+                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
+                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
+                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
+                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
+                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
+                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
+                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
+                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
+                    z0 = z0 if o[0] >= since else HIGH
+                    z1 = z1 if o[1] >= since else HIGH
+                    z2 = z2 if o[2] >= since else HIGH
+                    z3 = z3 if o[3] >= since else HIGH
+                    z4 = z4 if o[4] >= since else HIGH
+                    z5 = z5 if o[5] >= since else HIGH
+                    z6 = z6 if o[6] >= since else HIGH
+                    z7 = z7 if o[7] >= since else HIGH
+                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
+                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
+                    w[at(LOW + i)] = x + least if upright and j == last else least
+
+    return certify_rest
 
 
-def locate(w: Any, t: Any, runs: Any, columns: int) -> None:
-    """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
-    for r in range(columns):
-        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
-        for j in range(4 * int(t[q, ROW_COUNT]) - 16, -1, -16):
-            first = j + 16 == 4 * int(t[q, ROW_COUNT])
-            i = ROWS + j
-            p0, p1, p2, p3 = t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3]
-            q0, q1, q2, q3 = t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
-            r0, r1, r2, r3 = t[q, i + 8], t[q, i + 9], t[q, i + 10], t[q, i + 11]
-            o0, o1, o2, o3 = t[q, i + 12], t[q, i + 13], t[q, i + 14], t[q, i + 15]
-            for base in range(start, end, 16):
-                for k in range(16):
+@lru_cache(maxsize=2)
+def locate_of(upright: bool) -> Callable[..., None]:
+    """Return the search for the next event."""
+
+    @inlined
+    def locate(w: Any, t: Any, q: int, start: int, end: int) -> None:
+        """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
+        last = ROWS + 4 * int(t[q, ROW_COUNT]) - 32
+        for j in range(last, ROWS - 1, -32):
+            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
+            for base in range(start, end, 8):
+                for k in range(8):
                     i = base + k
-                    x, y, d, since = w[at(X1 + i)], w[at(X2 + i)], w[at(DOUBT + i)], w[at(ONE_ON + i)]
-                    event = 0.0 if first else w[at(EVENT + i)]
-                    event = o3 if (not p3 * x + (q3 * y + r3) >= d) & (o3 >= since) else event
-                    event = o2 if (not p2 * x + (q2 * y + r2) >= d) & (o2 >= since) else event
-                    event = o1 if (not p1 * x + (q1 * y + r1) >= d) & (o1 >= since) else event
-                    event = o0 if (not p0 * x + (q0 * y + r0) >= d) & (o0 >= since) else event
+                    x, y, since = w[at(X1 + i)], w[at(X2 + i)], w[at(ONE_ON + i)]
+                    limit = w[at(DOUBT + i)] - x if upright else w[at(DOUBT + i)]
+                    event = 0.0 if j == last else w[at(EVENT + i)]
+                    z = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
+                    event = o[7] if (not z >= limit) & (o[7] >= since) else event
+                    z = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
+                    event = o[6] if (not z >= limit) & (o[6] >= since) else event
+                    z = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
+                    event = o[5] if (not z >= limit) & (o[5] >= since) else event
+                    z = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
+                    event = o[4] if (not z >= limit) & (o[4] >= since) else event
+                    z = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
+                    event = o[3] if (not z >= limit) & (o[3] >= since) else event
+                    z = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
+                    event = o[2] if (not z >= limit) & (o[2] >= since) else event
+                    z = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
+                    event = o[1] if (not z >= limit) & (o[1] >= since) else event
+                    z = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
+                    event = o[0] if (not z >= limit) & (o[0] >= since) else event
                     w[at(EVENT + i)] = event
 
+    return locate
 
-def look_up(w: Any, t: Any, runs: Any, columns: int, harmonics: int) -> None:
+
+certify_upright, certify_any = certify_of(True), certify_of(False)
+certify_rest_upright, certify_rest_any = certify_rest_of(True), certify_rest_of(False)
+locate_upright, locate_any = locate_of(True), locate_of(False)
+
+
+@inlined
+def certify(w: Any, t: Any, columns: int, stride: int) -> None:
+    """Ask the certificate about all orbits."""
+    for q in range(columns):
+        if t[q, UPRIGHT] > 0.0:
+            certify_upright(w, t, q, q * stride, (q + 1) * stride)
+        else:
+            certify_any(w, t, q, q * stride, (q + 1) * stride)
+
+
+@inlined
+def certify_rest(w: Any, t: Any, runs: Any, count: int) -> None:
+    """Ask the certificate about all flights after impacts; results of a run may be written over by the next."""
+    for n in range(count):
+        q = int(w[at(COLUMN + runs[at(n)])])
+        if t[q, UPRIGHT] > 0.0:
+            certify_rest_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
+        else:
+            certify_rest_any(w, t, q, runs[at(n)], runs[at(n + 1)])
+
+
+@inlined
+def locate(w: Any, t: Any, runs: Any, count: int) -> None:
+    """Find the next events of all impacts at hand."""
+    for n in range(count):
+        q = int(w[at(COLUMN + runs[at(n)])])
+        if t[q, UPRIGHT] > 0.0:
+            locate_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
+        else:
+            locate_any(w, t, q, runs[at(n)], runs[at(n + 1)])
+
+
+@inlined
+def look_up(w: Any, t: Any, places: int, harmonics: int) -> None:
     """Give each place the constants of its column and the cell of its event.
 
     The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
     that is not for the block to decide.
     """
-    size = cell_size(harmonics)
-    for r in range(columns):
-        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
-        first = float(q * t.shape[1] + CELLS)
-        a, k2, f0, omega2, force = t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2], t[q, FORCE]
-        slowest, growth, lever = t[q, SLOWEST], t[q, GROWTH], t[q, LEVER]
-        for base in range(start, end, 16):
-            for k in range(16):
-                i = base + k
-                cell = float(int(0.5 * (w[at(EVENT + i)] - 1.0)))
-                w[at(INSIDE + i)] = cell
-                w[at(RECORD + i)] = first + cell * size
-                w[at(A + i)] = a
-                w[at(K + i)] = k2
-                w[at(F + i)] = f0
-                w[at(W2 + i)] = omega2
-                w[at(M + i)] = force
-                w[at(FAR + i)] = lever
-                w[at(SLOWEST_ALLOWED + i)] = slowest
-                w[at(WORSE + i)] = growth
-    for base in range(0, runs[at(columns)], 8):
+    size, room = cell_size(harmonics), t.shape[1]
+    for base in range(0, places, 32):
+        for k in range(32):
+            i = base + k
+            cell, table = float(int(0.5 * (w[at(EVENT + i)] - 1.0))), w[at(COLUMN + i)] * room
+            w[at(INSIDE + i)], w[at(TABLE + i)] = cell, table
+            w[at(RECORD + i)] = table + (CELLS + cell * size)
+    for base in range(0, places, 8):
+        transposed(w, A + base, WIDTH, t, TABLE + base, ALPHA)
         for h in range(0, size, 8):
             transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
-        for k in range(8):
+    for base in range(0, places, 64):
+        for k in range(64):
             i = base + k
-            low = w[at(WHEN + i)] if w[at(INSIDE + i)] == w[at(BACK + i)] else w[at(SINCE + i)]
+            low = w[at(WHEN + i)] if w[at(INSIDE + i)] == w[at(BACK + i)] else -w[at(UNTIL + i)]
             w[at(SINCE + i)] = low if w[at(EVENT + i)] > 0.0 else HIGH
 
 
@@ -236,6 +307,7 @@ def series_at(w: Any, i: int, harmonics: int) -> Any:
 def guess_of(harmonics: int) -> Callable[[Any, int], None]:
     """Return the first part of the solver of impacts; in two loops, because short ones overlap in the processor."""
 
+    @inlined
     def guess(w: Any, count: int) -> None:
         """Find the impact at place i to about eight digits: Newton's method on the first seven coefficients."""
         for base in range(0, count, 8):
@@ -257,6 +329,7 @@ def guess_of(harmonics: int) -> Callable[[Any, int], None]:
 def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     """Return the second part of the solver of impacts."""
 
+    @inlined
     def solve(w: Any, count: int) -> None:
         """Find the impact at place i, where the series falls through zero, by one step of third order from the guess.
 
@@ -291,44 +364,38 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     return solve
 
 
-def kick(w: Any, t: Any, runs: Any, columns: int) -> None:
-    """Find the flights after the impacts at places start to end, all of column q; runs over the end.
-
-    FLIES gets 0 where that is not to be done here.
-    """
-    for r in range(columns):
-        start, end, q = runs[at(r)], runs[at(r + 1)], int(w[at(COLUMN + runs[at(r)])])
-        alpha, gap, worse, far, force = t[q, ALPHA], 1.0 - t[q, RATIO], t[q, GROWTH], t[q, LEVER], t[q, FORCE]
-        f = FREE
-        free = (
-            t[q, f], t[q, f + 1], t[q, f + 2], t[q, f + 3], t[q, f + 4], t[q, f + 5], t[q, f + 6],
-            t[q, f + 7], t[q, f + 8], t[q, f + 9], t[q, f + 10], t[q, f + 11], t[q, f + 12], t[q, f + 13],
-        )  # fmt: skip
-        for base in range(start, end, 8):
-            for k in range(8):
-                i = base + k
-                v, u, s, room = w[at(BEFORE + i)], w[at(AFTER + i)], w[at(WHEN + i)], w[at(ROOM + i)]
-                # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
-                press = -(w[at(PULL + i)] + alpha * v)
-                ends = (room > 0.0) & (3.9 * u <= (room - s) * press * gap)
-                flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (u < 1e300) & (not ends)
-                w[at(FLIES + i)] = 1.0 if flies else 0.0
-                y, d = value(free, -s)
-                change = u - v
-                b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]
-                scale = change / (b1 * d2 - b2 * d1)
-                w[at(Z1 + i)] = w[at(X1 + i)] + (d2 * y - b2 * d) * scale
-                w[at(Z2 + i)] = w[at(X2 + i)] + (b1 * d - d1 * y) * scale
-                # what an impact makes of the errors before it, see next_launch in contact.py
-                steep = 1.0 + w[at(STEEP + i)]
-                carried = worse * u + (far * force + change) * steep
-                w[at(WIDER + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
+@inlined
+def kick(w: Any, count: int) -> None:
+    """Find the flights after the impacts at hand; FLIES gets 0 where that is not to be done here."""
+    for base in range(0, count, 8):
+        for k in range(8):
+            i = base + k
+            v, u, alpha = w[at(BEFORE + i)], w[at(AFTER + i)], w[at(A + i)]
+            s, room = w[at(WHEN + i)], w[at(ROOM + i)]
+            # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
+            press = -(w[at(PULL + i)] + alpha * v)
+            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[at(GAP + i)])
+            free = expand(0.0, 1.0, alpha, w[at(K + i)], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+            y, d = value(free, -s)
+            change = u - v
+            b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]
+            scale = change / (b1 * d2 - b2 * d1)
+            z1 = w[at(X1 + i)] + (d2 * y - b2 * d) * scale
+            z2 = w[at(X2 + i)] + (b1 * d - d1 * y) * scale
+            w[at(Z1 + i)], w[at(Z2 + i)] = z1, z2
+            flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
+            w[at(FLIES + i)] = 1.0 if flies else 0.0
+            # what an impact makes of the errors before it, see next_launch in contact.py
+            worse, steep = w[at(WORSE + i)], 1.0 + w[at(STEEP + i)]
+            carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
+            w[at(WIDER + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
 
 
 @lru_cache(maxsize=64)
 def dip_of(harmonics: int) -> Callable[[Any, int], None]:
     """Return the judge of dips for a number of harmonics."""
 
+    @inlined
     def dip(w: Any, count: int) -> None:
         """Find the lowest point of the flight in a cell: its height goes to AFTER, 1 to PROVEN if it is clear.
 

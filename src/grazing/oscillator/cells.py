@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from grazing.kernel.elementary import exp, sincos
 from grazing.oscillator.constants import Constants, steady_response
 from grazing.oscillator.flight import duhamel, modes
-from grazing.oscillator.taylor import REACH, expand
+from grazing.oscillator.taylor import REACH
 
 #: Cells of one period beyond which a parameter value is left to the scalar routine.
 MAX_CELLS = 96
@@ -29,27 +29,25 @@ MAX_CELLS = 96
 MAX_DECAY = 30.0
 
 # ---- where things stand in a table: the constants of the parameter value,
-ALPHA, K2, F0, OMEGA2, FORCE, RATIO, SLOWEST, BAND = 0, 1, 2, 3, 4, 5, 6, 7
-# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|, and the growth of errors at an impact,
-MARGIN = 8
-GROWTH = 11
+# the last three being how far a velocity carries, the slowest impact to be solved here, and the growth of errors there,
+ALPHA, K2, F0, OMEGA2, FORCE, LEVER, SLOWEST, GROWTH = 0, 1, 2, 3, 4, 5, 6, 7
+# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|; the band;
+MARGIN, BAND = 8, 11
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, and how many all lists together, both padded to a multiple of 4; the wall, and how
-# far a velocity carries;
-COUNT, ROW_COUNT, SIGMA, LEVER = 28, 29, 30, 31
-# the free flight from y = 0 with velocity 1: coefficients of s^0 ... s^13;
-FREE = 32
-# then the certificate and the list of all rows, both in the order of time: four rows (p, q, r) and their places,
-# as four p, four q, four r, four places, and so on;
-CERTIFICATE = 48
-MAX_ROWS = 3 * MAX_CELLS + 4
+# how many rows the certificate has, and how many all lists together, both padded to a multiple of 8; the wall, the
+# contraction of the law near zero speed, and 1 where p = 1 in all rows;
+COUNT, ROW_COUNT, SIGMA, RATIO, UPRIGHT = 28, 29, 30, 31, 32
+# then the certificate and the list of all rows, both in the order of time: eight rows (p, q, r) and their places,
+# as eight p, eight q, eight r, eight places, and so on;
+CERTIFICATE = 40
+MAX_ROWS = 3 * MAX_CELLS + 8
 ROWS = CERTIFICATE + 4 * MAX_ROWS
-# and the cells: Y, Y', b1, b1', b2, b2' at the middle, where the cell begins and ends, the time left in a window with
-# F < 0, the place from which to go on after an impact; the harmonics.
+# and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the place
+# from which to go on after an impact, 1 - RATIO; the harmonics.
 CELLS = ROWS + 4 * MAX_ROWS
-LOW_END, HIGH_END, TIME_LEFT, GO_ON = 6, 7, 8, 9
+HALF, TIME_LEFT, GO_ON, GAP = 6, 7, 8, 9
 CELL = 10
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
@@ -123,9 +121,9 @@ class Extent(NamedTuple):
 
 def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: int) -> int:
     """Write row n of the list that begins at ``rows``; return n + 1."""
-    at = rows + 16 * (n // 4) + n % 4
-    put_row(t, q, at, 4, p, r, s)
-    t[q, at + 12] = place
+    at = rows + 32 * (n // 8) + n % 8
+    put_row(t, q, at, 8, p, r, s)
+    t[q, at + 24] = place
     return n + 1
 
 
@@ -186,7 +184,7 @@ def fill_window(
         Y, dY, b1, d1, b2, d2 = at_time
         if k % 2 == 1:
             at = put_cell(t, q, cell + j, time, at_time, c)
-            t[q, at + LOW_END], t[q, at + HIGH_END] = -0.5 * length, 0.5 * length
+            t[q, at + HALF], t[q, at + GAP] = 0.5 * length, 1.0 - t[q, RATIO]
             t[q, at + TIME_LEFT] = 0.0 if positive else b - time
             t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
@@ -238,27 +236,26 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
     extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
+    t[q, RATIO] = ratio
     cell, n, m = 0, 0, 0
     for i in range(windows):
         cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
-    while n % 4 != 0:
-        n = listed(t, q, CERTIFICATE, n, 0.0, 0.0, NEVER, 0)
-    while m % 4 != 0:
-        m = listed(t, q, ROWS, m, 0.0, 0.0, NEVER, 0)
+    while n % 8 != 0:
+        n = listed(t, q, CERTIFICATE, n, 1.0, 0.0, NEVER, 0)
+    while m % 8 != 0:
+        m = listed(t, q, ROWS, m, 1.0, 0.0, NEVER, 0)
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, ROW_COUNT], t[q, RATIO], t[q, BAND] = n, m, ratio, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = n, m, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
     t[q, SLOWEST] = 1e-5 * c.force * reach
+    t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 and exponential(c) else 0.0  # the first free flight is positive for ever
     small = 2.0**-40 * extent.blur
     t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
     t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
     t[q, MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
     put_maps(t, q, c)
-    free = expand(0.0, 1.0, c.alpha, c.k2, (0.0,) * 12)
-    for k in range(14):
-        t[q, FREE + k] = free[k]
     return True
 
 
