@@ -12,12 +12,40 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import appended, at, called, called_for_all, inlined
+from grazing.kernel.primitives import at, called, called_for_all, inlined
 from grazing.maps.columns import Columns
 from grazing.maps.period import period_of
 from grazing.oscillator.block import (
+    dip_of,
+    guess_of,
+    kick,
+    look_up,
+    placed,
+    solve_of,
+    strike_of,
+)  # fmt: skip
+from grazing.oscillator.cells import (
+    BAND,
+    CERTIFICATE,
+    MARGIN,
+    PAIR,
+    SIGMA,
+    STATE,
+    fill_table,
+    table_size,
+)  # fmt: skip
+from grazing.oscillator.certificate import (
+    candidates,
+    certify,
+    certify_rest,
+    locate,
+    onward,
+    runs_of,
+)  # fmt: skip
+from grazing.oscillator.constants import HEAD, constants_of, section_phase
+from grazing.oscillator.reset import Reset
+from grazing.oscillator.workspace import (
     AFTER,
-    BACK,
     BEFORE,
     C1,
     C2,
@@ -27,9 +55,9 @@ from grazing.oscillator.block import (
     FLIES,
     INSIDE,
     LANES,
-    LEAST,
     LIMIT,
     LOW,
+    NAN,
     NEAR,
     NUMBER,
     ONE_ON,
@@ -46,36 +74,13 @@ from grazing.oscillator.block import (
     Z2,
     U,
     V,
-    certify,
-    certify_rest,
-    dip_of,
-    guess_of,
-    kick,
-    locate,
-    look_up,
-    onward,
-    solve_of,
-    strike_of,
     workspace_size,
 )  # fmt: skip
-from grazing.oscillator.cells import (
-    BAND,
-    CERTIFICATE,
-    MARGIN,
-    PAIR,
-    SIGMA,
-    STATE,
-    fill_table,
-    table_size,
-)
-from grazing.oscillator.constants import HEAD, constants_of, section_phase
-from grazing.oscillator.reset import Reset
 from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-NAN = float("nan")
 ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0, 1, 2
@@ -142,45 +147,6 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 w[U + i], w[V + i] = state
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
                 hits[i], flags[i] = letter, outcome
-
-    @inlined
-    def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, met: Any) -> int:
-        """Put the orbits that the certificate did not settle to the impacts at hand; return their number."""
-        places = 0
-        for q in range(columns):
-            first, end = q * stride, q * stride + starts if tabled[q] else q * stride
-            for i in range(end, first + stride):  # nobody is there
-                w[at(LEAST + i)], w[at(LIMIT + i)] = 0.0, 0.0
-            for base in range(first, end, 8):
-                places = appended(w, base, LEAST, LIMIT, (C1, C2, LIMIT, NUMBER), (X1, X2, DOUBT, ORBIT), places)
-        for base in range(0, places, 64):
-            for k in range(64):
-                i = base + k
-                w[at(COLUMN + i)] = float(int(w[at(ORBIT + i)] / stride))
-                w[at(ONE_ON + i)], w[at(BACK + i)] = 0.0, -1.0
-        for k in range(places):
-            met[at(k)] = 0
-        return places
-
-    @inlined
-    def runs_of(w: Any, places: int, runs: Any) -> int:
-        """Find the runs of equal columns among the impacts at hand: where each begins; return their number."""
-        count, last = 0, -1.0
-        for k in range(places):
-            runs[at(count)] = k
-            count += 1 if w[at(COLUMN + k)] != last else 0
-            last = w[at(COLUMN + k)]
-        runs[count] = places
-        return count
-
-    @inlined
-    def placed(
-        w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float
-    ) -> None:
-        """Put a flight whose next impact is to be found from place ``since`` on to the impacts at hand."""
-        w[at(COLUMN + to)] = q
-        w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
-        w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
 
     @inlined
     def impacts(

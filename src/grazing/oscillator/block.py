@@ -1,10 +1,10 @@
 """The block: many orbits of the oscillator advanced together, period by period.
 
-All orbits pass the certificate in one loop; those it does not settle are gathered, the cell of their next impact is
-found, and all impacts are solved together on the Taylor series of their cells. What is not proven here, bounds of
-rounding included, goes to the scalar routine: near grazes, slow impacts, chatter, sticking, contacts at the strobe.
-Loops are branch-free, over arrays that lie one behind the other in one workspace, so that they vectorise. An orbit's
-numbers depend on its own column and start alone, neither on its neighbours nor on the size of a block.
+All orbits pass the certificate in one loop. Of those it does not settle the cells of the next impacts are found, and
+all impacts are solved together on the Taylor series of their cells. What is not proven here, bounds of rounding
+included, goes to the scalar routine: near grazes, slow impacts, chatter, sticking, contacts at the strobe. Loops are
+branch-free, over the arrays of one workspace, so that they vectorise. An orbit's numbers depend on its own column and
+start alone, neither on its neighbours nor on the size of a block.
 """
 
 from __future__ import annotations
@@ -18,220 +18,61 @@ from grazing.kernel.primitives import at, inlined, transposed
 from grazing.oscillator.cells import (
     ALPHA,
     CELLS,
-    CERTIFICATE,
-    COUNT,
-    MARGIN,
-    ONWARD,
-    ROW_COUNT,
-    ROWS,
-    UPRIGHT,
     cell_size,
 )  # fmt: skip
 from grazing.oscillator.taylor import bends, expand, rough, value
-
-#: Orbits of a block, and the room of an array in the workspace: loops may run over by a vector or two.
-LANES = 1024
-WIDTH = LANES + 64
-
-# Arrays over the orbits of a block: the pair (c1, c2), the margin, the least row, the narrowest miss, the slowest impact,
-# and the state where the scalar routine is needed.
-C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V, NUMBER = (i * WIDTH for i in range(9))
-# Arrays over the impacts at hand: pair, margin, which orbit, the place of what comes next, its cell, where the table of
-# its column and the cell begin, the cell of the impact before, the column;
-X1, X2, DOUBT, ORBIT, EVENT, INSIDE, TABLE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(9, 19))
-# constants as they stand in the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the slowest impact
-# allowed, the growth of errors;
-A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE = (i * WIDTH for i in range(19, 27))
-# where to look from, time of the impact, velocity before and after, slope of the law, acceleration, 1 where proven,
-SINCE, WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(27, 34))
-# after the impact: pair, margin, 1 where the ball flies, the least row;
-Z1, Z2, WIDER, FLIES, LOW = (i * WIDTH for i in range(34, 39))
-# the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window, place
-# to go on from, 1 less the contraction of the law; the harmonics.
-YM, VM, B1, D1, B2, D2, UNTIL, ROOM, ONE_ON, GAP, WAVES = (i * WIDTH for i in range(39, 50))
-
-NAN = float("nan")
-#: Above every row that counts, below every margin of numbers that overflow.
-HIGH = 1e280
-
-
-def workspace_size(harmonics: int) -> int:
-    """Return how many numbers the workspace of a block has."""
-    return YM + cell_size(harmonics) * WIDTH
-
-
-@inlined
-def eight(t: Any, q: int, i: int) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return eight numbers of table q."""
-    return t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3], t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
-
-
-@inlined
-def lower(a: float, b: float) -> float:
-    """Return the smaller one; b where a is not a number."""
-    return a if a < b else b
-
-
-@inlined
-def onward(w: Any, t: Any, columns: int, stride: int) -> None:
-    """Take all pairs over to the next period; LIMIT gets their margins, NaN for numbers near overflow."""
-    for q in range(columns):
-        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
-        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
-        m0, m1, m2 = t[q, MARGIN], t[q, MARGIN + 1], t[q, MARGIN + 2]
-        for base in range(q * stride, (q + 1) * stride, 16):
-            for k in range(16):
-                i = base + k
-                x, y = w[at(C1 + i)], w[at(C2 + i)]
-                x, y = a00 * x + (a01 * y + s0), a10 * x + (a11 * y + s1)
-                w[at(C1 + i)], w[at(C2 + i)] = x, y
-                margin = m0 + (m1 * abs(x) + m2 * abs(y))
-                w[at(LIMIT + i)] = margin if margin < HIGH else NAN
-
-
-@lru_cache(maxsize=2)
-def certify_of(upright: bool) -> Callable[..., None]:
-    """Return the question whether a period has no impact; for tables with p = 1 in all rows it is shorter."""
-
-    @inlined
-    def certify(w: Any, t: Any, q: int, start: int, end: int) -> None:
-        """Ask the certificate about the orbits start to end of column q: LEAST gets the least row.
-
-        LEAST >= LIMIT is proof that there is no impact in the period. Runs over the end.
-        """
-        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
-        for j in range(CERTIFICATE, last + 1, 32):
-            p, c, r = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16)
-            for base in range(start, end, 16):
-                for k in range(16):
-                    i = base + k
-                    x, y = w[at(C1 + i)], w[at(C2 + i)]
-                    least = HIGH if j == CERTIFICATE else w[at(LEAST + i)]
-                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
-                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
-                    w[at(LEAST + i)] = x + least if upright and j == last else least
-
-    return certify
-
-
-@lru_cache(maxsize=2)
-def certify_rest_of(upright: bool) -> Callable[..., None]:
-    """Return the question whether the rest of a period has no impact."""
-
-    @inlined
-    def certify_rest(w: Any, t: Any, q: int, start: int, end: int) -> None:
-        """Ask the certificate about the flights after impacts, from ONE_ON on: LOW gets the least row."""
-        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
-        for j in range(CERTIFICATE, last + 1, 32):
-            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
-            for base in range(start, end, 8):
-                for k in range(8):
-                    i = base + k
-                    x, y, since = w[at(Z1 + i)], w[at(Z2 + i)], w[at(ONE_ON + i)]
-                    least = HIGH if j == CERTIFICATE else w[at(LOW + i)]
-                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    z0 = z0 if o[0] >= since else HIGH
-                    z1 = z1 if o[1] >= since else HIGH
-                    z2 = z2 if o[2] >= since else HIGH
-                    z3 = z3 if o[3] >= since else HIGH
-                    z4 = z4 if o[4] >= since else HIGH
-                    z5 = z5 if o[5] >= since else HIGH
-                    z6 = z6 if o[6] >= since else HIGH
-                    z7 = z7 if o[7] >= since else HIGH
-                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
-                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
-                    w[at(LOW + i)] = x + least if upright and j == last else least
-
-    return certify_rest
-
-
-@lru_cache(maxsize=2)
-def locate_of(upright: bool) -> Callable[..., None]:
-    """Return the search for the next event."""
-
-    @inlined
-    def locate(w: Any, t: Any, q: int, start: int, end: int) -> None:
-        """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
-        last = ROWS + 4 * int(t[q, ROW_COUNT]) - 32
-        for j in range(last, ROWS - 1, -32):
-            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
-            for base in range(start, end, 8):
-                for k in range(8):
-                    i = base + k
-                    x, y, since = w[at(X1 + i)], w[at(X2 + i)], w[at(ONE_ON + i)]
-                    limit = w[at(DOUBT + i)] - x if upright else w[at(DOUBT + i)]
-                    event = 0.0 if j == last else w[at(EVENT + i)]
-                    z = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    event = o[7] if (not z >= limit) & (o[7] >= since) else event
-                    z = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    event = o[6] if (not z >= limit) & (o[6] >= since) else event
-                    z = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    event = o[5] if (not z >= limit) & (o[5] >= since) else event
-                    z = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    event = o[4] if (not z >= limit) & (o[4] >= since) else event
-                    z = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    event = o[3] if (not z >= limit) & (o[3] >= since) else event
-                    z = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    event = o[2] if (not z >= limit) & (o[2] >= since) else event
-                    z = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    event = o[1] if (not z >= limit) & (o[1] >= since) else event
-                    z = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    event = o[0] if (not z >= limit) & (o[0] >= since) else event
-                    w[at(EVENT + i)] = event
-
-    return locate
-
-
-certify_upright, certify_any = certify_of(True), certify_of(False)
-certify_rest_upright, certify_rest_any = certify_rest_of(True), certify_rest_of(False)
-locate_upright, locate_any = locate_of(True), locate_of(False)
+from grazing.oscillator.workspace import (
+    AFTER,
+    B1,
+    B2,
+    BACK,
+    BEFORE,
+    COLUMN,
+    D1,
+    D2,
+    DOUBT,
+    EVENT,
+    FAR,
+    FLIES,
+    GAP,
+    HIGH,
+    INSIDE,
+    NAN,
+    ONE_ON,
+    PROVEN,
+    PULL,
+    RECORD,
+    ROOM,
+    SINCE,
+    SLOWEST_ALLOWED,
+    STEEP,
+    TABLE,
+    UNTIL,
+    VM,
+    W2,
+    WAVES,
+    WHEN,
+    WIDER,
+    WIDTH,
+    WORSE,
+    X1,
+    X2,
+    YM,
+    Z1,
+    Z2,
+    A,
+    F,
+    K,
+    M,
+)  # fmt: skip
 
 
 @inlined
-def certify(w: Any, t: Any, columns: int, stride: int) -> None:
-    """Ask the certificate about all orbits."""
-    for q in range(columns):
-        if t[q, UPRIGHT] > 0.0:
-            certify_upright(w, t, q, q * stride, (q + 1) * stride)
-        else:
-            certify_any(w, t, q, q * stride, (q + 1) * stride)
-
-
-@inlined
-def certify_rest(w: Any, t: Any, runs: Any, count: int) -> None:
-    """Ask the certificate about all flights after impacts; results of a run may be written over by the next."""
-    for n in range(count):
-        q = int(w[at(COLUMN + runs[at(n)])])
-        if t[q, UPRIGHT] > 0.0:
-            certify_rest_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
-        else:
-            certify_rest_any(w, t, q, runs[at(n)], runs[at(n + 1)])
-
-
-@inlined
-def locate(w: Any, t: Any, runs: Any, count: int) -> None:
-    """Find the next events of all impacts at hand."""
-    for n in range(count):
-        q = int(w[at(COLUMN + runs[at(n)])])
-        if t[q, UPRIGHT] > 0.0:
-            locate_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
-        else:
-            locate_any(w, t, q, runs[at(n)], runs[at(n + 1)])
+def placed(w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float) -> None:
+    """Put a flight whose next impact is to be found from place ``since`` on to the impacts at hand."""
+    w[at(COLUMN + to)] = q
+    w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
+    w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
 
 
 @inlined

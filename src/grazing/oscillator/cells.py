@@ -4,13 +4,13 @@ Write y = Y + c1 b1 + c2 b2, with Y a flight of the forced ball and b1, b2 two f
 between impacts is the pair (c1, c2), and y at any instant is affine in it. Each sign window of the force is cut into
 cells. A table holds, for its parameter value,
 
-- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact;
-  the first row that fails, in the order of time, tells where the next impact is,
+- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact,
+- a list of such rows for each cell: the first one that fails, in the order of time, tells where the next impact is,
 - per cell, what a Taylor series needs.
 
 The certificate. States that fly through a window without impact are a convex set, the intersection of the half
 planes y(t) >= 0. Where F > 0 its boundary is the curve of states that graze at some t, so chords between states that
-graze at the ends of a cell lie inside it; where F < 0 it is the half plane y(end) >= 0. See ``docs/proof.md``.
+graze one after the other lie inside it; where F < 0 it is the half plane y(end) >= 0. See ``docs/proof.md``.
 """
 
 from __future__ import annotations
@@ -158,6 +158,14 @@ def chord(
     return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, size / abs(cross)
 
 
+def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Extent:
+    """Return the extent with a chord."""
+    return Extent(
+        max(extent.r, abs(r) if r > ALWAYS else 0.0), max(extent.p, abs(p)), max(extent.q, abs(q)),
+        extent.b1, extent.b2, extent.least, max(extent.blur, blur),
+    )  # fmt: skip
+
+
 def fill_window(
     t: Any, q: int, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
 ) -> tuple[int, int, int, Extent]:
@@ -170,7 +178,7 @@ def fill_window(
     length = (b - a) / count
     piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
     positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
-    f1, f2, last = 1.0, 0.0, 0
+    f1, f2, last, drawn = 1.0, 0.0, 0, True
     g1, g2, before1, before2 = 0.0, 0.0, 0.0, 0.0  # states that graze half a cell ago, and a whole one
     for k in range(2 * count + 1):
         j = k // 2
@@ -198,15 +206,15 @@ def fill_window(
             max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
         )  # fmt: skip
         if k > 0 and positive:
+            place = 2 * (cell + (k - 1) // 2) + 1
             cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
-            extent = Extent(
-                max(extent.r, abs(cs) if cs > ALWAYS else 0.0), max(extent.p, abs(cp)), max(extent.q, abs(cr)),
-                extent.b1, extent.b2, extent.least, max(extent.blur, blur),
-            )  # fmt: skip
-            n = listed(t, q, CERTIFICATE, n, cp, cr, cs, 2 * (cell + (k - 1) // 2) + 1)
+            n = listed(t, q, CERTIFICATE, n, cp, cr, cs, place)
+            extent = extended(extent, cp, cr, cs, blur)
+            drawn = cs > ALWAYS and (k % 2 == 1 or drawn)
             if k % 2 == 0:
-                cp, cr, cs, _blur = chord(f1, f2, before1, before2, h1, h2, band)
-                m = listed(t, q, ROWS, m, cp, cr, cs, 2 * (cell + j) - 1)
+                cp, cr, cs, blur = chord(f1, f2, before1, before2, h1, h2, band)
+                m = listed(t, q, ROWS, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
+                extent = extended(extent, cp, cr, cs, blur)
         if k % 2 == 0 and (k > 0 or i == 0):
             m = listed(t, q, ROWS, m, p, r, s, 2 * (cell + j))
             if j == last or k == 0:
@@ -250,7 +258,7 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
     t[q, SLOWEST] = 1e-5 * c.force * reach
-    t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 and exponential(c) else 0.0  # the first free flight is positive for ever
+    t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
     t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
     t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
