@@ -12,7 +12,17 @@ import pytest
 import grazing
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.kernel.primitives import at, built, called, called_for_all, inlined, numbers_at, replaced
+from grazing.kernel.primitives import (
+    appended,
+    at,
+    built,
+    called,
+    called_for_all,
+    inlined,
+    numbers_at,
+    replaced,
+    transposed,
+)
 from grazing.outcome import UserCodeError
 
 Three = namedtuple("Three", "a b c")
@@ -127,6 +137,44 @@ def test_an_inlined_kernel_is_the_same_kernel():
     assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [
         compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)
     ]
+
+
+def deals(work, to, step, table, where, plus):
+    transposed(work, to, step, table, where, plus)
+
+
+def test_records_are_dealt_out_to_rows():
+    table = np.random.default_rng(2).normal(size=(3, 40))
+    records = np.array([0, 64, 8, 8, 25, 103, 3, 48])
+    plain, fast = np.zeros(300), np.zeros(300)
+    for work in (plain, fast):
+        work[250:258] = records
+    deals(plain, 5, 11, table, 250, 9)
+    compiled(deals)(fast, 5, 11, table, 250, 9)
+    for h in range(8):
+        assert np.array_equal(plain[5 + 11 * h : 13 + 11 * h], table.ravel()[records + 9 + h])
+    assert np.count_nonzero(plain) == 64 + np.count_nonzero(records)
+    assert np.array_equal(fast, plain)
+
+
+def appends(work, i, place):
+    return appended(work, i, 0, 20, (40, 60), (80, 100), place)
+
+
+@pytest.mark.parametrize("place", [0, 3])
+def test_what_falls_short_is_appended(place):
+    """Not a number falls short of anything, and anything of it."""
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        work = random.normal(size=120)
+        work[random.integers(0, 40, 3)] = np.nan
+        wanted = [k for k in range(2, 10) if not work[k] >= work[20 + k]]
+        plain, fast = work.copy(), work.copy()
+        assert appends(plain, 2, place) == compiled(appends)(fast, 2, place) == place + len(wanted)
+        for found in (plain, fast):
+            for source, target in ((40, 80), (60, 100)):
+                assert np.array_equal(found[target + place :][: len(wanted)], work[source:][wanted])
+                assert np.array_equal(found[target : target + place], work[target : target + place])
 
 
 ORDER = """

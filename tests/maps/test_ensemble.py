@@ -353,7 +353,7 @@ from mine import law
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import called, called_for_all
 from grazing.maps.ensemble import law_addresses
-from grazing.oscillator.block import AFTER, BEFORE, COLUMN, workspace_size
+from grazing.oscillator.workspace import AFTER, BEFORE, COLUMN, workspace_size
 from grazing.oscillator.reset import difference_of
 from grazing.parameter import parameter_tuple
 

@@ -45,6 +45,35 @@ def called_for_all(function: float, work: Any, start: int, end: int, row: float)
     pointed[int(function)](work, start, end, numbers_at(row))
 
 
+def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
+    """Copy eight records of eight numbers from a table to rows of ``work``: number h of record k to place k of row h.
+
+    The eight rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
+    table, counted through all its rows. Compiled code reads and writes whole vectors.
+    """
+    numbers = table.reshape(-1)
+    for k in range(8):
+        record = int(work[where + k]) + plus
+        for h in range(8):
+            work[to + h * step + k] = numbers[record + h]
+
+
+def appended(
+    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
+) -> int:
+    """Append those of eight neighbours that fall short to lists; return how long the lists are then.
+
+    Of the eight places from ``i`` on those count where ``work[least + i] >= work[limit + i]`` does not hold. Their
+    numbers ``work[source + i]`` go to ``work[target + place]``. Compiled code may write over eight places of a list.
+    """
+    for k in range(i, i + 8):
+        if not work[least + k] >= work[limit + k]:
+            for source, target in zip(sources, targets, strict=True):
+                work[target + place] = work[source + k]
+            place += 1
+    return place
+
+
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
 pointed: list[Callable[..., Any]] = []
 
@@ -62,7 +91,7 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
 def _register() -> None:
     """Tell the compiler the second form of each primitive; importing numba here is the reason to be lazy."""
     from llvmlite import ir
-    from numba.core import types
+    from numba.core import cgutils, types
     from numba.cpython.unsafe.tuple import tuple_setitem
     from numba.extending import intrinsic, overload
 
@@ -105,6 +134,95 @@ def _register() -> None:
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, types.int64, types.int64, types.float64), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        vector, places = ir.VectorType(number, 8), ir.VectorType(count, 8)
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            out = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
+            source = ctx.make_array(signature.args[3])(ctx, builder, args[3]).data
+
+            def place(pointer: Any, index: Any) -> Any:
+                return builder.bitcast(builder.gep(pointer, [index]), vector.as_pointer())
+
+            def loaded(pointer: Any, index: Any) -> Any:
+                found = builder.load(place(pointer, index))
+                found.align = 8
+                return found
+
+            starts = builder.fptosi(loaded(out, args[4]), places)
+            lanes = [builder.extract_element(starts, ir.Constant(ir.IntType(32), k)) for k in range(8)]
+            rows = [loaded(source, builder.add(lane, args[5])) for lane in lanes]
+            for size in (1, 2, 4):  # blocks of this size change places across the diagonal
+                for k in range(8):
+                    if k & size == 0:
+                        a, b = rows[k], rows[k + size]
+                        upper = [j + 8 - size if j & size else j for j in range(8)]
+                        lower = [j + 8 if j & size else j + size for j in range(8)]
+                        kinds = [ir.Constant(ir.VectorType(ir.IntType(32), 8), mask) for mask in (upper, lower)]
+                        rows[k], rows[k + size] = (builder.shuffle_vector(a, b, kind) for kind in kinds)
+            for h, row in enumerate(rows):
+                at_row = builder.add(args[1], builder.mul(args[2], count(h)))
+                builder.store(row, place(out, at_row)).align = 8
+            return ctx.get_dummy_value()
+
+        return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
+
+    def compressed(builder: Any, values: Any, mask: Any) -> Any:
+        """Move the chosen numbers of a vector to its front."""
+        bits = ir.VectorType(ir.IntType(1), 8)
+        kind = ir.FunctionType(values.type, [values.type, values.type, bits])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.x86.avx512.mask.compress.v8f64")
+        return builder.call(function, [values, values, mask])
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def appending(
+        _context: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any
+    ) -> Any:
+        vector = ir.VectorType(number, 8)
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            data = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
+            vectors = "+avx512f" in ctx.codegen().magic_tuple()[2]
+
+            def place_of(row: Any, index: Any) -> Any:
+                pointer = builder.gep(data, [builder.add(row, index)])
+                return builder.bitcast(pointer, vector.as_pointer())
+
+            def loaded(row: Any) -> Any:
+                found = builder.load(place_of(row, args[1]))
+                found.align = 8
+                return found
+
+            mask = builder.fcmp_unordered("ult", loaded(args[2]), loaded(args[3]))
+            rows = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
+            lists = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
+            values = [loaded(row) for row in rows]
+            end = args[6]
+            if vectors:
+                for value, row in zip(values, lists, strict=True):
+                    builder.store(compressed(builder, value, mask), place_of(row, end)).align = 8
+                bits = builder.zext(builder.bitcast(mask, ir.IntType(8)), count)
+                return builder.add(end, builder.ctpop(bits))
+            for k in range(8):
+                lane = ir.Constant(ir.IntType(32), k)
+                for value, row in zip(values, lists, strict=True):
+                    builder.store(builder.extract_element(value, lane), builder.gep(data, [builder.add(row, end)]))
+                end = builder.add(end, builder.zext(builder.extract_element(mask, lane), count))
+            return end
+
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), code
+
+    @overload(appended, strict=False)  # type: ignore[untyped-decorator]
+    def _appended(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return lambda work, i, least, limit, sources, targets, place: appending(
+            work, i, least, limit, sources, targets, place
+        )
+
+    @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
+    def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        return lambda work, to, step, table, where, plus: transposing(work, to, step, table, where, plus)
 
     @overload(called, strict=False)  # type: ignore[untyped-decorator]
     def _called(function: Any, v: Any, row: Any) -> Any:

@@ -24,6 +24,34 @@ from grazing.maps.pointed import (
     pointed_slope,
 )
 from grazing.oscillator.block import (
+    dip_of,
+    guess_of,
+    kick,
+    look_up,
+    placed,
+    solve_of,
+)  # fmt: skip
+from grazing.oscillator.cells import (
+    BAND,
+    CERTIFICATE,
+    MARGIN,
+    PAIR,
+    SIGMA,
+    STATE,
+    fill_table,
+    table_size,
+)  # fmt: skip
+from grazing.oscillator.certificate import (
+    candidates,
+    certify,
+    certify_rest,
+    locate,
+    onward,
+    runs_of,
+)  # fmt: skip
+from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.reset import Reset
+from grazing.oscillator.workspace import (
     AFTER,
     BEFORE,
     C1,
@@ -31,53 +59,35 @@ from grazing.oscillator.block import (
     COLUMN,
     DOUBT,
     EVENT,
+    FLIES,
+    INSIDE,
     LANES,
     LIMIT,
+    LOW,
+    NAN,
     NEAR,
-    NEXT,
-    NOTHING,
+    NUMBER,
+    ONE_ON,
+    ORBIT,
     PROVEN,
     PULL,
-    SINCE,
     SLOW,
     WHEN,
+    WIDER,
     WIDTH,
     X1,
     X2,
+    Z1,
+    Z2,
     U,
     V,
-    cell_of,
-    certify,
-    certify_rest,
-    dip_of,
-    gathered,
-    guess_of,
-    kick,
-    next_event,
-    solve_of,
-    spread_constants,
     workspace_size,
 )  # fmt: skip
-from grazing.oscillator.cells import (
-    BAND,
-    CERTIFICATE,
-    MARGIN,
-    MAX_CERTIFICATE,
-    ONWARD,
-    PAIR,
-    SIGMA,
-    STATE,
-    fill_table,
-    table_size,
-)
-from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.reset import Reset
 from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-NAN = float("nan")
 ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0, 1, 2
@@ -122,71 +132,48 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 hits[i], flags[i] = letter, outcome
 
     @inlined
-    def placed(w: Any, to: int, t: Any, q: int, cell: int, x: float, y: float, doubt: float) -> None:
-        """Put an orbit with an impact in this cell to the impacts at hand."""
-        gathered(w, to, t, q, cell, harmonics)
-        w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
-
-    def first_impacts(
-        w: Any, t: Any, columns: int, seg: Any, who: Any, event: Any, cell: Any, met: Any, wanted: Any, needy: Any
-    ) -> int:
-        """Gather the first impacts of the orbits that the certificate did not settle; return their number."""
-        places = 0
-        for q in range(columns):
-            for k in range(seg[q], seg[q + 1]):
-                i = who[k]
-                found = int(w[at(EVENT + i)])
-                if found == 0:  # not surely above the wall at the strobe
-                    wanted[i] = 1
-                    needy[q] += 1
-                    continue
-                x, y, doubt = w[at(C1 + i)], w[at(C2 + i)], w[at(LIMIT + i)]
-                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
-                placed(w, places, t, q, inside, x, y, doubt)
-                who[places], event[places], cell[places], met[places] = i, found, inside, 0
-                places += 1
-        return places
-
     def impacts(
-        w: Any, low: Any, t: Any, places: int, who: Any, event: Any, cell: Any, met: Any, hits: Any, wanted: Any,
+        w: Any, low: Any, t: Any, places: int, met: Any, runs: Any, hits: Any, wanted: Any,
         needy: Any, strike: float, law_rows: float,
     ) -> None:  # fmt: skip
         """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
         while places > 0:
-            spread_constants(w, places, t)
+            columns = runs_of(w, places, runs)
+            locate(w, t, runs, columns)
+            look_up(w, t, places, harmonics)
             guess(w, places)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
             kick(w, places)
-            certify_rest(w, places, t)
+            certify_rest(w, t, runs, columns)
             count, dips = places, 0
             places = 0
             for k in range(count):
-                i = who[k]
-                if w[at(PROVEN + k)] > 0.0:
+                i = int(w[at(ORBIT + k)])
+                if w[at(FLIES + k)] > 0.0:
                     w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
-                    if w[at(NEXT + k)] == NOTHING:
-                        w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
+                    x, y, doubt = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)]
+                    if w[at(LOW + k)] >= doubt:
+                        w[at(C1 + i)], w[at(C2 + i)] = x, y
                         hits[i] = met[k] + 1
                         continue
-                    found, before, when = int(w[at(NEXT + k)]), cell[k], w[at(WHEN + k)]
-                    x, y, doubt, q = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)], int(w[at(COLUMN + k)])
-                    inside = cell_of(t, q, found, x, y, doubt, before, harmonics)
-                    placed(w, places, t, q, inside, x, y, doubt)
-                    if inside == before:
-                        w[at(SINCE + places)] = when
-                    who[places], event[places], cell[places], met[places] = i, found, inside, met[k] + 1
+                    since, cell, when = w[at(ONE_ON + k)], w[at(INSIDE + k)], w[at(WHEN + k)]
+                    placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when)
+                    w[at(ORBIT + places)], met[places] = float(i), met[k] + 1
                     places += 1
-                elif event[k] % 2 == 1:
+                elif int(w[at(EVENT + k)]) % 2 == 1:
                     for j in range(X1, work, WIDTH):
                         low[at(j + dips)] = w[at(j + k)]
-                    low[at(C1 + dips)], low[at(C2 + dips)], low[at(NEAR + dips)] = float(i), float(event[k]), met[k]
+                    low[at(Z1 + dips)], low[at(Z2 + dips)] = w[at(X1 + k)], w[at(X2 + k)]
+                    low[at(ONE_ON + dips)] = w[at(EVENT + k)] + 1.0
+                    low[at(C1 + dips)], low[at(C2 + dips)] = float(i), float(met[k])
                     dips += 1
                 else:
                     wanted[i] = 1
                     needy[int(w[at(COLUMN + k)])] += 1
             if dips > 0:
                 dip(low, dips)
+                certify_rest(low, t, runs, runs_of(low, dips, runs))
             for k in range(dips):
                 i, q = int(low[at(C1 + k)]), int(low[at(COLUMN + k)])
                 if not low[at(PROVEN + k)] > 0.0:
@@ -195,27 +182,31 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     continue
                 if low[at(PULL + k)] > 0.0:
                     w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
-                x, y, doubt = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)]
-                found = next_event(t, q, x, y, doubt, int(low[at(C2 + k)]) + 1)
-                if found == NOTHING:
+                x, y, doubt, met_there = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)], int(low[at(C2 + k)])
+                if low[at(LOW + k)] >= doubt:
                     w[C1 + i], w[C2 + i] = x, y
-                    hits[i] = int(low[at(NEAR + k)])
+                    hits[i] = met_there
                     continue
-                inside = cell_of(t, q, found, x, y, doubt, 0, harmonics)
-                placed(w, places, t, q, inside, x, y, doubt)
-                who[places], event[places], cell[places] = i, found, inside
-                met[places] = int(low[at(NEAR + k)])
+                placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0)
+                w[at(ORBIT + places)], met[places] = float(i), met_there
                 places += 1
 
-    def onward(w: Any, start: int, end: int, t: Any, q: int) -> None:
-        """Take the pairs of column q over to the next period."""
-        start = max(start, 0)
-        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
-        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
-        for i in range(start, end):
-            x, y = w[at(C1 + i)], w[at(C2 + i)]
-            w[at(C1 + i)] = a00 * x + (a01 * y + s0)
-            w[at(C2 + i)] = a10 * x + (a11 * y + s1)
+    @inlined
+    def keep(
+        w: Any, t: Any, q: int, first: int, starts: int, points: Any, letters: Any, hits: Any, row: int, n: int,
+        left: int,
+    ) -> None:  # fmt: skip
+        """Write the states of the pairs of column q, and how often each hit the wall."""
+        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
+        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
+        for j in range(starts):
+            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            points[at(row), at(n), 0, at(left + j)] = sigma + (u0 + (u1 * x + u2 * y))
+        for j in range(starts):
+            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            points[at(row), at(n), 1, at(left + j)] = v0 + (v1 * x + v2 * y)
+        for j in range(starts):
+            letters[at(row), at(n), at(left + j)] = hits[at(first + j)]
 
     def run(
         rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
@@ -223,27 +214,29 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     ) -> None:  # fmt: skip
         top, bottom, left, right, blocks, transient, start, stop = job
         columns, starts = bottom - top, right - left
+        stride = padded(starts)
         last = outcomes.shape[1] - 1
-        t = np.empty((columns, size))
+        t = aligned(columns * size).reshape((columns, size))
         tabled = np.zeros(columns, np.int64)
-        w, low = np.zeros(work), np.zeros(work)
-        who, event = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
-        cell, met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        w, low = aligned(work), aligned(work)
+        for i in range(LANES):
+            w[NUMBER + i] = float(i)
+        runs = np.zeros(WIDTH, np.int64)
+        met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
-        seg, held, fresh = np.zeros(columns + 1, np.int64), np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
+        held, fresh = np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
         for q in range(columns):
             c = constants_at(rows, top + q)
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
             for j in range(starts):
-                i = q * starts + j
+                i = q * stride + j
                 w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
                 w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
                 held[i] = held_back(w, i, t, q, tabled[q])
         for n in range(transient + stop - start):
-            count = 0
+            certify(w, t, columns, stride)
             for q in range(columns):
-                first = q * starts
-                seg[q] = count
+                first = q * stride
                 needy[q] = 0
                 if n >= transient:
                     for i in range(first, first + starts):
@@ -252,24 +245,18 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     needy[q] = starts
                     for i in range(first, first + starts):
                         wanted[i] = 1
-                    continue
-                certify(w, first, first + starts, t, q)
-                for i in range(first, first + starts):
-                    who[at(count)] = i
-                    count += 1 if w[at(EVENT + i)] < NOTHING else 0
-            seg[columns] = count
-            places = first_impacts(w, t, columns, seg, who, event, cell, met, wanted, needy)
-            impacts(w, low, t, places, who, event, cell, met, hits, wanted, needy, strike, law_rows)
+            places = candidates(w, columns, stride, starts, tabled, met)
+            impacts(w, low, t, places, met, runs, hits, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
-                first = q * starts
                 if needy[q]:
-                    for i in range(first, first + starts):
+                    for i in range(q * stride, q * stride + starts):
                         if wanted[i] and held[i] == FLOWN:
                             w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
-                if tabled[q]:
-                    onward(w, first, first + starts, t, q)
+            onward(w, t, columns, stride)
+            for q in range(columns):
+                first = q * stride
                 if fresh[q]:
                     for i in range(first, first + starts):
                         held[i] = held[i] if wanted[i] else FLOWN
@@ -285,21 +272,14 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             wanted[i] = 0
                         fresh[q] += held[i]
                 if kept >= 0:
-                    if tabled[q]:
-                        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
-                        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
-                        for j in range(starts):
-                            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
-                            points[top + q, kept, 0, left + j] = sigma + (u0 + (u1 * x + u2 * y))
-                            points[top + q, kept, 1, left + j] = v0 + (v1 * x + v2 * y)
-                    for j in range(starts):
-                        letters[top + q, kept, left + j] = hits[first + j]
-                        if fresh[q] and held[first + j] != FLOWN:
+                    keep(w, t, q, first, starts, points, letters, hits, top + q, kept, left)
+                    for j in range(starts if fresh[q] else 0):
+                        if held[first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]
                             points[top + q, kept, 1, left + j] = w[V + first + j]
         for q in range(columns):
             for j in range(starts):
-                i = q * starts + j
+                i = q * stride + j
                 if held[i] == FLOWN:
                     w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
                 lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
@@ -308,6 +288,18 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
+
+
+def aligned(count: int) -> Any:
+    """Return zeros from an address on that 64 divides: then no vector lies across two lines of the cache."""
+    room = np.zeros(count + 8)
+    skip = -(room.ctypes.data // 8) % 8
+    return room[skip : skip + count]
+
+
+def padded(starts: int) -> int:
+    """Return the room of a column in a block: whole vectors, so that loops that run over the end hit no neighbour."""
+    return (starts + 15) // 16 * 16
 
 
 def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
@@ -321,11 +313,11 @@ def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
         x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
         margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
         at = CERTIFICATE
-        height = t[q, at] * x + (t[q, at + MAX_CERTIFICATE] * y + t[q, at + 2 * MAX_CERTIFICATE])
+        height = t[q, at] * x + (t[q, at + 8] * y + t[q, at + 16])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i] = x, y
+            w[C1 + i], w[C2 + i], w[LIMIT + i] = x, y, margin
             return FRESH
-    w[C1 + i], w[C2 + i] = NAN, NAN  # fails every row of the certificate, the first one first
+    w[C1 + i], w[C2 + i], w[LIMIT + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
     return HELD
 
 
@@ -370,7 +362,7 @@ def ensemble_tasks(
     strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
     entry = ensemble(harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
-    shape = max(1, LANES // starts), min(starts, LANES)
+    shape = max(1, LANES // padded(starts)), min(starts, LANES)
 
     def task(top: int, left: int) -> Iterator[None]:
         box = top, min(top + shape[0], len(rows)), left, min(left + shape[1], starts)

@@ -4,13 +4,13 @@ Write y = Y + c1 b1 + c2 b2, with Y a flight of the forced ball and b1, b2 two f
 between impacts is the pair (c1, c2), and y at any instant is affine in it. Each sign window of the force is cut into
 cells. A table holds, for its parameter value,
 
-- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact;
-  the first row that fails, in the order of time, tells where the next impact is,
+- the *certificate*: rows (p, q, r) such that p c1 + q c2 + r > margin in all of them proves a period without impact,
+- a list of such rows for each cell: the first one that fails, in the order of time, tells where the next impact is,
 - per cell, what a Taylor series needs.
 
 The certificate. States that fly through a window without impact are a convex set, the intersection of the half
 planes y(t) >= 0. Where F > 0 its boundary is the curve of states that graze at some t, so chords between states that
-graze at the ends of a cell lie inside it; where F < 0 it is the half plane y(end) >= 0. See ``docs/proof.md``.
+graze one after the other lie inside it; where F < 0 it is the half plane y(end) >= 0. See ``docs/proof.md``.
 """
 
 from __future__ import annotations
@@ -29,34 +29,40 @@ MAX_CELLS = 96
 MAX_DECAY = 30.0
 
 # ---- where things stand in a table: the constants of the parameter value,
-ALPHA, K2, F0, OMEGA2, FORCE, RATIO, SLOWEST, BAND = 0, 1, 2, 3, 4, 5, 6, 7
-# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|, and the growth of errors at an impact,
-MARGIN = 8
-GROWTH = 11
+# the last three being how far a velocity carries, the slowest impact to be solved here, and the growth of errors there,
+ALPHA, K2, F0, OMEGA2, FORCE, LEVER, SLOWEST, GROWTH = 0, 1, 2, 3, 4, 5, 6, 7
+# margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|; the band;
+MARGIN, BAND = 8, 11
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, padded to a multiple of 4, the wall, and how far a velocity carries;
-COUNT, SIGMA, LEVER = 28, 29, 30
-# then the certificate: p of all rows, q, r, and the place of each in the order of time;
-CERTIFICATE = 32
-MAX_CERTIFICATE = 2 * MAX_CELLS + 16
-# a row for the end of each cell, in the same way;
-END = CERTIFICATE + 4 * MAX_CERTIFICATE
-# and the cells: Y, Y', b1, b1', b2, b2' at the middle of the series, where its use begins and ends, the time left in a
-# window with F < 0, the place in time from which to go on after an impact, the first cell of the piece; the harmonics.
-CELLS = END + 3 * MAX_CELLS
-LOW_END, HIGH_END, TIME_LEFT, GO_ON, FIRST = 6, 7, 8, 9, 10
-CELL = 11
-# In the order of time the start of the period is number 0, the chord of cell i number 2 i + 1, its end number 2 i + 2.
+# how many rows the certificate has, and how many all lists together, both padded to a multiple of 8; the wall, the
+# contraction of the law near zero speed, and 1 where p = 1 in all rows;
+COUNT, ROW_COUNT, SIGMA, RATIO, UPRIGHT = 28, 29, 30, 31, 32
+# then the certificate and the list of all rows, both in the order of time: eight rows (p, q, r) and their places,
+# as eight p, eight q, eight r, eight places, and so on;
+CERTIFICATE = 40
+MAX_ROWS = 3 * MAX_CELLS + 8
+ROWS = CERTIFICATE + 4 * MAX_ROWS
+# and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the place
+# from which to go on after an impact, 1 - RATIO; the harmonics.
+CELLS = ROWS + 4 * MAX_ROWS
+HALF, TIME_LEFT, GO_ON, GAP = 6, 7, 8, 9
+CELL = 10
+# In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
 ALWAYS = -1e300  # fails for every orbit: its cell is always looked into
 
 
+def cell_size(harmonics: int) -> int:
+    """Return how many numbers a cell has: whole vectors."""
+    return (CELL + 2 * harmonics + 7) // 8 * 8
+
+
 def table_size(harmonics: int) -> int:
     """Return how many numbers a table has."""
-    return CELLS + MAX_CELLS * (CELL + 2 * harmonics)
+    return CELLS + MAX_CELLS * cell_size(harmonics)
 
 
 def exponential(c: Constants) -> bool:
@@ -113,10 +119,11 @@ class Extent(NamedTuple):
     blur: float  # how much a chord magnifies the errors of its ends
 
 
-def certified_by(t: Any, q: int, n: int, p: float, r: float, s: float, place: int) -> int:
-    """Write row n of the certificate, which stands at ``place`` in the order of time; return n + 1."""
-    put_row(t, q, CERTIFICATE + n, MAX_CERTIFICATE, p, r, s)
-    t[q, CERTIFICATE + 3 * MAX_CERTIFICATE + n] = place
+def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: int) -> int:
+    """Write row n of the list that begins at ``rows``; return n + 1."""
+    at = rows + 32 * (n // 8) + n % 8
+    put_row(t, q, at, 8, p, r, s)
+    t[q, at + 24] = place
     return n + 1
 
 
@@ -124,7 +131,7 @@ def put_cell(
     t: Any, q: int, cell: int, time: float, at_time: tuple[float, float, float, float, float, float], c: Constants
 ) -> int:
     """Write what a Taylor series about ``time`` needs; return where the cell's entries begin."""
-    at = CELLS + cell * (CELL + 2 * len(c.cos))
+    at = CELLS + cell * cell_size(len(c.cos))
     for k in range(6):
         t[q, at + k] = at_time[k]
     sine, cosine = sincos(c.omega * time + c.theta)
@@ -151,39 +158,46 @@ def chord(
     return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, size / abs(cross)
 
 
+def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Extent:
+    """Return the extent with a chord."""
+    return Extent(
+        max(extent.r, abs(r) if r > ALWAYS else 0.0), max(extent.p, abs(p)), max(extent.q, abs(q)),
+        extent.b1, extent.b2, extent.least, max(extent.blur, blur),
+    )  # fmt: skip
+
+
 def fill_window(
-    t: Any, q: int, c: Constants, i: int, cell: int, n: int, extent: Extent, band: float
-) -> tuple[int, int, Extent]:
-    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents."""
+    t: Any, q: int, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
+) -> tuple[int, int, int, Extent]:
+    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents.
+
+    n rows are in the certificate and m in the list of all rows.
+    """
     a, b = c.edges[i], c.edges[i + 1]
     count = cells_in(b - a, c)
     length = (b - a) / count
     piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
     positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
-    f1, f2, g1, g2, first, last = 1.0, 0.0, 0.0, 0.0, 0, 0
+    f1, f2, last, drawn = 1.0, 0.0, 0, True
+    g1, g2, before1, before2 = 0.0, 0.0, 0.0, 0.0  # states that graze half a cell ago, and a whole one
     for k in range(2 * count + 1):
         j = k // 2
-        middle = a + length * (j + (0.25 if positive else 0.5))  # chord j is met half a cell before it, too
-        time = middle if k % 2 == 1 else (b if j == count else a + length * j)
+        time = b if k == 2 * count else a + 0.5 * length * k
         if (j % piece == 0 and k % 2 == 1) or k == 0:
-            first, last = j, min(j + piece, count)
+            last = min(j + piece, count)
             if c.q2 < 0.0:
-                sine, cosine = sincos(c.spread * (a + 0.5 * length * (first + last)))
+                sine, cosine = sincos(c.spread * (a + 0.5 * length * (j + last)))
                 f1, f2 = cosine, c.spread * sine
         at_time = basis(time, c)
         Y, dY, b1, d1, b2, d2 = at_time
         if k % 2 == 1:
             at = put_cell(t, q, cell + j, time, at_time, c)
-            around = 0.75 if positive else 0.5
-            t[q, at + LOW_END] = max(-around * length, a + length * first - time)
-            t[q, at + HIGH_END] = min(around * length, (b if last == count else a + length * last) - time)
+            t[q, at + HALF], t[q, at + GAP] = 0.5 * length, 1.0 - t[q, RATIO]
             t[q, at + TIME_LEFT] = 0.0 if positive else b - time
             t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
-            t[q, at + FIRST] = cell + first
-            continue
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
-            for m in range(6):
-                t[q, (STATE if k == 0 and i == 0 else ONWARD) + m] = at_time[m]
+            for h in range(6):
+                t[q, (STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
         phi, W = f1 * b1 + f2 * b2, b1 * d2 - b2 * d1
         h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes now
         p, r, s = b1 / phi, b2 / phi, Y / phi
@@ -191,19 +205,24 @@ def fill_window(
             max(extent.r, abs(s)), max(extent.p, abs(p)), max(extent.q, abs(r)), max(extent.b1, abs(b1)),
             max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
         )  # fmt: skip
-        if k > 0:
-            put_row(t, q, END + cell + j - 1, MAX_CELLS, p, r, s)
-            if positive:
-                cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
-                n = certified_by(t, q, n, cp, cr, cs, 2 * (cell + j) - 1)
-                extent = Extent(
-                    max(extent.r, abs(cs) if cs > ALWAYS else 0.0), max(extent.p, abs(cp)), max(extent.q, abs(cr)),
-                    extent.b1, extent.b2, extent.least, max(extent.blur, blur),
-                )  # fmt: skip
-        if j == last or (i == 0 and k == 0):
-            n = certified_by(t, q, n, p, r, s, 2 * (cell + j))
+        if k > 0 and positive:
+            place = 2 * (cell + (k - 1) // 2) + 1
+            cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
+            n = listed(t, q, CERTIFICATE, n, cp, cr, cs, place)
+            extent = extended(extent, cp, cr, cs, blur)
+            drawn = cs > ALWAYS and (k % 2 == 1 or drawn)
+            if k % 2 == 0:
+                cp, cr, cs, blur = chord(f1, f2, before1, before2, h1, h2, band)
+                m = listed(t, q, ROWS, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
+                extent = extended(extent, cp, cr, cs, blur)
+        if k % 2 == 0 and (k > 0 or i == 0):
+            m = listed(t, q, ROWS, m, p, r, s, 2 * (cell + j))
+            if j == last or k == 0:
+                n = listed(t, q, CERTIFICATE, n, p, r, s, 2 * (cell + j))
+        if k % 2 == 0:
+            before1, before2 = h1, h2
         g1, g2 = h1, h2
-    return cell + count, n, extent
+    return cell + count, n, m, extent
 
 
 def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
@@ -223,19 +242,23 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     if total > MAX_CELLS or -c.l2 * c.T > MAX_DECAY:
         return False
     # clearances below this are measured one by one: a few percent of what the chords cost
-    band = 1e-3 * c.force * (REACH / fastest(c)) ** 2
+    band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
     extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
-    cell, n = 0, 0
+    t[q, RATIO] = ratio
+    cell, n, m = 0, 0, 0
     for i in range(windows):
-        cell, n, extent = fill_window(t, q, c, i, cell, n, extent, band)
-    while n % 4 != 0:
-        n = certified_by(t, q, n, 0.0, 0.0, NEVER, 0)
+        cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
+    while n % 8 != 0:
+        n = listed(t, q, CERTIFICATE, n, 1.0, 0.0, NEVER, 0)
+    while m % 8 != 0:
+        m = listed(t, q, ROWS, m, 1.0, 0.0, NEVER, 0)
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, RATIO], t[q, BAND] = n, ratio, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = n, m, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
     t[q, SLOWEST] = 1e-5 * c.force * reach
+    t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
     t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
     t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from grazing.kernel.primitives import inlined
 
 #: (fastest rate) * (length of a cell) is at most this.
-REACH = 0.4
+REACH = 0.6
 
 Coefficients = tuple[
     float, float, float, float, float, float, float, float, float, float, float, float, float, float

@@ -1,0 +1,110 @@
+"""The rows of a table against the states they stand for, and the questions to them in every form."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.kernel.compile import compiled
+from grazing.oscillator.cells import ALWAYS, CERTIFICATE, COUNT, NEVER, ROW_COUNT, ROWS, UPRIGHT, fill_table, table_size
+from grazing.oscillator.certificate import certify_of, certify_rest_of, locate_of
+from grazing.oscillator.workspace import C1, C2, DOUBT, EVENT, LEAST, LOW, ONE_ON, X1, X2, Z1, Z2, workspace_size
+from tests.models import MODELS, packed
+
+NAMES = [name for name, model in MODELS.items() if name != "stiff"]
+N = 32  # orbits asked: whole vectors
+
+
+def table_of(name):
+    c = packed(gz.stroboscopic_map(MODELS[name]))
+    t = np.zeros((1, table_size(len(c.cos))))
+    assert fill_table(t, 0, c, 1.0)
+    return t
+
+
+def rows(t, start, count):
+    """Return p, q, r and the place of every row of a list, without its padding."""
+    numbers = t[0, start : start + 4 * int(t[0, count])]
+    found = numbers.reshape(-1, 4, 8).transpose(0, 2, 1).reshape(-1, 4)
+    return found[found[:, 2] < NEVER]
+
+
+def pairs(t, n=N):
+    """Return pairs that pass all rows, some, and few."""
+    list_of_all = rows(t, CERTIFICATE, COUNT)
+    size = np.abs(list_of_all[:, 2][list_of_all[:, 2] > ALWAYS]).max()
+    return np.random.default_rng(1).uniform(-2.0, 2.0, (2, n)) * size
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_lists_are_in_the_order_of_time(name):
+    t = table_of(name)
+    certificate, every = rows(t, CERTIFICATE, COUNT), rows(t, ROWS, ROW_COUNT)
+    assert (np.diff(certificate[:, 3]) >= 0.0).all()
+    assert (np.diff(every[:, 3]) > 0.0).all()
+    assert set(certificate[:, 3]) <= set(every[:, 3])
+    ends = every[every[:, 3] % 2 == 0]
+    assert np.array_equal(ends[:, 3], 2.0 * np.arange(len(ends)))  # the start and the end of every cell
+    short, long = (part[part[:, 3] % 2 == 1] for part in (certificate, every))
+    assert len(short) == 2 * len(long)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_upright_tables_have_p_1_in_all_rows(name):
+    t = table_of(name)
+    for start, count in ((CERTIFICATE, COUNT), (ROWS, ROW_COUNT)):
+        found = rows(t, start, count)
+        drawn = found[found[:, 2] > ALWAYS]
+        assert (drawn[:, 0] == 1.0).all() or not t[0, UPRIGHT]
+    m = MODELS[name].params
+    assert bool(t[0, UPRIGHT]) == (m["alpha"] >= 2.0 * m["k"])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_longer_chords_ask_for_more(name):
+    """So what the certificate leaves open is found in the list of all rows, up to rounding."""
+    t = table_of(name)
+    certificate, every = rows(t, CERTIFICATE, COUNT), rows(t, ROWS, ROW_COUNT)
+    x, y = pairs(t, 4000)
+    margin = 1e-12 * (np.abs(x) + np.abs(y)).max()
+    for place in every[every[:, 3] % 2 == 1][:, 3]:
+        long = every[every[:, 3] == place][0]
+        if long[2] == ALWAYS:
+            continue
+        passed = long[0] * x + long[1] * y + long[2] >= 0.0
+        inside = passed.copy()  # between the grazing states of the cell both halves pass where the whole does
+        for p, q, r, _place in certificate[certificate[:, 3] == place]:
+            inside &= p * x + q * y + r >= -margin
+        ends = every[(every[:, 3] == place - 1) | (every[:, 3] == place + 1)]
+        both = (ends[:, :1] * x + ends[:, 1:2] * y + ends[:, 2:3] >= 0.0).all(axis=0)
+        assert inside[passed & both].all()
+
+
+@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
+@pytest.mark.parametrize("name", ["standard", "critical", "under-damped", "undamped, no stiffness", "near resonance"])
+def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic):
+    t = table_of(name)
+    x, y = pairs(t)
+    x[3], y[5], x[7] = np.nan, np.nan, 1e-3
+    certificate, every = rows(t, CERTIFICATE, COUNT), rows(t, ROWS, ROW_COUNT)
+    last = int(every[-1, 3])
+    since = np.random.default_rng(2).integers(0, last + 2, N).astype(float)
+    heights = certificate[:, :1] * x + (certificate[:, 1:2] * y + certificate[:, 2:3])
+    later = np.where(certificate[:, 3:] >= since, heights, np.inf)
+    failing = ~(every[:, :1] * x + (every[:, 1:2] * y + every[:, 2:3]) >= 1e-9) & (every[:, 3:] >= since)
+    first = np.where(failing.any(axis=0), every[failing.argmax(axis=0), 3], 0.0)
+    numbers = np.isfinite(x + y)
+    scale = 1e-14 * np.abs(heights[:, numbers]).max()
+    for upright in {False, bool(t[0, UPRIGHT])}:
+        w = np.zeros(workspace_size(1))
+        for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (ONE_ON, since)):
+            w[start : start + N] = values
+        w[DOUBT : DOUBT + N] = 1e-9
+        for question in (certify_of(upright), certify_rest_of(upright), locate_of(upright)):
+            compiled(question, arithmetic)(w, t, 0, 0, N)
+        least, low, event = (w[start : start + N] for start in (LEAST, LOW, EVENT))
+        assert (np.abs(least - heights.min(axis=0))[numbers] <= scale).all()
+        some = numbers & (later.min(axis=0) < np.inf)
+        assert (np.abs(low - later.min(axis=0))[some] <= scale).all()
+        assert (low[numbers & ~some] > 1e270).all()
+        assert np.array_equal(event, first)
+        assert (event > 0.0).any()
