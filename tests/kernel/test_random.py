@@ -89,3 +89,16 @@ def test_seed_and_cell_name_the_numbers():
     assert np.array_equal(uniform(1, (2,), 4, 2), uniform(1, (2.0,), 4, 2))
     kinds = [uniform(*key, 4, 2).tobytes() for key in ((1, ()), (1, (0.0,)), (1, (0.0, 0.0)), (2, (0.0,)), (0, (1.0,)))]
     assert len(set(kinds)) == 5
+
+
+def test_many_cells_are_each_their_own():
+    cells = np.array([[0.1, 0.2], [0.2, 0.1], [0.1, 0.2], [-0.0, np.pi]])
+    every = uniform(9, cells, 6, 2)
+    assert every.shape == (4, 6, 2)
+    for q, cell in enumerate(cells):
+        assert np.array_equal(every[q], uniform(9, tuple(cell), 6, 2))
+    assert uniform(9, np.empty((3, 0)), 2, 1).shape == (3, 2, 1)  # cells without a name are all one cell
+    assert np.array_equal(uniform(9, np.empty((3, 0)), 2, 1)[2], uniform(9, (), 2, 1))
+    assert uniform(9, np.empty((0, 2)), 5, 3).shape == (0, 5, 3)
+    strided = np.asfortranarray(np.repeat(cells, 2, axis=0))[::2]
+    assert np.array_equal(uniform(9, strided, 6, 2), every)

@@ -1,11 +1,19 @@
+"""Period, word and trust: theory's windows, closed forms, and the plain twin over many maps."""
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import grazing as gz
 from grazing import theory
+from grazing.orbits.word import least_rotation, primitive
 from grazing.outcome import AMBIGUOUS, DIVERGED
 from grazing.studies.classify import classify
+from grazing.studies.recurrence import least_start, root_length
 from grazing.studies.starts import random_starts
+from tests.studies import twin
+from tests.studies.maps import DOUBLE_WELL, FOLLOWER, HENON, PLANE_WELLS, SMOOTH, SPIRAL, states_in
 
 
 def logistic(state, p):
@@ -209,3 +217,108 @@ def test_orbits_do_not_decide_about_each_other():
     for i in range(60):
         alone = classify(P, points[:, :, i : i + 1], letters[:, i : i + 1], outcomes[0, i : i + 1])
         assert (alone.period[0], alone.word[0]) == (together.period[i], together.word[i])
+
+
+def doubtful_gap_maps():
+    """Gap maps on both sides of the edges of their windows, where classification is hard."""
+    for N, lam, l in ((2, 0.5, 0.1), (3, 0.5, 0.1), (4, 0.9, 0.8), (3, 0.34, 0.21)):
+        edges = theory.mu_pd(N, lam, l), theory.mu_bc(N, lam, l)
+        for edge in edges:
+            for off in (-1e-2, -1e-4, -1e-7, 1e-7, 1e-4, 1e-2):
+                yield gz.gap_map(lam, edge * (1 + off), l)
+
+
+MANY = {
+    "gap maps": [gz.gap_map(lam, mu, l) for lam in (0.3, 0.8) for l in (0.0, 0.2) for mu in (0.03, 0.1, 0.4)],
+    "gap maps at edges": list(doubtful_gap_maps()),
+    "logistic": [LOGISTIC.replace(a=a) for a in (0.9, 1.0, 2.99, 3.0, 3.001, 3.4495, 3.5, 3.5441, 3.57, 3.828427)],
+    "logistic, own derivative": [SMOOTH.replace(a=a) for a in (2.99, 3.01, 3.449, 3.55, 3.83, 3.9)],
+    "Henon": [HENON.replace(a=a) for a in (0.2, 0.36, 0.368, 0.9, 0.912, 1.0, 1.06, 1.25, 1.4, 3.0)],
+    "spirals": [SPIRAL.replace(turn=t, r=r) for t in (0.0, 0.3, 1.0, np.pi / 2, 2.0, 3.0, np.pi) for r in (0.5, 0.97)],
+    "a turn without damping": [SPIRAL.replace(r=1.0, turn=t) for t in (1.0, np.pi / 2, 2 * np.pi / 5)],
+    "three dimensions": [FOLLOWER.replace(a=a, c=c) for a in (2.9, 2.995, 3.2, 3.45, 3.5, 3.9) for c in (-0.3, 0.97)],
+    "wells": [DOUBLE_WELL.replace(a=a) for a in (0.5, 1.5, 1.99, 2.001, 2.2, 2.3, 2.7)],
+    "wells in the plane": [PLANE_WELLS.replace(a=a) for a in (1.5, 1.999, 2.1, 2.25)],
+    "oscillator": [
+        gz.stroboscopic_map(model)
+        for model in (
+            gz.pinball(V=0.4, d=0.12), gz.pinball(V=0.0, d=0.05), gz.pinball(V=0.4, d=0.0985), gz.pinball(r=0.3, V=0.0),
+            gz.pinball(V=0.4, d=0.1232), gz.pinball(alpha=0.1, V=0.1), gz.pinball(alpha=0.0, r=1.0, V=0.0),
+        )
+    ],
+    "impact map": [gz.impact_map(gz.pinball(V=0.4, d=d)) for d in (0.05, 0.12)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MANY)
+@pytest.mark.parametrize(("transient", "keep"), [(0, 40), (60, 64), (400, 50), (30, 7)])
+def test_many_orbits_are_what_the_plain_rule_says(kind, transient, keep):
+    for P in MANY[kind]:
+        points, letters, outcomes = P.run(states_in(P, 5), transient, keep)
+        found = classify(P, points, letters, outcomes[0])
+        said = found.period.tolist(), found.word.tolist(), found.trust.tolist()
+        assert said == twin.classified(P, points, letters, outcomes[0]), P
+
+
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-6, 1e-3])
+def test_the_tolerance_is_that_of_the_plain_rule(tolerance):
+    for P in (LOGISTIC.replace(a=3.57), gz.gap_map(0.5, 0.0405, 0.1), HENON.replace(a=1.06), SPIRAL.replace(r=0.99)):
+        points, letters, outcomes = P.run(states_in(P, 10), 100, 60)
+        found = classify(P, points, letters, outcomes[0], tolerance)
+        assert found.period.tolist() == twin.classified(P, points, letters, outcomes[0], tolerance)[0]
+
+
+def test_an_orbit_that_arrives_while_it_is_watched():
+    # superstable: at the fixed point to the last bit after six steps or so
+    for a, start in ((2.0, 0.3), (2.0, 0.9), (2.2, 0.5)):
+        P = SMOOTH.replace(a=a)
+        points, letters, outcomes = P.run(np.array([[start]]), 0, 64)
+        assert (points[40:] == points[-1]).all() or a != 2.0
+        assert classify(P, points, letters, outcomes[0]).period[0] == 1
+    P = SPIRAL.replace(r=0.3, turn=0.25)
+    points, letters, outcomes = P.run(np.array([[0.5], [0.5]]), 20, 60)
+    assert classify(P, points, letters, outcomes[0]).period[0] == 1
+
+
+def test_the_period_limit_is_half_of_what_is_kept():
+    for N in (2, 3, 4, 5):
+        lam, l = 0.5, 0.4
+        w = theory.window(N, lam, l).stability
+        P = gz.gap_map(lam, 0.5 * (w.low + w.high), l)
+        x = theory.maximal_orbit(N, lam, P.params["mu"], l)[:1, None]
+        for keep in range(2, 4 * N):
+            points, letters, outcomes = P.run(x.copy(), 0, keep)
+            assert classify(P, points, letters, outcomes[0]).period[0] == (N if keep >= 2 * N else -1)
+
+
+@given(st.lists(st.integers(-2, 3), min_size=1, max_size=24), st.integers(1, 3))
+def test_roots_and_rotations_are_those_of_words(letters, times):
+    s = np.array([9, 9, *letters * times], np.int64)
+    p = root_length(s, 2, len(letters) * times)
+    assert p == len(primitive(letters))
+    start = least_start(s, 2, p)
+    assert tuple(s[2 + (start + n) % p] for n in range(p)) == least_rotation(primitive(letters))
+
+
+def test_words_of_many_letters_are_kept_apart():
+    rng = np.random.default_rng(0)
+    keep, n = 64, 4000
+    half = rng.integers(0, 2, (keep // 2, n))
+    letters = np.concatenate([half, half])
+    points = letters[:, None] + np.concatenate(
+        [(np.arange(keep // 2)[:, None, None] * 0.01 + 1.0) * np.ones((1, 1, n))] * 2
+    )
+    found = classify(gz.gap_map(0.5, 0.1, 0.1), points, letters, np.zeros(n, np.int64))
+    assert set(found.period.tolist()) == {keep // 2}
+    for j in range(n):
+        assert found.word[j] == "".join("LR"[k] for k in least_rotation(primitive(half[:, j])))
+
+
+def test_not_a_number_infinite_and_huge_points():
+    G = gz.gap_map(0.5, 0.1, 0.1)
+    x = np.ones((20, 1, 5))
+    x[3, 0, 0], x[3, 0, 1], x[-1, 0, 2] = np.nan, np.inf, -np.inf
+    x[:, 0, 3] = 1e300 * np.where(np.arange(20) % 2, 1.0, -1.0)
+    x[:, 0, 4] = 0.0
+    found = classify(G, x, np.zeros((20, 5), np.int64), np.zeros(5, np.int64))
+    assert found.period.tolist() == [-2, -2, -2, 2, 1]

@@ -230,3 +230,107 @@ def test_a_letter_without_a_symbol_is_said():
     P = gz.Map(step, params={"a": 0.5}, letters="LR")
     with pytest.raises(gz.InputError, match="letter 7 has no symbol in 'LR'"):
         orbit_diagram(P, "a", [0.5], **SMALL)
+
+
+def followed(P, name, values, starts, transient, keep, up):
+    """A sweep by hand: begin where the neighbour ended; anew where an orbit ended or the wall has passed it."""
+    order = np.argsort(values, kind="stable")
+    found, states = {}, starts(values[order[0] if up else order[-1]])
+    for i in order if up else order[::-1]:
+        at = P.replace(**{name: values[i]})
+        fresh = starts(values[i])
+        lost = ~np.isfinite(states).all(axis=0)
+        if "sigma" in at.params and "u" in P.coordinates:
+            lost |= states[0] < at.params["sigma"]
+        states = np.where(lost, fresh, states)
+        orbits = [at.orbit(states[:, j], transient + keep) for j in range(states.shape[1])]
+        found[i] = np.array([orbit.points[transient + 1 :] for orbit in orbits])
+        states = np.array([orbit.points[-1] for orbit in orbits]).T
+    return np.array([found[i] for i in range(len(values))])  # (values, starts, keep, dim)
+
+
+@pytest.mark.parametrize("sweep", ["up", "down"])
+@pytest.mark.parametrize(
+    ("P", "name", "values"),
+    [
+        (GAP, "mu", [0.05, 0.03, 0.04, 0.06]),
+        (BALL, "d", [0.09, 0.1, 0.12]),
+        (BALL, "sigma", [-0.1, 0.0, -0.05]),
+        (CUBE, "a", [0.5, 1.0, 30.0, 1.2, 0.3]),
+    ],
+    ids=["gap map", "oscillator", "moving wall", "some end"],
+)
+def test_a_sweep_goes_on_where_the_neighbour_ended(P, name, values, sweep):
+    result = orbit_diagram(P, name, values, sweep=sweep, arithmetic="strict", **SMALL)
+    twin = followed(
+        P,
+        name,
+        values,
+        lambda value: random_starts(0, (value,), 9, P.replace(**{name: value}).box),
+        60,
+        12,
+        sweep == "up",
+    )
+    for k, coordinate in enumerate(P.coordinates):
+        assert np.array_equal(result[coordinate].values, twin[..., k], equal_nan=True)
+
+
+def test_a_wall_that_moves_into_the_ball_gives_it_a_new_start():
+    """Where the wall has passed the last state it is no state any more: the orbit begins anew and does not end."""
+    model = gz.pinball(V=0.0, d=-0.5, r=0.3)  # it lies on the wall for a while in every period
+    values = np.linspace(-0.2, 0.2, 5)
+    result = orbit_diagram(gz.stroboscopic_map(model), "sigma", values, sweep="up", **SMALL)
+    assert (result.period.values != -2).all()
+    assert (result.outcome.values & gz.Outcome.inside_wall == 0).all()
+
+
+def test_hysteresis_shows_where_two_windows_overlap_and_nowhere_else():
+    lam, l = 0.5, 0.1
+    low, high = theory.mu_pd(3, lam, l), theory.mu_bc(4, lam, l)  # LLR attracts above low, LLLR below high
+    mus = np.linspace(low - 2e-3, high + 2e-3, 41)
+    more = {"starts": 3, "transient": 3000, "keep": 40}
+    up, down = (orbit_diagram(GAP, "mu", mus, sweep=sweep, **more) for sweep in ("up", "down"))
+    sure = (
+        np.minimum(np.abs(mus - low), np.abs(mus - high)) > 3e-4
+    )  # nearer, a step of the sweep leaves a basin that shrinks
+    inside = (mus > low) & (mus < high)
+    assert (up.word.values[sure & (mus < high)] == "LLLR").all() and (
+        up.word.values[sure & (mus > high)] == "LLR"
+    ).all()
+    assert (down.word.values[sure & (mus > low)] == "LLR").all() and (
+        down.word.values[sure & (mus < low)] == "LLLR"
+    ).all()
+    differ = (up.word.values != down.word.values).any(axis=1)
+    assert (differ == inside)[sure].all() and (inside & sure).sum() > 12
+
+
+def test_a_sweep_is_one_task_in_order():
+    made = gz.plans.orbit_diagram(GAP, "mu", [0.1, 0.2], sweep="up")
+    assert made.sequential and not gz.plans.orbit_diagram(GAP, "mu", [0.1, 0.2]).sequential
+    assert made.config["sweep"] == "up" and "sweep" not in gz.plans.orbit_diagram(GAP, "mu", [0.1, 0.2]).config
+    mus = np.linspace(0.03, 0.05, 20)
+    one = orbit_diagram(GAP, "mu", mus, sweep="down", threads=1, **SMALL)
+    xr.testing.assert_identical(one, orbit_diagram(GAP, "mu", mus, sweep="down", threads=4, **SMALL))
+    said = []
+    orbit_diagram(GAP, "mu", mus, sweep="down", progress=lambda *done: said.append(done), **SMALL)
+    assert said[-1] == (20, 20)
+
+
+def test_the_order_of_the_values_does_not_change_a_sweep():
+    mus = np.linspace(0.03, 0.05, 9)
+    shuffled = np.random.default_rng(0).permutation(9)
+    one = orbit_diagram(GAP, "mu", mus, sweep="up", **SMALL)
+    other = orbit_diagram(GAP, "mu", mus[shuffled], sweep="up", **SMALL)
+    assert np.array_equal(other.x.values, one.x.values[shuffled])
+
+
+def test_a_sweep_with_given_starts_and_one_value():
+    given = [[-0.3], [0.2]]
+    one = orbit_diagram(GAP, "mu", [0.04], starts=given, sweep="up", transient=5, keep=3)
+    xr.testing.assert_equal(one, orbit_diagram(GAP, "mu", [0.04], starts=given, transient=5, keep=3))
+
+
+@pytest.mark.parametrize("sweep", ["left", True, 1, ""])
+def test_a_sweep_has_a_direction(sweep):
+    with pytest.raises(gz.InputError, match=f"sweep = {sweep!r}; allowed are 'up', 'down' and None"):
+        orbit_diagram(GAP, "mu", [0.1], sweep=sweep)

@@ -47,7 +47,8 @@ def return_of(
         start = tau - c.T * (tau // c.T)
         ball = placed(start, 0.0, w, 0)
         strobes, outcome = 0, OK
-        rests, lying, smooth = w == 0.0, False, w > 0.0
+        # from rest the flight is smooth where the force lifts the ball at once
+        rests, lying, smooth = w == 0.0, False, w > 0.0 or forcing(start, c)[0] > 0.0
         while strobes <= MAX_PERIODS:
             hit = rests
             if not rests:

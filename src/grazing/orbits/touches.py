@@ -139,11 +139,12 @@ class Ruler:
 
     def sizes(self, state: Floats) -> list[Floats]:
         """Return states (n, 2) in half widths from the middle, column by column and box by box."""
-        return [
-            (state[:, j] - middle[j]) / half[j]
-            for middle, half in zip(self.middle, self.half, strict=True)
-            for j in (0, 1)
-        ]
+        with np.errstate(over="ignore"):  # beyond all numbers is far, too
+            return [
+                (state[:, j] - middle[j]) / half[j]
+                for middle, half in zip(self.middle, self.half, strict=True)
+                for j in (0, 1)
+            ]
 
     def steps(self, state: Floats, passed: Any = False) -> Floats:
         """Return the distance of each state (n, 2) from the one before, the largest coordinate in the last box.
@@ -217,7 +218,8 @@ def crowded(
         wanted[place[:-1][joined & (gap > spacing)] + 1] = True
         away = ruler.away(leaves.state)
         width = np.concatenate([[1.0], np.diff(spots), [1.0]])  # width[i + 1]: between i and i + 1
-        rate = np.where(joined, gap / width[place[:-1] + 1], np.inf)
+        with np.errstate(over="ignore"):  # beyond all numbers is far, too
+            rate = np.where(joined, gap / width[place[:-1] + 1], np.inf)
         for side, last in ((1, np.append(~joined, True)), (0, np.append(True, ~joined))):
             speed = np.append(np.inf, rate) if side else np.append(rate, np.inf)
             # an end is found when the curve, as fast as it was, moves no more than is seen

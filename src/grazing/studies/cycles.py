@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import exp, inf, log, sqrt
+from math import exp, inf, log, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,10 @@ def solved(a: Any, b: Any) -> bool:
 def log_radius(M: Any) -> float:
     """Return the logarithm of a matrix's spectral radius, -inf for a nilpotent one: |M^n|^(1/n) for n = 2^40."""
     d = M.shape[0]
+    for i in range(d):
+        for j in range(d):
+            if not abs(M[i, j]) < inf:
+                return nan
     if d == 1:
         return log(abs(M[0, 0])) if M[0, 0] != 0.0 else -inf
     a, b = M.copy(), np.empty((d, d))
