@@ -16,14 +16,13 @@ def main(tokens=None):
     """Compute and draw the chart, and return the share of cells in which several attractors coexist."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=int, default=240, help="cells a side")
-    parser.add_argument("--lines", type=int, default=25, help="values of V at which edges are computed")
     parser.add_argument("--out", default="chart_with_theory.png", help="file to write: .png, .pdf or .svg")
     options = parser.parse_args(tokens)
 
     P = gz.stroboscopic_map(gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4))
     d, V = (0.06, 0.14), (0.05, 0.6)
     chart = gz.chart(P, {"d": np.linspace(*d, options.size), "V": np.linspace(*V, options.size)})
-    edges = gz.boundaries(P, ("d", *d), ("V", np.linspace(*V, options.lines)), N=range(2, 5))
+    edges = gz.boundaries(P, ("d", *d), ("V", *V), N=range(2, 5))
     curves = {}
     for label, x, y in zip(edges.label.values, edges.d.values, edges.V.values, strict=True):
         before = curves.get(label, (np.empty(0), np.empty(0)))  # edges of one name are one line in pieces

@@ -213,7 +213,7 @@ def test_example_hysteresis(tmp_path):
 
 
 def test_example_chart_with_theory(tmp_path):
-    several = example("chart_with_theory", tmp_path, "--size", "12", "--lines", "5")
+    several = example("chart_with_theory", tmp_path, "--size", "12")
     assert 0.0 < several < 0.5
 
 

@@ -192,11 +192,13 @@ def test_attractors_are_a_subset_of_the_windows_of_theory(which):
             at = P.replace(**{a: x, b: y}).params
             words = allowed_words(at["lam"], at["mu"], at["l"])
             cell = found.isel({a: i, b: k})
-            for word, period in zip(cell.word.values, cell.period.values, strict=True):
+            for word, period, exponent in zip(cell.word.values, cell.period.values, cell.exponent.values, strict=True):
                 if period > 0:
                     assert word in words and period == len(word), (dict(at), word, period, words)
                     held += 1
-                else:  # never undecided or ended; without a window chaos, with one a long transient
+                elif period == 0:  # still on its way: nearby orbits meet
+                    assert exponent < 0.0 and words, (dict(at), exponent)
+                else:  # never ended; without a window chaos, with one a long transient
                     assert period in (-1, UNUSED), (dict(at), period, words)
     assert held > 20
 
@@ -315,5 +317,6 @@ def test_error_texts(P, params, more, said):
 
 def test_too_large_a_chart_is_refused_at_once(monkeypatch):
     monkeypatch.setattr(memory, "physical_memory", lambda: 10**9)
-    with pytest.raises(gz.InputError, match=r"reduce mu \(3000\), l \(3000\) or starts \(8\)"):
+    with pytest.raises(gz.InputError, match=r"reduce mu \(3000\), l \(3000\), rank \(8\), or sweep"):
         chart(GAP, {"mu": np.linspace(0, 1, 3000), "l": np.linspace(0, 1, 3000)})
+    gz.plans.chart(GAP, {"mu": np.linspace(0, 1, 3000), "l": np.linspace(0, 1, 3000)})  # a sweep has room for it

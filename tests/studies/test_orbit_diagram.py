@@ -218,7 +218,7 @@ def test_error_texts(P, name, values, more, said):
 
 def test_a_result_larger_than_half_the_memory_is_refused_at_once(monkeypatch):
     monkeypatch.setattr(memory, "physical_memory", lambda: 10**9)
-    said = r"would take 6[0-9.]+ GB, more than half .* reduce values \(1000\), starts \(1000\) or keep \(5000\)"
+    said = r"would take 6[0-9.]+ GB, more than half .* reduce mu \(1000\), start \(1000\), n \(5000\), or sweep into"
     with pytest.raises(gz.InputError, match=said):
         orbit_diagram(GAP, "mu", np.linspace(0, 1, 1000), starts=1000, keep=5000)
 

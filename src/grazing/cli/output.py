@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,13 +29,15 @@ def targets(out: Sequence[str] | None, allowed: Sequence[str] = ENDINGS) -> list
     """
     paths = [Path(file) for file in dict.fromkeys(out or ())]
     for path in paths:
-        if path.suffix.lower() not in allowed or not path.stem:
+        if path.suffix not in allowed or not path.stem:
             endings = ", ".join(ending.lstrip(".") for ending in allowed)
-            raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}")
+            raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}, in small letters")
         if not path.parent.is_dir():
             raise InputError(f"-o {path}: there is no folder {path.parent}; make it first")
         if path.is_dir() and path.suffix != STORE:
             raise InputError(f"-o {path}: that is a folder; give the name of a file")
+        if not os.access(path if path.exists() and path.suffix != STORE else path.parent, os.W_OK):
+            raise InputError(f"-o {path} cannot be written: permission denied; choose another folder")
     stores = [str(path) for path in paths if path.suffix == STORE]
     if len(stores) > 1:
         raise InputError(f"-o {' -o '.join(stores)}: one store at a time")
@@ -43,7 +46,7 @@ def targets(out: Sequence[str] | None, allowed: Sequence[str] = ENDINGS) -> list
 
 def write(result: Any, path: Path, recipe: Mapping[str, Any] | None, **style: Any) -> list[str]:
     """Write a result to a file; return the names of all files that this made."""
-    kind = path.suffix.lower()
+    kind = path.suffix
     if kind in FIGURES:
         from grazing import plot
 

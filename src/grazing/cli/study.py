@@ -105,7 +105,7 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
-        "command": command_of(recipe, written),
+        "command": command_of(recipe, [str(file) for file in files]),
     }
     print(text.dumps(summary) if json else "\n".join(lines(summary)))
     sys.stdout.flush()

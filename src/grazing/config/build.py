@@ -71,6 +71,8 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     # one parameter is given by its name and values, several (and coordinates) as a mapping
     axes: tuple[Any, ...] = (grid or None,) if study.most > 1 else next(iter(grid.items()), ())
     plan: Plan = import_module(f"grazing.{study.module}").plan(P, *axes, **settings)
+    if recipe["study"] == "density":  # found by a trial, whose last digits another machine need not repeat
+        recipe = {**recipe, "settings": {**recipe["settings"], "range": list(plan.config["range"])}}
     return replace(plan, recipe=kept(recipe))
 
 

@@ -94,7 +94,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "coordinate": _setting(_text, {"type": "string"}, "coordinate that is counted; the first one if not given"),
     "range": _setting(values.pair, PAIR, "low:high of the coordinate; found from the orbits if not given"),
     "steps": _whole(1, "steps along which exponents are averaged; of a cobweb, those that are drawn"),
-    "exponent_steps": _whole(0, "steps along which the exponent of each attractor is averaged"),
+    "exponent_steps": _whole(1, "steps along which the exponent of each attractor is averaged"),
     "fixed": _setting(
         values.by_name,
         {"type": "object", "additionalProperties": {"type": "number"}},

@@ -15,6 +15,9 @@ from grazing.kernel.lanes import runner
 from grazing.kernel.pool import Progress, Task, run_tasks
 from grazing.outcome import DIVERGED, FATAL
 
+#: Oscillators are flown in pieces that end at multiples of so many periods from their start, whatever else is cut, so
+#: that the bits depend neither on pieces nor on company.
+CUT = 256
 #: Steps of the first tile, over all its orbits; tiles then grow, up to the longest time between two looks at Ctrl-C.
 TILE = 1_000_000
 LONGEST = 0.2

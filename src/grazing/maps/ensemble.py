@@ -13,7 +13,7 @@ from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
 from grazing.kernel.primitives import at, called_for_all, inlined
-from grazing.maps.columns import Columns
+from grazing.maps.columns import CUT, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
     flight_fields,
@@ -329,9 +329,6 @@ def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
 
 # ---- tasks for the driver of columns
 
-#: Periods of a tile: with the orbits of a block well under 0.2 s, even where every period needs the scalar routine.
-PERIODS = 256
-
 
 def ensemble_tasks(
     harmonics: int, law: Reset, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns,
@@ -366,8 +363,8 @@ def ensemble_tasks(
 
     def task(top: int, left: int) -> Iterator[None]:
         box = top, min(top + shape[0], len(rows)), left, min(left + shape[1], starts)
-        for n in range(0, max(transient + keep, 1), PERIODS):
-            end = min(n + PERIODS, transient + keep)
+        for n in range(0, max(transient + keep, 1), CUT):
+            end = min(n + CUT, transient + keep)
             passed = max(0, min(end, transient) - n)
             job = (
                 *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),

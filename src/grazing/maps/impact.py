@@ -183,5 +183,6 @@ def impact_map(model: Oscillator) -> Map:
         ),
         describe=describe_parameter,
         model=model,
+        section="impact",
         clock=partial(time_passed, list(model.params).index("omega")),
     )

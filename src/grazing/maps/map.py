@@ -94,6 +94,8 @@ class Map:
         ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
     model : Oscillator, optional
         The oscillator behind the map.
+    section : {"strobe", "impact"}, optional
+        Where the map sees that oscillator, exactly; None for a map that only comes near it.
     clock : callable, optional
         ``clock(rows, first, last, letters, steps)``: the time, shape (columns, n), that orbits took for so many steps
         from the first states to the last ones (columns, dim, n), ``letters`` (columns, n) being their sum.
@@ -136,6 +138,7 @@ class Map:
     pointed: Callable[[Floats], Derived] | None = None
     describe: Callable[[str], Parameter] | None = None
     model: Oscillator | None = None
+    section: str | None = None
     clock: Callable[..., NDArray[np.float64]] | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 

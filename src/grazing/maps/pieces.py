@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.columns import Columns
+from grazing.maps.columns import CUT, Columns
 
 if TYPE_CHECKING:
     from grazing.maps.map import Map
 
-#: Pieces are cut at multiples of this many steps, as the ensemble cuts its own work: so the bits do not depend on them.
-CUT = 256
-#: Steps of a piece, over all its orbits; well under 0.2 s even where every step goes through a scalar routine.
-STEPS = 200_000
+#: Steps of a piece, over all its orbits, each well under 0.2 s: of a map that is a formula, of one whose orbits fly as
+#: blocks, and of one that follows flight after flight.
+FORMULA, BLOCK, FLIGHT = 4_000_000, 200_000, 40_000
 
 Floats = NDArray[np.float64]
 
@@ -37,8 +36,8 @@ def pieces(
     Columns
         Of one piece, in order; ``points`` and ``letters`` have as many steps as were kept in it, possibly none.
     """
-    orbits = max(1, lanes.shape[0] * lanes.shape[2])
-    stride = CUT * max(1, STEPS // (CUT * orbits))
+    orbits, cut = max(1, lanes.shape[0] * lanes.shape[2]), CUT if P.block is not None else 1
+    stride = cut * max(1, steps_of(P) // (cut * orbits))
     for n in range(0, max(transient + keep, 1), stride):
         end = min(n + stride, transient + keep)
         passed = max(0, min(end, transient) - n)
@@ -47,6 +46,11 @@ def pieces(
         if n > 0:
             found.outcomes[:, 0][over] = 0  # an earlier piece has said how these ended
         yield found
+
+
+def steps_of(P: Map) -> int:
+    """Return how many steps of a map, over all orbits, a piece of work should have."""
+    return BLOCK if P.block is not None else (FORMULA if P.prepare is None else FLIGHT)
 
 
 def joined(parts: list[Columns]) -> Columns:

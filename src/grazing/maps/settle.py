@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.columns import Columns
+from grazing.maps.columns import CUT, Columns
 from grazing.outcome import AMBIGUOUS, BAD_LAW
 
-#: Steps that one run settles; beyond, what is ambiguous stays so.
-LIMIT = 1000
+#: Steps of an orbit that are settled between two cuts; beyond, what is ambiguous stays so.
+LIMIT = 64
 
 Floats = NDArray[np.float64]
 
@@ -51,20 +51,26 @@ def settle_orbits(
         Replaced for those orbits; ``undecided`` counts what is left.
     settle, again : callable
     """
-    left = LIMIT
+    known: dict[tuple[Any, ...], Settled | None] = {}
+
+    def remembered(row: list[float], state: tuple[float, ...]) -> Settled | None:
+        key = (*row, *state)  # orbits that have come together ask the same again and again
+        if key not in known:
+            known[key] = settle(row, state)
+        return known[key]
+
     for q, i in np.argwhere(found.undecided > 0):
-        if left > 0:
-            left -= settle_orbit(rows[q], q, i, starts, lanes, transient, found, settle, again, left)
+        settle_orbit(rows[q], q, i, starts, lanes, transient, found, remembered, again)
 
 
 def settle_orbit(
     row: Floats, q: int, i: int, starts: Floats, lanes: Floats, transient: int, found: Columns, settle: Settle,
-    again: Again, left: int,
-) -> int:  # fmt: skip
-    """Settle one orbit; return how many steps were asked about."""
+    again: Again,
+) -> None:  # fmt: skip
+    """Settle one orbit, between two cuts at a time: so its bits depend on nothing else."""
     keep, records = found.points.shape[1], found.outcomes.shape[1]
-    state, n, total, asked, undecided = starts[q, :, i].copy(), 0, transient + keep, 0, 0
-    near, slow = np.inf, np.inf
+    state, n, total, undecided = starts[q, :, i].copy(), 0, transient + keep, 0
+    near, slow, asked = np.inf, np.inf, 0
     found.outcomes[q, :, i] = 0
 
     def record(n: int, point: Floats, letter: int, outcome: int) -> None:
@@ -74,19 +80,21 @@ def settle_orbit(
             found.points[q, kept, :, i], found.letters[q, kept, i] = point, letter
 
     while n < total:
-        part = again(row, state, total - n)
+        asked = 0 if n % CUT == 0 else asked
+        steps = min(total - n, CUT - n % CUT)
+        part = again(row, state, steps)
         doubtful = np.flatnonzero(part.outcomes[0, :, 0] & AMBIGUOUS)
-        sure = int(doubtful[0]) if doubtful.size and asked < left else total - n
+        sure = int(doubtful[0]) if doubtful.size and asked < LIMIT else steps
         for j in range(sure):
             record(n + j, part.points[0, j, :, 0], part.letters[0, j, 0], part.outcomes[0, j, 0])
         if sure > 0:
-            kept = part if sure == total - n else again(row, state, sure)  # what was undone says nothing of the orbit
+            kept = part if sure == steps else again(row, state, sure)  # what was undone says nothing of the orbit
             near, slow = min(near, kept.near_miss[0, 0]), min(slow, kept.slowest[0, 0])
             state = part.points[0, sure - 1, :, 0]
         n += sure
-        if n == total:
-            undecided += int(np.count_nonzero(part.outcomes[0, :, 0] & AMBIGUOUS))
-            break
+        if sure == steps:
+            undecided += doubtful.size
+            continue
         asked += 1
         proven = settle(row.tolist(), tuple(state.tolist()))
         if proven is None:
@@ -100,7 +108,6 @@ def settle_orbit(
         n += 1
     lanes[q, :, i] = state
     found.near_miss[q, i], found.slowest[q, i], found.undecided[q, i] = near, slow, undecided
-    return asked
 
 
 def warn_of_bad_law(rows: Floats, starts: Floats, steps: int, found: Columns, explain: Explain, again: Again) -> None:

@@ -159,5 +159,6 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         ),
         describe=describe_parameter,
         model=model,
+        section="strobe",
         clock=partial(periods_passed, list(model.params).index("omega")),
     )

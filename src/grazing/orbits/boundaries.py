@@ -111,7 +111,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
 
 def _model_of(P: Any) -> Oscillator | None:
     """Return the oscillator whose orbits are those of a map; the local maps only come near them."""
-    return P.model if isinstance(P, Map) and P.name in ("stroboscopic map", "impact map") else None
+    return P.model if isinstance(P, Map) and P.section is not None else None
 
 
 # ---- oscillators

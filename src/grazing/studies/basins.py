@@ -12,23 +12,21 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
-from grazing.memory import refuse_too_large
 from grazing.orbits.grazing_curve import grazing_arrays
 from grazing.outcome import InputError
 from grazing.parameter import real, whole
 from grazing.studies import labels
 from grazing.studies.attractors import attractors_of
-from grazing.studies.boundary import basin_entropy, uncertainty
+from grazing.studies.boundary import basin_entropy, evenly_spaced, uncertainty
 from grazing.studies.classify import Settled, settled_columns
 from grazing.studies.growth import on_cycles
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import (
-    MANY,
-    TOGETHER,
     checked_arithmetic,
     checked_map,
     checked_values,
     describe_values,
+    together,
     tolerance_config,
 )
 
@@ -98,7 +96,8 @@ def basins(
         ``outcome`` on the grid as in :func:`grazing.orbit_diagram`.
         Attributes: ``basin_entropy`` and ``boundary_basin_entropy`` in boxes of 5 cells a side;
         ``uncertainty_exponent`` with its standard error ``uncertainty_error``, and ``boundary_dimension``: not a
-        number where no boundary was met.
+        number where no boundary was met, or where the grid is not evenly spaced. An orbit that begins exactly on an
+        unstable cycle stays there, and has a row of its own.
         For a stroboscopic map ``graze`` (graze_point, coordinate), the states that touch the wall within a period,
         and their preimages, with ``graze_order``; rows that are not numbers separate pieces. The boundaries lie on
         them or on the stable manifolds of saddles.
@@ -143,8 +142,6 @@ def plan(
     transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 1)
     preimages, arithmetic = whole(preimages, "preimages", 0), checked_arithmetic(arithmetic)
     shape = tuple(len(values) for values in axes.values())
-    size = int(np.prod(shape)) * (4 + 8 + 8 * P.dimension + 4 + 1 + 4)
-    refuse_too_large(size, "reduce " + ", ".join(f"{name} ({n})" for name, n in zip(axes, shape, strict=True)))
     if P.check is not None:
         for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
             state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
@@ -191,7 +188,7 @@ def plan(
             "trust": Variable((), "int8", labels.trust_attributes()),
         },
         compute=compute,
-        together=TOGETHER if P.block is not None else MANY,
+        together=together(P),
         work=transient + keep,
         finish=lambda result: _with_attractors(P, axes, preimages, result),
     )
@@ -293,7 +290,7 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         ),
     }
     kept = result.drop_vars(["reached_period", "reached_word", "reached_point"])
-    if P.model is not None and P.name == "stroboscopic map" and len(axes) == 2:
+    if P.model is not None and P.section == "strobe" and len(axes) == 2:
         named = list(enumerate(P.coordinates))
         ends = [(float(axes[name].min()), float(axes[name].max())) if name in axes else P.box[i] for i, name in named]
         curve, order = grazing_arrays(P.model, P.params["phase"], preimages, CURVE, box=ends)
@@ -304,4 +301,5 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         )
         table["graze_order"] = ("graze_point", order.astype(np.int32), {"long_name": "order of the preimage"})
     done = xr.Dataset({**kept.data_vars, **table}, kept.coords, kept.attrs)
-    return done.assign_attrs(basin_entropy(grid) | uncertainty(grid))
+    even = all(evenly_spaced(values) for values in axes.values())
+    return done.assign_attrs(basin_entropy(grid, even) | uncertainty(grid, even))

@@ -11,7 +11,13 @@ BOX = 5
 REACH, DISTANCES = 0.1, 12
 
 
-def basin_entropy(grid: NDArray[np.int64]) -> dict[str, float]:
+def evenly_spaced(values: NDArray[np.float64]) -> bool:
+    """Return whether values go up or down in equal steps."""
+    steps = np.diff(values)
+    return bool(steps.size == 0 or ((np.abs(steps - steps[0]) <= 1e-6 * abs(steps[0])).all() and steps[0] != 0.0))
+
+
+def basin_entropy(grid: NDArray[np.int64], even: bool = True) -> dict[str, float]:
     """Return the basin entropy, the mean over boxes of -sum p ln p, and its mean over boxes with several attractors.
 
     Parameters
@@ -19,12 +25,15 @@ def basin_entropy(grid: NDArray[np.int64]) -> dict[str, float]:
     grid : ndarray of int
         The attractor of each cell, in one or two dimensions; cells beyond the last whole box are left out.
 
+    even : bool
+        Whether the grid is evenly spaced; else both are not a number.
+
     References
     ----------
     Daza, Wagemakers, Georgeot, Guery-Odelin and Sanjuan, Scientific Reports 6 (2016) 31416.
     """
     whole = tuple(n // BOX for n in grid.shape)
-    if 0 in whole:
+    if 0 in whole or not even:
         return {"basin_entropy": float("nan"), "boundary_basin_entropy": float("nan")}
     cut = grid[tuple(slice(0, n * BOX) for n in whole)]
     split = cut.reshape([size for n in whole for size in (n, BOX)])
@@ -57,7 +66,7 @@ def uncertain_share(grid: NDArray[np.int64], distance: int, longest: int) -> flo
     return float(uncertain.mean())
 
 
-def uncertainty(grid: NDArray[np.int64]) -> dict[str, float]:
+def uncertainty(grid: NDArray[np.int64], even: bool = True) -> dict[str, float]:
     """Return the uncertainty exponent, its standard error and the dimension of the boundary.
 
     The share of uncertain cells grows with the distance e of their neighbours as e^a; the box-counting dimension of
@@ -66,7 +75,9 @@ def uncertainty(grid: NDArray[np.int64]) -> dict[str, float]:
     Parameters
     ----------
     grid : ndarray of int
-        The attractor of each cell, in one or two dimensions, evenly spaced.
+        The attractor of each cell, in one or two dimensions.
+    even : bool
+        Whether the grid is evenly spaced; else all are not a number.
 
     References
     ----------
@@ -74,7 +85,7 @@ def uncertainty(grid: NDArray[np.int64]) -> dict[str, float]:
     """
     longest = max(1, int(REACH * min(grid.shape)))
     distances = np.unique(np.geomspace(1, longest, DISTANCES).round().astype(int))
-    usable = [k for k in distances.tolist() if 2 * longest < min(grid.shape)]
+    usable = [k for k in distances.tolist() if even and 2 * longest < min(grid.shape)]
     shares = np.array([uncertain_share(grid, k, longest) for k in usable])
     met = (shares > 0.0) & (shares < 1.0)
     slope = error = float("nan")

@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from grazing.maps.map import Map
 from grazing.orbits.word import word
 from grazing.oscillator.trajectory import trajectory
+from grazing.studies.classify import APERIODIC, classify
 
 Floats = NDArray[np.float64]
+#: Impacts of one orbit at neighbouring values are no farther apart than this, in periods.
+NEAR = 0.25
 
 
 class Change(NamedTuple):
@@ -29,9 +32,11 @@ class Change(NamedTuple):
 
 def changes(
     P: Map, name: str, values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32],
-    words: NDArray[np.object_], last: Floats,
+    words: NDArray[np.object_], last: Floats, transient: int, keep: int,
 ) -> list[Change]:  # fmt: skip
     """Return the changes between neighbouring values, in increasing order of the value.
+
+    An attractor that no start reaches at the next value may still be there: its own point is followed there first.
 
     Parameters
     ----------
@@ -41,25 +46,25 @@ def changes(
         The row of each start's attractor in the table ``period``, ``words``.
     last : ndarray, shape (m, starts, dim)
         The last point of each orbit.
+    transient, keep : int
+        As in the study.
     """
     found: list[Change] = []
     order = np.argsort(values, kind="stable").tolist()
     for i, j in pairwise(order):
-        here = {k for k in np.unique(reached[i]).tolist() if period[k] > -2}
-        there = {k for k in np.unique(reached[j]).tolist() if period[k] > -2}
-        gone, new = sorted(here - there), sorted(there - here)
+        before, after = (P.replace(**{name: float(values[n])}) for n in (i, j))
+        here, there = (_attractors(reached[n], period) for n in (i, j))
+
+        def there_too(R: Map, n: int, k: int) -> bool:
+            x = _point(reached, last, n, k)
+            return _is_on(R, x, transient, keep, int(period[k]), str(words[k]))
+
+        gone = [k for k in sorted(here - there) if not there_too(after, i, k)]
+        new = [k for k in sorted(there - here) if not there_too(before, j, k)]
         for a in list(gone):
             for b in list(new):
-                kind = ""
-                if words[a] == words[b] and words[a] and 2 * period[a] == period[b]:
-                    kind = "doubles"
-                elif words[a] == words[b] and words[a] and period[a] == 2 * period[b]:
-                    kind = "halves"
-                elif _relabelled(
-                    P.replace(**{name: values[i]}), _point(reached, last, i, a), P.replace(**{name: values[j]}),
-                    _point(reached, last, j, b), int(period[a]), int(period[b]),
-                ):  # fmt: skip
-                    kind = "relabelled"
+                points = _point(reached, last, i, a), _point(reached, last, j, b)
+                kind = _kind((before, after), points, (int(period[a]), int(period[b])), (str(words[a]), str(words[b])))
                 if kind and a in gone:
                     found.append(_change(values, i, j, words, period, a, b, kind))
                     gone.remove(a)
@@ -67,6 +72,30 @@ def changes(
         found += [_change(values, i, j, words, period, a, None, "disappears") for a in gone]
         found += [_change(values, i, j, words, period, None, b, "appears") for b in new]
     return found
+
+
+def _attractors(reached: NDArray[np.int64], period: NDArray[np.int32]) -> set[int]:
+    """Return the attractors that are reached; what is undecided or ended is none."""
+    return {k for k in np.unique(reached).tolist() if period[k] > 0 or period[k] == APERIODIC}
+
+
+def _is_on(P: Map, x: Floats, transient: int, keep: int, period: int, word: str) -> bool:
+    """Return whether an orbit from x settles on an attractor of this period and word."""
+    points, letters, outcomes = P.run(x.reshape(-1, 1).copy(), transient, keep)
+    found = classify(P, points, letters, outcomes[0])
+    return bool(found.period[0] == period and found.word[0] == word)
+
+
+def _kind(
+    maps: tuple[Map, Map], points: tuple[Floats, Floats], periods: tuple[int, int], words: tuple[str, str]
+) -> str:
+    """Return how one attractor becomes another, empty if it does not."""
+    if words[0] == words[1] and words[0]:
+        if 2 * periods[0] == periods[1]:
+            return "doubles"
+        if periods[0] == 2 * periods[1]:
+            return "halves"
+    return "relabelled" if _relabelled(maps[0], points[0], maps[1], points[1], *periods) else ""
 
 
 def _point(reached: NDArray[np.int64], last: Floats, i: int, k: int) -> Floats:
@@ -92,9 +121,10 @@ def _change(
 def _relabelled(P: Map, x: Floats, Q: Map, y: Floats, N: int, M: int) -> bool:
     """Say whether two orbits with different words are one: they have one word when seen at another phase.
 
-    That is the phase farthest from the impacts of both. Only a stroboscopic map has letters that depend on it.
+    That is the phase farthest from the impacts of both; and the impacts must have moved little. Only a stroboscopic map
+    has letters that depend on the phase.
     """
-    if P.model is None or Q.model is None or "phase" not in P.params or N != M or N < 1:
+    if P.section != "strobe" or Q.section != "strobe" or N != M or N < 1:
         return False
     one, two = _impact_times(P, x, N), _impact_times(Q, y, N)
     if one is None or two is None or len(one) != len(two) or not len(one):
@@ -102,7 +132,13 @@ def _relabelled(P: Map, x: Floats, Q: Map, y: Floats, N: int, M: int) -> bool:
     both = np.sort(np.concatenate([one % 1.0, two % 1.0]))
     gaps = np.diff(np.append(both, both[0] + 1.0))
     phase = both[gaps.argmax()] + 0.5 * gaps.max()
-    return _seen_at(phase, one, N) == _seen_at(phase, two, N)
+    return _seen_at(phase, one, N) == _seen_at(phase, two, N) and _apart(one - phase, two - phase, N) < NEAR
+
+
+def _apart(one: Floats, two: Floats, N: int) -> float:
+    """Return how far impact times differ at most, in periods, for the best choice of the first period."""
+    first = np.sort(one % N)
+    return min(float(np.abs(np.sort((two + k) % N) - first).max()) for k in range(N))
 
 
 def _impact_times(P: Map, x: Floats, N: int) -> Floats | None:

@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.parameter import whole
 from grazing.studies import labels
-from grazing.studies.classify import CERTIFIED, ENDED, Settled, settled_columns
+from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
 from grazing.studies.growth import grower
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
@@ -66,10 +65,11 @@ def chart(
     -------
     xarray.Dataset
         On the dimensions of the parameters, in the order given, and "rank", from the attractor that most starts reach
-        to the one that fewest do: ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended, -3 no further
-        attractor), ``word``, ``share`` of the starts, ``exponent``, the largest Lyapunov exponent per step (minus
-        infinity through completed chatter or sticking, not a number for orbits that ended), ``outcome`` and ``trust``,
-        of all its orbits together. Attractors of the same word and period are one.
+        to the one that fewest do: ``period`` (0 undecided: no period up to keep/2 was seen, yet nearby orbits meet, so
+        that a longer transient or keep may show one; -1 aperiodic as far as seen, -2 ended, -3 no further attractor),
+        ``word``, ``share`` of the starts, ``exponent``, the largest Lyapunov exponent per step (minus infinity through
+        completed chatter or sticking, not a number for orbits that ended), ``outcome`` and ``trust``, of all its orbits
+        together. Attractors of the same word and period are one.
 
     Raises
     ------
@@ -109,10 +109,6 @@ def plan(
         raise InputError(f"params is {params!r}; give two parameters with their values, such as {{'d': ..., 'V': ...}}")
     runs = checked_runs(P, params, starts, transient, keep, seed, arithmetic, box, TAKEN)
     lanes, steps = runs.settings.lanes, whole(exponent_steps, "exponent_steps", 1)
-    axes = ", ".join(f"{name} ({len(values)})" for name, values in runs.axes.items())
-    refuse_too_large(
-        runs.shape[0] * runs.shape[1] * lanes * (8 * 3 + 9), f"reduce {axes} or starts ({lanes}), or sweep"
-    )
 
     def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
         found: Columns | None = None
@@ -179,6 +175,7 @@ def rank(runs: Runs, cells: Ints, found: Columns, settled: Settled, steps: int, 
     last = found.points[q, -1, :, first[grows]], found.letters[q, :, first[grows]]
     exponent[grows] = exponents(runs, cells[q], *last, period[grows], steps)
     arrays["exponent"][...] = exponent
+    arrays["period"][...] = np.where((period == APERIODIC) & (exponent < 0.0), UNDECIDED, period)
 
 
 def exponents(runs: Runs, cells: Ints, states: Floats, seen: Ints, period: NDArray[np.int32], steps: int) -> Floats:

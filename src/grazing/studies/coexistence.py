@@ -28,7 +28,7 @@ Ints = NDArray[np.int64]
 #: Names of variables and dimensions of the result, which a parameter must not have.
 TAKEN = (
     "attractor", "start", "coordinate", "change", "period", "word", "share", "lifetime", "reached", "steps", "last",
-    "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
+    "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
 )  # fmt: skip
 #: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it ever has.
 ARRIVED = 1e-6
@@ -68,7 +68,7 @@ def coexistence(
         far as seen, -2 ended) and ``word``. On (name, "attractor"): ``share`` of the starts, and ``lifetime``, the
         mean number of steps after which an orbit was last away from its cycle, by more than 1e-6 of the greatest
         coordinate of its start or cycle; not a number where there is none. On (name, "start"): ``reached``, the row of
-        the table, and ``steps``, its lifetime (-1 for none).
+        the table, ``steps``, its lifetime (-1 for none), ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
         On the dimension "change": ``before`` and ``after``, neighbouring values, ``word_before`` and ``word_after``,
         ``period_before`` and ``period_after`` (0 for none), and ``kind``: *appears*, *disappears*, *doubles*, *halves*,
         or *relabelled*, where an impact crosses the strobe: the same orbit, no bifurcation.
@@ -116,6 +116,7 @@ def plan(
         assert found is not None
         settled = settled_columns(P, runs.rows(cells), found)
         arrays["reached_period"][...], arrays["reached_word"][...] = settled.period, settled.words
+        arrays["outcome"][...], arrays["trust"][...] = found.outcomes[:, 0], settled.trust
         arrays["last"][...] = found.points[:, -1].transpose(0, 2, 1)
         arrays["steps"][...] = yield from lifetimes(runs, cells, found, settled.period)
 
@@ -138,7 +139,7 @@ def plan(
         compute=compute,
         together=runs.together,
         work=2 * runs.work,
-        finish=lambda result: _with_attractors(P, name, result),
+        finish=lambda result: _with_attractors(P, name, runs.settings.transient, runs.settings.keep, result),
     )
 
 
@@ -148,6 +149,8 @@ def _variables(keep: int) -> dict[str, Variable]:
         "reached_period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
         "reached_word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
         "last": Variable(("start", "coordinate"), "float64", {"long_name": "last point of the orbit", "units": "1"}),
+        "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
+        "trust": Variable(("start",), "int8", labels.trust_attributes()),
         "steps": Variable(("start",), "int64", {"long_name": "steps before it settled", "units": "1", **never}),
     }
 
@@ -194,7 +197,7 @@ def compiled_arrival() -> Any:
     return compiled(arrival, "strict")
 
 
-def _with_attractors(P: Map, name: str, result: xr.Dataset) -> xr.Dataset:
+def _with_attractors(P: Map, name: str, transient: int, keep: int, result: xr.Dataset) -> xr.Dataset:
     """Replace what each start reached by a table of the attractors, and add shares, lifetimes and changes."""
     values, steps = result[name].values, result["steps"].values
     both = zip(result["reached_period"].values.ravel(), result["reached_word"].values.ravel(), strict=True)
@@ -213,7 +216,7 @@ def _with_attractors(P: Map, name: str, result: xr.Dataset) -> xr.Dataset:
         some = here.any(axis=1) & (period[k] > 0)
         total = np.where(here, steps, 0).sum(axis=1)
         lifetime[some, k] = total[some] / here.sum(axis=1)[some]
-    found = changes(P, name, values, reached, period, words, result["last"].values)
+    found = changes(P, name, values, reached, period, words, result["last"].values, transient, keep)
     fields = {
         "before": f"{name} before the change",
         "after": f"{name} after the change",

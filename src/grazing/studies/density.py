@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
-from grazing.memory import refuse_too_large
-from grazing.outcome import FATAL, InputError
+from grazing.outcome import AMBIGUOUS, FATAL, InputError
 from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
@@ -26,7 +25,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Names of variables of the result, which neither the parameter nor a coordinate may have.
-TAKEN = ("count", "below", "above", "ended")
+TAKEN = ("count", "below", "above", "ended", "ambiguous")
 #: Points whose places in the raster are found together, in a loop that vectorises.
 BLOCK = 64
 #: The raster reaches so much farther than the points of a trial, of their extent.
@@ -77,7 +76,7 @@ def density(
     xarray.Dataset
         ``count`` on (name, coordinate), the coordinate's values being the middles of the parts; on (name)
         ``below`` and ``above``, the points beyond the raster's ends, and ``ended``, the starts whose orbits ended,
-        whose points since then are not counted.
+        whose points since then are not counted, and ``ambiguous``, those with a decision that could not be made.
 
     Raises
     ------
@@ -123,19 +122,20 @@ def plan(
         raise InputError(f"coordinate = {coordinate!r}; allowed are {', '.join(P.coordinates)}")
     bins, i = whole(bins, "bins", 1), list(P.coordinates).index(shown)
     grid = runs.axes[name]
-    refuse_too_large(8 * len(grid) * (bins + 3), f"reduce values ({len(grid)}) or bins ({bins})")
     low, high = trial_range(runs, i) if range is None else checked_range(range)
 
     def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
         counts = np.zeros((len(cells), bins + 3), np.int64)
-        lost = np.zeros((len(cells), runs.settings.lanes), np.int64)
+        lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
         for part in runs.pieces(cells):
             call(compiled_raster(), part.points, i, low, high, bins, counts)
             lost |= part.outcomes[:, 0] & FATAL
+            doubtful |= part.outcomes[:, 0] & AMBIGUOUS
             yield
         arrays["count"][...] = counts[:, 1:-2]
         arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
         arrays["ended"][...] = np.count_nonzero(lost, axis=1)
+        arrays["ambiguous"][...] = np.count_nonzero(doubtful, axis=1)
 
     edges = np.linspace(low, high, bins + 1)
     ends = {"low": low, "high": high}
@@ -160,6 +160,7 @@ def plan(
             "below": Variable((), "int64", {"long_name": "points below the raster", "units": "1"}),
             "above": Variable((), "int64", {"long_name": "points above the raster", "units": "1"}),
             "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
+            "ambiguous": Variable((), "int64", {"long_name": "starts with an ambiguous decision", "units": "1"}),
         },
         compute=compute,
         together=runs.together,

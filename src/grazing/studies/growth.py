@@ -25,7 +25,7 @@ from grazing.studies.cycles import FOUND, finder, log_radius
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: The Newton step, relative to a coordinate, with which a cycle counts as reached.
+#: The Newton step, relative to the greatest coordinate, with which a cycle counts as reached.
 SMALL = 1e-12
 #: Sides are multiplied up between these.
 LEAST, MOST = 1e-200, 1e200
@@ -144,8 +144,12 @@ def reacher(tangent: Callable[..., Any], dimension: int) -> Callable[..., None]:
         last = np.empty((seen.shape[0], 1), np.int64)
         for k in range(seen.shape[0]):
             last[k, 0] = seen[k]
+        size = SMALL
         for i in range(dimension):
-            point[0, i, 0], tolerance[i, 0] = state[i], SMALL * max(abs(state[i]), SMALL)
+            point[0, i, 0] = state[i]
+            size = max(size, abs(state[i]))
+        for i in range(dimension):
+            tolerance[i, 0] = SMALL * size
         if find(point, last, 0, N, c, tolerance, x, M) != FOUND:
             for i in range(dimension):
                 x[i, 0] = state[i]

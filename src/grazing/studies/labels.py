@@ -109,7 +109,8 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
     dict
         ``title``, ``source``, ``references``, ``grazing_config`` (JSON, keys sorted), ``grazing_config_sha256`` of
         that text, ``grazing_code_sha256`` of the step's bytecode and all that it names (another Python, another
-        bytecode: that is why it stands beside the configuration), ``grazing_versions`` (JSON).
+        bytecode: that is why it stands beside the configuration), ``grazing_versions`` (JSON), and
+        ``grazing_processor``, for which fast arithmetic was compiled: *any* for strict arithmetic.
     """
     described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
     text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
@@ -122,7 +123,16 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "grazing_code_sha256": digest(P.step),
         "grazing_versions": json.dumps(versions(), sort_keys=True),
+        "grazing_processor": "any" if config.get("arithmetic") == "strict" else processor(),
     }
+
+
+def processor() -> str:
+    """Return the processor that fast arithmetic is compiled for: on another one its last digits may differ."""
+    from llvmlite import binding
+
+    features = hashlib.sha256(binding.get_host_cpu_features().flatten().encode()).hexdigest()
+    return f"{binding.get_host_cpu_name()} {features[:8]}"
 
 
 def own_version() -> str:

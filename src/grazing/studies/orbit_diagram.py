@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.studies import labels
 from grazing.studies.classify import settled_columns
@@ -123,8 +122,6 @@ def plan(
     checked_map(P)
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
     grid, lanes, keep = runs.axes[name], runs.settings.lanes, runs.settings.keep
-    size = len(grid) * lanes * (keep * (8 * P.dimension + 4) + 96)
-    refuse_too_large(size, f"reduce values ({len(grid)}), starts ({lanes}) or keep ({keep})")
     config = {
         "study": "orbit_diagram",
         "parameter": name,

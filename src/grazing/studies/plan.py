@@ -185,7 +185,8 @@ def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None =
     """
     axes = ", ".join(f"{name} ({len(values)})" for name, values in plan.axes.items())
     sizes = "".join(f", {name} ({size})" for name, size in plan.sizes.items())
-    refuse_too_large(plan.cells * plan.size_of_cell, f"reduce {axes}{sizes}, or sweep into a store")
+    advice = f"reduce {axes}{sizes}, or sweep into a store: -o result.zarr, gz.sweep.run"
+    refuse_too_large(plan.cells * plan.size_of_cell, advice)
     arrays = empty_arrays(plan, plan.cells)
     step = plan.cells if plan.sequential else max(1, plan.together)
 

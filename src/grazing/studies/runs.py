@@ -22,10 +22,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Box = tuple[tuple[float, float], ...]
 
-#: Orbits that are computed together: as many as a block of oscillators holds,
-TOGETHER = 512
-#: and for maps without a block so many that a tile is worth its handling.
-MANY = 8192
+#: Orbits that are computed together: as many as a block of oscillators holds; of a map that is a formula so many that
+#: a tile is worth its handling, and of one that follows flight after flight few.
+TOGETHER, MANY, FEW = 512, 8192, 64
 #: Values of a parameter at which the map itself is made before a study begins.
 LOOKS = 5
 
@@ -67,7 +66,7 @@ class Runs:
     @property
     def together(self) -> int:
         """How many cells are worth computing in one go."""
-        return max(1, (TOGETHER if self.P.block is not None else MANY) // self.settings.lanes)
+        return max(1, together(self.P) // self.settings.lanes)
 
     @property
     def work(self) -> int:
@@ -139,6 +138,11 @@ class Runs:
             "keep": keep,
             "arithmetic": arithmetic,
         }
+
+
+def together(P: Map) -> int:
+    """Return how many orbits of a map are worth computing in one go."""
+    return TOGETHER if P.block is not None else (MANY if P.prepare is None else FEW)
 
 
 def checked_runs(

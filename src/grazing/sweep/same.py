@@ -36,14 +36,14 @@ def refuse_another(store: Store, plan: Plan, chunk: Chunk = None, other_code: bo
             f"{store.path} holds another sweep: {listed(*config)}. Give the values that it was begun with, "
             f"or another folder"
         )
-    keys = ("grazing_code_sha256", "source")
+    keys = ("grazing_code_sha256", "grazing_processor", "source")
     code = {key: store.attrs[key] for key in keys}, {key: here[key] for key in keys}
     if code[0] != code[1] and not other_code:
         versions = json.loads(store.attrs["grazing_versions"]), json.loads(here["grazing_versions"])
         also = f"; of the versions, {listed(*versions)}" if versions[0] != versions[1] else ""
         raise InputError(
             f"{store.path} was begun by other code: {listed(*code)}{also}. Go on with that code, give another folder, "
-            f"or allow the mixture with other_code=True"
+            f"or allow the mixture with other_code=True; strict arithmetic is the same on every processor"
         )
     if chunk is not None and grid_of(plan, chunk).chunk != store.grid.chunk:
         sizes = ", ".join(f"{name}: {size}" for name, size in zip(plan.axes, store.grid.chunk, strict=True))
