@@ -193,8 +193,10 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     """Take in ``NAME=...``: a range varies, a value sets a parameter, a coordinate belongs to the state."""
     problems, coordinates, states = [], _coordinates(given.mapping), {}
     ranges = [token for token in tokens if "=" in token and _is_range(token)]
-    if ranges:
-        given.mapping["vary"] = {}
+    before = given.mapping.get("vary")
+    names = {token.partition("=")[0] for token in ranges}
+    if ranges and not (isinstance(before, Mapping) and len(names | {*before}) <= _most(given.mapping)):
+        given.mapping["vary"] = {}  # too many together: what varies here takes the place of all in the file
     for token in tokens:
         name, equals, text = token.partition("=")
         if not equals or not name:
@@ -218,6 +220,12 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
             problems.append(Problem((), f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}"))
         put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
     return problems
+
+
+def _most(mapping: Mapping[str, Any]) -> int:
+    """Return how many parameters a study can vary."""
+    study = STUDIES.get(str(mapping.get("study")))
+    return study.most if study is not None else 0
 
 
 def _is_range(token: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json as text
 import os
+import warnings
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -37,6 +38,8 @@ def plot(
         raise InputError("nothing to write; give -o and a figure's name, such as -o figure.pdf")
     files = output.targets(out, output.FIGURES)
     result = loaded(file)
+    if "grazing_incomplete" in result.attrs:
+        warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
     written = [name for path in files for name in output.write(result, path, recipe_in(result), **arguments)]
     title = str(result.attrs.get("title", ""))

@@ -178,7 +178,7 @@ def verify(
 ) -> int:
     """Read a store, compute a sample of it again and compare the bits.
 
-    Exit code 0 without differences, 1 with differences, 3 when there are none but the store is not complete.
+    Exit codes: 0 no differences, 1 differences, 3 no differences in a store that is not complete.
     """
     from grazing import sweep
 

@@ -198,6 +198,15 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 # ---- the hash of everything a kernel is made of
 
 
+@cache
+def processor() -> str:
+    """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ."""
+    from llvmlite import binding
+
+    features = hashlib.sha256(binding.get_host_cpu_features().flatten().encode()).hexdigest()
+    return f"{binding.get_host_cpu_name()} {features[:8]}"
+
+
 def digest(function: Callable[..., Any]) -> str:
     """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
 

@@ -15,11 +15,11 @@ from grazing.kernel.primitives import built, replaced
 BLOCK = 64
 
 
-def column(lanes: Any, j: int, zero: tuple[float, ...]) -> tuple[float, ...]:
-    """Return lane j of an array of shape (dimension, lanes) as a tuple as long as ``zero``."""
+def column(lanes: Any, j: int, zero: tuple[float, ...], first: int = 0) -> tuple[float, ...]:
+    """Return lane j of an array of shape (rows, lanes), from row ``first`` on, as a tuple as long as ``zero``."""
     state = zero
     for i in range(len(zero)):
-        state = replaced(state, i, lanes[i, j])
+        state = replaced(state, i, lanes[first + i, j])
     return state
 
 
@@ -77,8 +77,8 @@ def runner(
     constants = prepare if prepare is not None else _same
     packed = prepare is None
 
-    def own(c: Any, table: Any, j: int) -> Any:
-        return built(kind, column(table, j, blank))
+    def own(c: Any, x: Any, j: int) -> Any:
+        return built(kind, column(x, j, blank, dimension))
 
     at_lane = own if packed else _shared
 
@@ -86,8 +86,8 @@ def runner(
         columns, n = lanes.shape[0], lanes.shape[2]
         keep = points.shape[1]
         last = outcomes.shape[1] - 1
-        x = np.empty((len(zero), BLOCK))  # a block of its own: contiguous, so the loops below vectorise
-        table = np.empty((fields, BLOCK))
+        # a block of its own, states above parameters: in one piece, so the loops below vectorise without a question
+        x = np.empty((dimension + fields, BLOCK))
         folded = np.empty(BLOCK, np.int64)
         which, lane = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
         size = columns * n if packed else n
@@ -99,11 +99,11 @@ def runner(
                     which[j], lane[j] = (start + j) // n, (start + j) % n
                     put(x, j, column(lanes[which[j]], lane[j], zero))
                     for k in range(fields):
-                        table[k, j] = rows[which[j], k]
+                        x[dimension + k, j] = rows[which[j], k]
                     folded[j] = 0
                 for _ in range(transient):
                     for j in range(width):
-                        state, _letter, outcome = step(column(x, j, zero), at_lane(c, table, j))
+                        state, _letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
                         put(x, j, state)
                         folded[j] |= outcome
                 for j in range(width):
@@ -111,7 +111,7 @@ def runner(
                 for i in range(keep):
                     record = min(i, last)
                     for j in range(width):
-                        state, letter, outcome = step(column(x, j, zero), at_lane(c, table, j))
+                        state, letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
                         put(x, j, state)
                         letters[which[j], i, lane[j]] = letter
                         outcomes[which[j], record, lane[j]] |= outcome
@@ -154,5 +154,5 @@ def _same(p: Any) -> Any:
     return p
 
 
-def _shared(c: Any, table: Any, j: int) -> Any:
+def _shared(c: Any, x: Any, j: int) -> Any:
     return c

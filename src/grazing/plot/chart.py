@@ -76,6 +76,9 @@ def chart(
     first, second, _rank = expect(result, "chart", needed)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
     period, share = (np.asarray(result[name].values)[i][:, j] for name in ("period", "share"))
+    if "done" in result:  # the store of a sweep that is not complete: what is missing stays white
+        missing = ~np.asarray(result["done"].values, bool)[i][:, j]
+        period, share = np.where(missing[..., None], UNUSED, period), np.where(missing[..., None], 0.0, share)
     bar = beside = None
     with styled():
         ax = axes(ax, 120.0, 88.0)

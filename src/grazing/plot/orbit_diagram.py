@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from grazing.plot.classes import legend_beside, patch, patches_of
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
 
@@ -16,7 +17,13 @@ GRAIN = 1 / 2400
 
 
 def orbit_diagram(
-    result: Any, ax: Axes | None = None, coordinate: str | None = None, *, size: float = 1.1, longest: int = 24
+    result: Any,
+    ax: Axes | None = None,
+    coordinate: str | None = None,
+    *,
+    size: float = 1.1,
+    longest: int = 24,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw an orbit diagram; orbits of period N in the colour of N, all others in grey.
 
@@ -32,12 +39,14 @@ def orbit_diagram(
         Diameter of a point in points.
     longest : int
         Longer periods are drawn in grey.
+    legend : bool, optional
+        Whether a legend of the periods stands beside the axes; None for beside a figure of its own only.
 
     Returns
     -------
     dict
-        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``provenance``,
-        ``figure``.
+        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``legend``, or
+        None; ``provenance``, ``figure``.
     """
     name, _start, _n = result[_first(result, coordinate)].dims
     shown = _first(result, coordinate)
@@ -45,7 +54,9 @@ def orbit_diagram(
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
     drawn: dict[int, Any] = {}
+    beside = None
     with styled():
+        alone = ax is None
         ax = axes(ax, DOUBLE, 80.0)
         for N in sorted({int(p) if 1 <= p <= longest else 0 for p in np.unique(period)}):
             chosen = period == N if N else (period < 1) | (period > longest)
@@ -64,7 +75,13 @@ def orbit_diagram(
         ax.set_xlim(float(values.min()), float(values.max()))
         ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
         ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
-    return {"points": drawn, "figure": root(ax), "provenance": provenance_of(result)}
+        if legend or (legend is None and alone):
+            present = [int(N) for N in np.unique(period) if N <= longest]
+            handles = patches_of(present)
+            if (period > longest).any():
+                handles.append(patch(CHAOS, f"above {longest}"))
+            beside = legend_beside(ax, handles, "period")
+    return {"points": drawn, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)}
 
 
 def _first(result: Any, coordinate: str | None) -> str:

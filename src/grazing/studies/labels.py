@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import digest
+from grazing.kernel.compile import digest, processor
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
 
@@ -125,14 +125,6 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         "grazing_versions": json.dumps(versions(), sort_keys=True),
         "grazing_processor": "any" if config.get("arithmetic") == "strict" else processor(),
     }
-
-
-def processor() -> str:
-    """Return the processor that fast arithmetic is compiled for: on another one its last digits may differ."""
-    from llvmlite import binding
-
-    features = hashlib.sha256(binding.get_host_cpu_features().flatten().encode()).hexdigest()
-    return f"{binding.get_host_cpu_name()} {features[:8]}"
 
 
 def own_version() -> str:

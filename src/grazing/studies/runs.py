@@ -22,9 +22,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Box = tuple[tuple[float, float], ...]
 
-#: Orbits that are computed together: as many as a block of oscillators holds; of a map that is a formula so many that
+#: Orbits that are computed together: two blocks of oscillators; of a map that is a formula so many that
 #: a tile is worth its handling, and of one that follows flight after flight few.
-TOGETHER, MANY, FEW = 512, 8192, 64
+TOGETHER, MANY, FEW = 1024, 8192, 64
 #: Values of a parameter at which the map itself is made before a study begins.
 LOOKS = 5
 
