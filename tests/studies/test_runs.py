@@ -5,7 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.maps.pieces import joined
-from grazing.studies.runs import Settings, checked_runs, checked_values, describe_values
+from grazing.studies.runs import MANY, TOGETHER, Settings, checked_runs, checked_values, describe_values
 from grazing.studies.starts import random_starts
 from tests.studies.maps import FOLLOWER
 
@@ -132,7 +132,7 @@ def test_a_map_without_parameters():
 
 @pytest.mark.parametrize(("starts", "lanes"), [(1, 1), (100, 100), ([[0.1], [0.2]], 2)])
 def test_what_cells_are_worth_computing_together(starts, lanes):
-    for P, many in ((GAP, 8192), (BALL, 512)):
+    for P, many in ((GAP, MANY), (BALL, TOGETHER)):
         given = np.array(starts) if P is GAP or isinstance(starts, int) else np.full((lanes, 2), 0.5)
         runs = runs_of(P, {next(iter(P.params)): [0.5, 0.6]}, starts if isinstance(starts, int) else given)
         assert runs.settings.lanes == lanes

@@ -149,6 +149,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     yield from _parameters(
         config, known, {*ranges, *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
     )
+    yield from _fits(config, coordinates)
     if config.get("study") == "cobweb" and len(coordinates) != 1:
         yield Problem(
             ("map",),
@@ -218,6 +219,30 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
                     break
     if study is not None and not study.least <= len(config["vary"]) <= study.most:
         yield Problem(("vary",), _how_many(config, study.least, study.most, allowed))
+
+
+def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
+    """Yield settings that do not fit the coordinates of the map."""
+    settings, count, named = config["settings"], len(coordinates), ", ".join(coordinates)
+    if not isinstance(settings, Mapping):
+        return
+    box, starts = settings.get("box"), settings.get("starts")
+    if isinstance(box, (list, tuple)) and len(box) != count:
+        yield Problem(
+            ("settings", "box"), f"box has {len(box)} intervals; give one low:high for each of {named}, commas between"
+        )
+    if isinstance(starts, (list, tuple)):
+        for state in starts:
+            if isinstance(state, (list, tuple)) and len(state) != count:
+                said = f"starts has a state of {len(state)} numbers; give {count} for each: {named}"
+                yield Problem(("settings", "starts"), said)
+                break
+    if settings.get("coordinate") is not None and settings["coordinate"] not in coordinates:
+        said = unknown_key(settings["coordinate"], coordinates, f"coordinate = {settings['coordinate']!r}")
+        yield Problem(("settings", "coordinate"), said)
+    for name in settings.get("fixed") or ():
+        if name not in coordinates:
+            yield Problem(("settings", "fixed", name), unknown_key(name, coordinates, "unknown coordinate"))
 
 
 def _how_many(config: Recipe, least: int, most: int, allowed: list[str]) -> str:

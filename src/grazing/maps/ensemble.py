@@ -361,8 +361,8 @@ def ensemble_tasks(
     starts, keep = lanes.shape[2], found.points.shape[1]
     shape = max(1, LANES // padded(starts)), min(starts, LANES)
 
-    def task(top: int, left: int) -> Iterator[None]:
-        box = top, min(top + shape[0], len(rows)), left, min(left + shape[1], starts)
+    def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
+        box = top, min(top + shape[0], len(source)), left, min(left + shape[1], starts)
         for n in range(0, max(transient + keep, 1), CUT):
             end = min(n + CUT, transient + keep)
             passed = max(0, min(end, transient) - n)
@@ -372,4 +372,4 @@ def ensemble_tasks(
             entry(flat.ravel(), strike, float(where[top]), job, lanes, *found)
             yield
 
-    return [partial(task, q, i) for q in range(0, len(rows), shape[0]) for i in range(0, starts, shape[1])]
+    return [partial(task, rows, q, i) for q in range(0, len(rows), shape[0]) for i in range(0, starts, shape[1])]

@@ -70,12 +70,24 @@ def _median(x: NDArray[np.float64], c: NDArray[np.float64]) -> float:
         return 0.0
     n = len(x)
     lags = np.arange(1, n // 10 + 1)
-    kept = n - lags[-1]
     mean = x.mean()
     correlations = []
     for frequency in c:
         walk = np.cumsum(x * np.exp(1j * frequency * np.arange(1, n + 1)))
-        moved = np.array([np.mean(np.abs(walk[lag : lag + kept] - walk[:kept]) ** 2) for lag in lags])
+        moved = _displacements(walk, lags)
         moved -= mean**2 * (1.0 - np.cos(lags * frequency)) / (1.0 - np.cos(frequency))
         correlations.append(np.corrcoef(lags, moved)[0, 1])
     return float(np.median(correlations))
+
+
+def _displacements(walk: NDArray[np.complex128], lags: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the mean of |walk[j + lag] - walk[j]|^2 for each lag, over the j that all lags have.
+
+    The squares come from running sums, the products of all lags at once from Fourier's transform.
+    """
+    kept = len(walk) - int(lags[-1])
+    room = 1 << (len(walk) + kept).bit_length()
+    spectrum = np.fft.fft(walk, room) * np.conj(np.fft.fft(walk[:kept], room))
+    sums = np.concatenate([[0.0], np.cumsum(np.abs(walk) ** 2)])
+    together = np.fft.ifft(spectrum)[lags].real
+    return np.asarray((sums[lags + kept] - sums[lags] + sums[kept] - 2.0 * together) / kept)

@@ -92,8 +92,8 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
     >>> G = gz.gap_map(lam=0.8, mu=0.1, l=0.2)
     >>> plan = gz.plans.density(G, "mu", np.linspace(0.0, 0.3, 8), starts=3)
     >>> found = sweep.estimate(plan, chunk=2)
-    >>> found.chunks, found.bytes, found.seconds < 10.0
-    (4, 64192, True)
+    >>> found.chunks, found.bytes > 60_000, found.seconds < 10.0
+    (4, True, True)
     """
     if plan.sequential:
         raise InputError(
