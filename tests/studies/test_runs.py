@@ -5,7 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.maps.pieces import joined
-from grazing.studies.runs import MANY, TOGETHER, Settings, checked_runs, checked_values, describe_values
+from grazing.studies.runs import FEW, MANY, TOGETHER, Settings, checked_runs, checked_values, describe_values
 from grazing.studies.starts import random_starts
 from tests.studies.maps import FOLLOWER
 
@@ -137,6 +137,8 @@ def test_what_cells_are_worth_computing_together(starts, lanes):
         runs = runs_of(P, {next(iter(P.params)): [0.5, 0.6]}, starts if isinstance(starts, int) else given)
         assert runs.settings.lanes == lanes
         assert runs.together == max(1, many // lanes)
+        strict = runs_of(P, runs.axes, starts if isinstance(starts, int) else given, arithmetic="strict")
+        assert strict.together == max(1, (MANY if P is GAP else FEW) // lanes)
         assert runs.work == lanes * 40
 
 

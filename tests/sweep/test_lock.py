@@ -123,6 +123,7 @@ def test_a_folder_that_went_away(folder):
 
     with locked(folder, None):
         shutil.rmtree(folder)
+    assert not folder.exists()  # nor is it made again to take the lock away
 
 
 @pytest.mark.parametrize("without", ["flock", "link"])

@@ -60,9 +60,11 @@ def test_its_metadata_is_strict_json(store):
     def refuse(name):
         raise AssertionError(name)
 
+    seen = []
     for name, content in files(store).items():
         if name.endswith("zarr.json") and name != "points/zarr.json":
-            json.loads(content, parse_constant=refuse)
+            seen.append(json.loads(content, parse_constant=refuse)["zarr_format"])
+    assert len(seen) > 2 and set(seen) == {3}
 
 
 def test_an_empty_folder_is_filled(tmp_path):

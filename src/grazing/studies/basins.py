@@ -188,7 +188,7 @@ def plan(
             "trust": Variable((), "int8", labels.trust_attributes()),
         },
         compute=compute,
-        together=together(P),
+        together=together(P, arithmetic),
         work=transient + keep,
         finish=lambda result: _with_attractors(P, axes, preimages, result),
     )

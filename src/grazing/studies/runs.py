@@ -66,7 +66,7 @@ class Runs:
     @property
     def together(self) -> int:
         """How many cells are worth computing in one go."""
-        return max(1, together(self.P) // self.settings.lanes)
+        return max(1, together(self.P, self.settings.arithmetic) // self.settings.lanes)
 
     @property
     def work(self) -> int:
@@ -140,9 +140,11 @@ class Runs:
         }
 
 
-def together(P: Map) -> int:
-    """Return how many orbits of a map are worth computing in one go."""
-    return TOGETHER if P.block is not None else (MANY if P.prepare is None else FEW)
+def together(P: Map, arithmetic: str) -> int:
+    """Return how many orbits of a map are worth computing in one go; only fast arithmetic flies blocks."""
+    if P.block is not None and arithmetic == "fast":
+        return TOGETHER
+    return MANY if P.prepare is None else FEW
 
 
 def checked_runs(

@@ -27,6 +27,8 @@ ASIDE = ".grazing"
 #: Seconds after which a half-made template of another machine is rubbish.
 OLD = 3600.0
 _HALF_MADE = re.compile(r"\.(?P<name>.+)-(?P<host>[^-]*)-(?P<pid>\d+)-[0-9a-f]{12}\.partial")
+#: How often, and how many seconds apart, a half-made template is removed until it stays away.
+PATIENCE, PAUSE = 20, 0.05
 
 
 def create(path: Path, plan: Plan, grid: Grid) -> None:
@@ -53,7 +55,16 @@ def create(path: Path, plan: Plan, grid: Grid) -> None:
     except OSError as error:
         raise InputError(f"{path} cannot be made: {error.strerror or error}; choose another folder") from error
     finally:
+        _remove(half)
+
+
+def _remove(half: Path) -> None:
+    """Remove a half-made template; after a failure Zarr's other writers may still add to it for a moment."""
+    for _ in range(PATIENCE):
+        if not half.exists():
+            return
         shutil.rmtree(half, ignore_errors=True)
+        time.sleep(PAUSE)
 
 
 def _host() -> str:
