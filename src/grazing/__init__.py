@@ -36,6 +36,7 @@ _PUBLIC = {
     "zdm": "maps.discontinuity",
     "zdm_points": "maps.discontinuity",
     "normal_form": "maps.normal_form",
+    "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
     "boundaries": "orbits.boundaries",
     "grazing_curve": "orbits.grazing_curve",
@@ -85,6 +86,7 @@ if TYPE_CHECKING:
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
     from grazing.orbits.boundaries import boundaries as boundaries
     from grazing.orbits.grazing_curve import grazing_curve as grazing_curve
+    from grazing.orbits.impact_orbit import ImpactOrbit as ImpactOrbit
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
     from grazing.orbits.orbit import Orbit as Orbit
     from grazing.orbits.windows import windows as windows

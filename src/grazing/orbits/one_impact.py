@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from grazing.maps.period import product, saltation
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import FIRED
-from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.orbit import condition_of
 from grazing.orbits.survey import (
     CLEARANCE,
     CONTACT,
@@ -35,32 +36,31 @@ from grazing.parameter import whole
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class OneImpactOrbit(Orbit):
-    """A periodic orbit of the oscillator with one impact; ``map`` is its stroboscopic map at phase 0.
+class OneImpactOrbit(ImpactOrbit):
+    """A periodic orbit of the oscillator with one impact.
 
     Parameters
     ----------
-    tau : float
-        Time of the impact, in [0, T).
-    v_minus, v_plus : float
-        Velocity just before the impact, < 0, and just after it, >= 0.
-    clearance : float
-        Lowest local minimum of u - sigma in the flight from impact to impact; negative for a virtual orbit, infinite
-        for a flight without a local minimum. Zero at a graze.
     phase : float
         Phase of the forcing at the impact, omega (tau + t0) modulo 2 pi.
     """
 
-    tau: float
-    v_minus: float
-    v_plus: float
-    clearance: float
     phase: float
 
     @property
-    def impacts(self) -> int:
-        """Number of impacts, always 1."""
-        return 1
+    def tau(self) -> float:
+        """Time of the impact, in [0, T)."""
+        return float(self.times[0])
+
+    @property
+    def v_minus(self) -> float:
+        """Velocity just before the impact, < 0."""
+        return float(self.incoming[0])
+
+    @property
+    def v_plus(self) -> float:
+        """Velocity just after the impact, >= 0."""
+        return float(self.outgoing[0])
 
 
 def one_impact_orbits(model: Oscillator, N: int) -> tuple[OneImpactOrbit, ...]:
@@ -142,9 +142,9 @@ def _orbit(model: Oscillator, family: Family, c: Any, row: NDArray[np.float64]) 
         admissible=bool(late <= 1e-9 * c.T + 1e-14 * c.size / abs(v)),
         condition=condition_of(np.array(J).reshape(2, 2)),
         residual=max(abs(y), abs(v_end - v)),
-        tau=tau,
-        v_minus=v,
-        v_plus=w,
+        times=np.array([tau]),
+        incoming=np.array([v]),
+        outgoing=np.array([w]),
         clearance=float(row[CLEARANCE]),
         phase=float(row[PHASE]),
     )
