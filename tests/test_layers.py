@@ -19,6 +19,7 @@ LAYERS = (
     ("oscillator",),
     ("maps",),
     ("orbits",),
+    ("proof",),
     ("studies",),
     ("plans",),
     ("config",),

@@ -38,7 +38,9 @@ _PUBLIC = {
     "normal_form": "maps.normal_form",
     "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
+    "Branch": "orbits.branch",
     "boundaries": "orbits.boundaries",
+    "continuation": "orbits.branch",
     "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
     "windows": "orbits.windows",
@@ -85,6 +87,8 @@ if TYPE_CHECKING:
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
     from grazing.orbits.boundaries import boundaries as boundaries
+    from grazing.orbits.branch import Branch as Branch
+    from grazing.orbits.branch import continuation as continuation
     from grazing.orbits.grazing_curve import grazing_curve as grazing_curve
     from grazing.orbits.impact_orbit import ImpactOrbit as ImpactOrbit
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits

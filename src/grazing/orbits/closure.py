@@ -174,7 +174,7 @@ def impact_state(phi: float, law: int, g: Closing, c: Constants) -> tuple[float,
     if law != FIRED:
         trigger = -trigger if law == PASSIVE else 1.0
     lift = F if w == 0.0 else 1.0
-    lowest, dip, count = lowest_dip(tau, max(w, 0.0), g.L, c)
+    lowest, dip, count, _when = lowest_dip(tau, 0.0, max(w, 0.0), g.L, c)
     safe = v if v != 0.0 else float("nan")
     return (
         tau, w, v, v_trace / safe, v_det / safe,
@@ -195,16 +195,17 @@ def bend_of_forcing(t: float, c: Constants) -> tuple[float, float]:
     return ddF, bound
 
 
-def lowest_dip(tau: float, w: float, L: float, c: Constants) -> tuple[float, int, int]:
-    """Return the lowest local minimum of y in a flight of time L from the wall, which of them it is, and their number.
+def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[float, int, int, float]:
+    """Return the lowest local minimum of y in a flight of time L from (tau, y, v), which it is, their number, its time.
 
-    The dip is counted from the end (1 is the last); without any dip y is infinite and the number 0. No dip is missed:
-    over the next step y''' is bounded by the energy e^2 = y''''^2 + k^2 y'''^2, where e' <= |F'''| at most;
-    so every step is proved either free of zeros of v or to have one only.
+    The dip is counted from the end (1 is the last), its time from the start; without any dip y is infinite and the
+    other numbers are 0. No dip is missed: over the next step y''' is bounded by the energy
+    e^2 = y''''^2 + k^2 y'''^2, where e' <= |F'''| at most; so every step is proved either free of zeros of v or to
+    have one only.
     """
-    anchor = anchored(tau, 0.0, w, c)
-    low, at, count = float("inf"), 0, 0
-    s, y, v, reach = 0.0, 0.0, w, c.T / 64.0
+    anchor = anchored(tau, y, v, c)
+    low, at, count, when = float("inf"), 0, 0, 0.0
+    s, reach = 0.0, c.T / 64.0
     while s < L:
         F, dF = forcing(tau + s, c)
         ddF, third = bend_of_forcing(tau + s, c)
@@ -219,15 +220,15 @@ def lowest_dip(tau: float, w: float, L: float, c: Constants) -> tuple[float, int
         y_end, v_end = flight(end, anchor, c)
         if (v < 0.0 or (v == 0.0 and acc < 0.0)) and v_end >= 0.0 and end < L:
             count += 1
-            bottom = minimum(s, end, anchor, c)
+            then, bottom = minimum(s, end, anchor, c)
             if bottom < low:
-                low, at = bottom, count
+                low, at, when = bottom, count, then
         s, y, v = end, y_end, v_end
-    return low, (count + 1 - at if count > 0 else 0), count
+    return low, (count + 1 - at if count > 0 else 0), count, when
 
 
-def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> float:
-    """Return the least y on [lo, hi], where v has one zero and changes from - to +."""
+def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> tuple[float, float]:
+    """Return when y is least on [lo, hi], where v has one zero and changes from - to +, and y there."""
     s = 0.5 * (lo + hi)
     for _ in range(60):
         y, v = flight(s, anchor, c)
@@ -245,7 +246,7 @@ def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> float:
             break
         s = new
     y, _v = flight(new, anchor, c)
-    return y
+    return new, y
 
 
 def first_contact(tau: float, w: float, N: int, c: Constants) -> float:

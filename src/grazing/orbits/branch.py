@@ -1,0 +1,303 @@
+"""Branches: an orbit followed in a parameter, through folds and grazes, with all that happens on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.map import Map
+from grazing.orbits.equations import Equations
+from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.path import Event, Path, Point, closed, follow, joined, located, unscaled
+from grazing.orbits.signature import equations_of
+from grazing.orbits.special import Relabelling, Special
+from grazing.orbits.switching import Seed, partners, same_solution, seeded, switched
+from grazing.outcome import InputError
+from grazing.parameter import real, unknown, whole
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end."""
+
+    equations: Equations
+    unknowns: Floats
+    values: Floats
+    orbits: tuple[Orbit, ...]
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """An orbit followed in a parameter; see :func:`continuation`.
+
+    Parameters
+    ----------
+    map : Map
+        The map at the parameter value where the branch was begun.
+    parameter : str
+        Name of the parameter.
+    bounds : (low, high)
+        Its range.
+    pieces : tuple of Piece
+        The first one holds the orbit that the branch was begun with; the others begin at grazes.
+    special : tuple of Special
+        In the order in which they lie on the pieces.
+    relabellings : tuple of Relabelling
+        Where an impact crosses the strobe; no bifurcations.
+    """
+
+    map: Map
+    parameter: str
+    bounds: tuple[float, float]
+    pieces: tuple[Piece, ...]
+    special: tuple[Special, ...]
+    relabellings: tuple[Relabelling, ...]
+
+    def __repr__(self) -> str:
+        low, high = self.bounds
+        names = ", ".join(f"{one.type} {one.value:.6g}" for one in self.special) or "no special point"
+        words = list(dict.fromkeys(orbit.word for orbit in self))
+        return f"<Branch of {', '.join(words)} in {self.parameter} [{low:g}, {high:g}]: {names}>"
+
+    def __iter__(self) -> Iterator[Orbit]:
+        for piece in self.pieces:
+            yield from piece.orbits
+
+    def at(self, value: float) -> tuple[Orbit, ...]:
+        """Return every orbit of the branch at one value of the parameter, solved there.
+
+        Parameters
+        ----------
+        value : float
+
+        Returns
+        -------
+        tuple of Orbit
+            In the order in which the branch passes them; empty where it has none.
+        """
+        value = real(value, self.parameter, f"give a value in [{self.bounds[0]:g}, {self.bounds[1]:g}]")
+        found = []
+        for piece in self.pieces:
+            for i in np.flatnonzero((piece.values[:-1] - value) * (piece.values[1:] - value) <= 0.0):
+                a, b = piece.values[i], piece.values[i + 1]
+                share = (value - a) / (b - a) if b != a else 0.0
+                x = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
+                solved = closed(piece.equations, x, np.array([value]))
+                if solved is not None and not (i > 0 and a == value):
+                    found.append(piece.equations.orbit(solved, np.array([value])))
+        return tuple(found)
+
+
+def continuation(
+    P: Map,
+    orbit: Orbit | Special,
+    name: str,
+    bounds: tuple[float, float],
+    *,
+    step: float = 0.05,
+    limit: int = 2000,
+) -> Branch:
+    """Follow a periodic orbit in a parameter, by pseudo-arclength, and locate all that happens to it.
+
+    Parameters
+    ----------
+    P : Map
+        The map of the orbit, at the value where it is known.
+    orbit : Orbit or Special
+        Where to begin; from a special point of type pd or bp of another branch the branch that crosses it there.
+    name : str
+        Any parameter of the map.
+    bounds : (low, high)
+        Range of the parameter; the orbit's own value lies inside.
+    step : float
+        Longest step, in units of the range and of the natural size of times and velocities.
+    limit : int
+        Most points of one piece.
+
+    Returns
+    -------
+    Branch
+        Pieces, special points with brackets, relabellings. Virtual orbits are followed too, and marked.
+
+    Raises
+    ------
+    InputError
+        For an orbit of another map, an unknown parameter, a range that does not hold the orbit's value, or an orbit
+        that does not solve its own equations.
+
+    Notes
+    -----
+    An orbit of the oscillator is followed in the times and velocities of its impacts (:mod:`grazing.orbits.closing`),
+    in which nothing is singular at a graze: the speed of an impact passes through zero, and beyond it the orbit is
+    virtual. Where the law leaves a ball that touches the wall with no speed (V = 0), a graze joins two branches, one
+    with an impact more than the other; the branch goes on along the admissible part of both. Where it kicks the ball
+    (V > 0), an orbit ends at a graze: its continuation is virtual.
+
+    References
+    ----------
+    Ghosh and Simpson, arXiv:2510.16218, follow the velocity instead of the section's map for the same reason.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> m = gz.pinball(d=0.11, V=0.4)
+    >>> orbit = gz.one_impact_orbits(m, 3)[0]
+    >>> branch = gz.continuation(orbit.map, orbit, "d", (0.09, 0.13))
+    >>> [(point.type, round(point.value, 9)) for point in branch.special]
+    [('gr', 0.098450445), ('pd', 0.12328145)]
+    """
+    low, high = checked_bounds(P, name, bounds)
+    if isinstance(orbit, Special):
+        seeds = switched(orbit, name, (low, high))
+    elif isinstance(orbit, Orbit):
+        seeds = [begun(P, orbit, name, (low, high))]
+    else:
+        raise InputError(f"orbit is {orbit!r}; give an Orbit, or a special point of a branch")
+    search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds)
+    while search.waiting:
+        search.advance()
+    return Branch(P, name, (low, high), tuple(search.pieces), tuple(search.special), tuple(search.relabellings))
+
+
+def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
+    """Return the range of a parameter as two floats, or raise InputError."""
+    if not isinstance(P, Map):
+        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model)")
+    if name not in P.params:
+        raise unknown(name, P.params, P.name or "the map")
+    try:
+        low, high = bounds
+    except (TypeError, ValueError):
+        raise InputError(f"bounds is {bounds!r}; give the pair (low, high) of values of {name}") from None
+    if P.describe is not None:
+        low, high = P.describe(name).check(low), P.describe(name).check(high)
+    low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
+    if not low < high:
+        raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
+    return low, high
+
+
+def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
+    """Return where a branch begins that holds a given orbit."""
+    low, high = bounds
+    value = float(orbit.map.params.get(name, np.nan))
+    differ = [key for key, x in orbit.map.params.items() if key not in P.params or (key != name and P.params[key] != x)]
+    if differ:
+        raise InputError(f"{orbit!r} is an orbit of {orbit.map!r}, not of {P!r}: {', '.join(differ)}; give its own map")
+    if not low <= value <= high:
+        raise InputError(f"the orbit is known at {name} = {value:g}, outside of [{low:g}, {high:g}]; widen the range")
+    equations, x = equations_of(orbit, (name,), np.array([high - low]))
+    p = np.array([value])
+    solved = closed(equations, x, p)
+    if solved is None or np.abs((solved - x) / equations.scale).max(initial=0.0) > 1e-3:
+        raise InputError(
+            f"{orbit!r} does not solve its own equations at {name} = {value:g}: Newton's method "
+            f"{'fails' if solved is None else 'goes elsewhere'}; begin with an orbit of gz.periodic_orbits"
+        )
+    return Seed(equations, seeded(equations, solved, p), both=True)
+
+
+class _Search:
+    """Pieces that are known, and seeds of pieces that wait to be followed."""
+
+    def __init__(self, name: str, bounds: tuple[float, float], step: float, limit: int, seeds: list[Seed]) -> None:
+        self.name, self.bounds, self.step, self.limit = name, bounds, step, limit
+        self.waiting = list(seeds)
+        self.pieces: list[Piece] = []
+        self.special: list[Special] = []
+        self.relabellings: list[Relabelling] = []
+
+    def advance(self) -> None:
+        """Follow the next seed as far as it goes; grazes on the way become seeds of their own."""
+        seed = self.waiting.pop(0)
+        number = len(self.pieces)
+        if seed.origin >= 0:
+            if self._known(seed):
+                return
+            self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
+        path = self._path(seed)
+        equations = seed.equations
+        solutions = [path.unscaled(point.z) for point in path.points]
+        orbits = tuple(equations.orbit(x, p) for x, p in solutions)
+        unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
+        self.pieces.append(Piece(equations, unknowns, values, orbits, (path.began, path.ended)))
+        for _index, event in path.events:
+            self._note(equations, path, event, number)
+        self._relabelled(path, orbits, number)
+
+    def _path(self, seed: Seed) -> Path:
+        """Return the path through a seed, on both sides of it if wanted."""
+        forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
+        if not seed.both or forward.ended == "closed":
+            forward.began = "closed" if forward.ended == "closed" else "seed"
+            return forward
+        back = seed.point._replace(tangent=-seed.point.tangent)
+        backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
+        return joined(backward, forward)
+
+    def _note(self, equations: Equations, path: Path, event: Event, number: int) -> None:
+        """Keep an event as a special point, and what begins there as a seed."""
+        x, p = path.unscaled(event.point.z)
+        type, orbit = event.type, equations.orbit(x, p)
+        if type == "ns" and abs(orbit.multipliers[0].imag) == 0.0:
+            return  # real multipliers whose product is 1: no bifurcation
+        seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
+        if seeds and type == "v0":
+            type = "gr"
+        self.special.append(
+            Special(type, float(p[-1]), event.low, event.high, event.converged, orbit, event.where, number,
+                    direction=event.point.tangent)
+        )  # fmt: skip
+        self.waiting += [seed._replace(origin=len(self.special) - 1) for seed in seeds]
+
+    def _known(self, seed: Seed) -> bool:
+        """Whether a piece that is known already passes through a seed: then a graze lies there with its impacts."""
+        x, p = unscaled(seed.equations, seed.point.z)
+        for i, one in enumerate(self.special):
+            piece = self.pieces[one.piece].equations
+            if i == seed.origin or type(piece) is not type(seed.equations) or piece.N != seed.equations.N:
+                continue
+            there, _x = equations_of(one.orbit, (self.name,), seed.equations.spans)
+            if abs(one.value - p[-1]) < 1e-6 * seed.equations.spans[-1] and same_solution(seed.equations, x, there, _x):
+                self.special[seed.origin] = self.special[seed.origin]._replace(to=one.piece)
+                return True
+        return False
+
+    def _relabelled(self, path: Path, orbits: tuple[Orbit, ...], number: int) -> None:
+        """Note where the word changes although the equations stay: an impact crosses the strobe."""
+        equations = path.equations
+        if not isinstance(equations, ImpactEquations):
+            return
+        for i, (one, other) in enumerate(pairwise(orbits)):
+            if one.word != other.word:
+                found = crossing(equations, path.points[i], path.points[i + 1])
+                value = float(path.unscaled(found.z)[1][-1]) if found is not None else float(np.nan)
+                self.relabellings.append(Relabelling(value, one.word, other.word, number))
+
+
+def crossing(equations: ImpactEquations, a: Point, b: Point) -> Point | None:
+    """Return where between two points an impact crosses the strobe."""
+    n, scale = equations.n, equations.scale
+    T = 2.0 * np.pi / equations.values(b.z[len(scale) :] * equations.spans)[2]
+    before, after = (np.floor(q.z[:n] * scale[:n] / T) for q in (a, b))
+    moved = np.flatnonzero(before != after)
+    if len(moved) == 0:
+        return None
+    i, edge = int(moved[0]), float(max(before[moved[0]], after[moved[0]]))
+    chord = b.z - a.z
+    length = float(np.linalg.norm(chord))
+
+    def ahead(q: Point) -> float:
+        values = equations.values(q.z[len(scale) :] * equations.spans)
+        return float(q.z[i] * scale[i] - edge * 2.0 * np.pi / values[2])
+
+    return located(equations, a, chord / length, length, "strobe", i, ahead)[1].point

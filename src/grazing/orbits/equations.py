@@ -1,0 +1,86 @@
+"""What a branch needs to know of the equations that it follows: defects, derivatives, test functions, the orbit."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.orbit import Orbit
+from grazing.outcome import InputError
+
+Floats = NDArray[np.float64]
+
+
+class Test(NamedTuple):
+    """A function that is zero where something happens to an orbit.
+
+    Parameters
+    ----------
+    type : str
+        What happens: lp pd ns bp gr bcb v0 law st.
+    value : float
+        Positive where it has not happened yet, for tests of stability and admissibility.
+    where : int
+        Which impact, flight or point of the orbit it is about; -1 for the whole orbit.
+    """
+
+    type: str
+    value: float
+    where: int = -1
+
+
+class Equations(ABC):
+    """Equations F(x, p) = 0 of an orbit, with as many unknowns x as equations, and parameters p by name.
+
+    ``names`` are the parameters that vary and ``N`` is the period. ``scale`` is the size of each unknown, ``spans``
+    that of each parameter: with them a step along a branch has a length.
+    """
+
+    names: tuple[str, ...]
+    N: int
+    scale: Floats
+    spans: Floats
+
+    @abstractmethod
+    def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return F, shape (n,), and dF/dx, shape (n, n); NaN where they are not defined."""
+
+    @abstractmethod
+    def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return the test functions at a solution, always the same ones in the same order."""
+
+    @abstractmethod
+    def broken(self, x: Floats, p: Floats) -> str:
+        """Say why these are not the equations of an orbit any more, such as a flight of no time; empty if they are."""
+
+    @abstractmethod
+    def orbit(self, x: Floats, p: Floats) -> Orbit:
+        """Return the orbit of a solution, checked in full."""
+
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """Return dF/dp, shape (n, len(names)), by differences of fourth order; one-sided at the end of a range."""
+        columns = []
+        for j in range(len(self.names)):
+            h = 1e-3 * float(self.spans[j])
+            shift = np.zeros(len(p))
+            shift[j] = h
+            try:
+                near = self.defects(x, p + shift)[0] - self.defects(x, p - shift)[0]
+                far = self.defects(x, p + 2.0 * shift)[0] - self.defects(x, p - 2.0 * shift)[0]
+                columns.append((8.0 * near - far) / (12.0 * h))
+            except InputError:
+                columns.append(self._one_sided(x, p, shift, h))
+        return np.column_stack(columns)
+
+    def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:
+        """Return one column of dF/dp from values on the side where the parameter is allowed."""
+        for side in (1.0, -1.0):
+            try:
+                F = [self.defects(x, p + side * i * shift)[0] for i in range(5)]
+            except InputError:
+                continue
+            return np.asarray(side * (-25.0 * F[0] + 48.0 * F[1] - 36.0 * F[2] + 16.0 * F[3] - 3.0 * F[4]) / (12.0 * h))
+        return np.full(len(x), np.nan)

@@ -1,0 +1,136 @@
+"""The equations of the orbit without impacts: the steady response, as long as it stays off the wall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.maps.pointed import flight_fields
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.closure import lowest_dip
+from grazing.orbits.equations import Equations, Test
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.one_impact import multipliers
+from grazing.orbits.orbit import condition_of
+from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD, constants_of
+from grazing.oscillator.flight import anchored, flight, modes
+from grazing.oscillator.model import Oscillator
+from grazing.parameter import parameter_tuple, unknown
+
+Floats = NDArray[np.float64]
+
+#: Instants of a period among which the fastest rise is sought: from there every local minimum lies inside the period.
+INSTANTS = 16
+
+
+class FreeEquations(Equations):
+    """The state (y, v) at the strobe, y = u - sigma, that one period of free flight repeats."""
+
+    def __init__(self, model: Oscillator, names: tuple[str, ...], spans: Any = None) -> None:
+        params = model.params
+        for name in names:
+            if name not in params:
+                raise unknown(name, params, "the model")
+        self.model, self.names, self.n, self.N = model, names, 0, 1
+        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
+        self._index = [list(params).index(name) for name in names]
+        self._base = np.array(list(params.values()))
+        self._row = np.zeros(len(flight_fields(model.harmonics)))
+        self._head = len(HEAD) + 2 * model.harmonics + 1
+        self._turn = turner(model.harmonics)
+        c = self.constants(self._base[self._index])
+        self.scale = np.array([c.size, c.size * c.rate])
+
+    def model_at(self, p: Floats) -> Oscillator:
+        """Return the model with these values of the parameters that vary."""
+        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+
+    def prepared(self, p: Floats) -> Floats:
+        """Return the numbers that a flight needs."""
+        values = self._base.copy()
+        values[self._index] = p
+        self._row[: self._head] = values[: self._head]
+        return self._row
+
+    def constants(self, p: Floats) -> Any:
+        """Return the constants of flights, in plain Python."""
+        kind = parameter_tuple(flight_fields(self.model.harmonics))
+        return constants_of(self.model.harmonics)(kind(*self.prepared(p).tolist()))
+
+    def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, float, float]:
+        """Return the state after a period, its derivative, the lowest local minimum and its time in [0, T)."""
+        out = np.empty(8)
+        call(self._turn, self.prepared(p), np.ascontiguousarray(x, np.float64), out, who="the free flight")
+        return out[:2], out[2:6].reshape(2, 2), float(out[6]), float(out[7])
+
+    def start(self, p: Floats) -> Floats:
+        """Return the solution, which is unique where the free flight has no multiplier 1."""
+        end, E, _low, _when = self.turned(np.zeros(2), p)
+        return np.asarray(np.linalg.solve(np.eye(2) - E, end))
+
+    def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return by how much the state after a period differs, and the derivative of that."""
+        end, E, _low, _when = self.turned(x, p)
+        return end - x, E - np.eye(2)
+
+    def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return pd, lp and ns, and the clearance of the wall."""
+        _end, E, low, _when = self.turned(x, p)
+        trace, det = float(np.trace(E)), float(np.linalg.det(E))
+        return (
+            Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det), Test("gr", low, 0),
+        )  # fmt: skip
+
+    def broken(self, x: Floats, p: Floats) -> str:
+        """Say whether there is no steady response."""
+        return "" if np.isfinite(x).all() else "the forcing is in resonance: there is no steady response"
+
+    def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
+        """Return the orbit, admissible if it stays off the wall."""
+        end, E, low, _when = self.turned(x, p)
+        trace, det = float(np.trace(E)), float(np.linalg.det(E))
+        none = np.empty(0)
+        model = self.model_at(p)
+        return ImpactOrbit(
+            map=stroboscopic_map(model),
+            points=(x + np.array([model.sigma, 0.0]))[None],
+            word=word((0,)),
+            period=1,
+            multipliers=multipliers(trace, det),
+            admissible=low > 0.0,
+            condition=condition_of(E),
+            residual=float(np.abs(end - x).max()),
+            times=none,
+            incoming=none,
+            outgoing=none,
+            clearance=low,
+        )
+
+
+@lru_cache(maxsize=64)
+def turner(harmonics: int) -> Callable[..., None]:
+    """Compile ``turn(row, x, out)``: one period from (y, v); see :meth:`FreeEquations.turned`."""
+    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
+
+    def turn(row: Any, x: Any, out: Any) -> None:
+        c = constants(unpack(row))
+        anchor = anchored(0.0, x[0], x[1], c)
+        out[0], out[1] = flight(c.T, anchor, c)
+        out[2], out[3], out[4], out[5] = modes(c.T, c)
+        begin, fastest, height = 0.0, -float("inf"), x[0]
+        for i in range(INSTANTS):
+            y, v = flight(i * c.T / INSTANTS, anchor, c)
+            if v > fastest:
+                begin, fastest, height = i * c.T / INSTANTS, v, y
+        low, _dip, _dips, when = lowest_dip(begin, height, fastest, c.T, c)
+        out[6] = low
+        out[7] = begin + when - (c.T if begin + when >= c.T else 0.0)
+
+    return compiled(turn)

@@ -1,0 +1,228 @@
+"""The equations of an orbit with n >= 1 impacts in N periods of the forcing, in times and velocities of its impacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import ceil, floor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import call
+from grazing.maps.period import product, saltation
+from grazing.maps.pointed import flight_fields, law_addresses
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, PROFILE, SLOPE, closer
+from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.equations import Equations, Test
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.one_impact import multipliers
+from grazing.orbits.orbit import condition_of
+from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD, constants_of
+from grazing.oscillator.flight import anchored, flight, modes
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
+from grazing.parameter import parameter_tuple, unknown
+
+Floats = NDArray[np.float64]
+
+#: Shortest flight, in periods: beyond, two impacts have become one.
+SHORTEST = 1e-9
+
+
+class Profile(NamedTuple):
+    """What a solution's flights do: ``table`` (n, PROFILE), and s tr J, s det J, s of its turn (see closing)."""
+
+    table: Floats
+    trace: float
+    det: float
+    scale: float
+
+
+class ImpactEquations(Equations):
+    """Closing equations of n impacts in N periods; unknowns are the times, then the velocities after the impacts.
+
+    Parameters
+    ----------
+    model : Oscillator
+        Gives the values of all parameters that do not vary.
+    names : tuple of str
+        Parameters that vary.
+    N : int
+        Periods of the forcing.
+    pieces : sequence of int
+        For each impact which piece of the reset law acts: WHOLE, or for a trigger FIRED or PASSIVE.
+    spans : array_like
+        Size of each parameter that varies.
+    """
+
+    def __init__(
+        self, model: Oscillator, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None
+    ) -> None:
+        params = model.params
+        for name in names:
+            if name not in params:
+                raise unknown(name, params, "the model")
+        self.model, self.names, self.N, self.pieces = model, names, N, tuple(pieces)
+        self.n = len(self.pieces)
+        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
+        self._index = [list(params).index(name) for name in names]
+        self._base = np.array(list(params.values()))
+        self._row = np.zeros(len(flight_fields(model.harmonics)))
+        self._head = len(HEAD) + 2 * model.harmonics + 1  # alpha .. sigma, then phase = 0 and the law's fields
+        c = self.constants(self._base[self._index])
+        self.scale = np.repeat([c.T, c.size * c.rate], self.n)
+        self._gaps, self._close, self._profile = closer(model.harmonics)
+
+    def values(self, p: Floats) -> Floats:
+        """Return all parameters of the model, in their order."""
+        values = self._base.copy()
+        values[self._index] = p
+        return values
+
+    def model_at(self, p: Floats) -> Oscillator:
+        """Return the model with these values of the parameters that vary."""
+        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+
+    def constants(self, p: Floats) -> Any:
+        """Return the constants of flights, in plain Python."""
+        kind = parameter_tuple(flight_fields(self.model.harmonics))
+        return constants_of(self.model.harmonics)(kind(*self._prepared(self.values(p)).tolist()))
+
+    def _prepared(self, values: Floats) -> Floats:
+        self._row[: self._head] = values[: self._head]
+        return self._row
+
+    def _laws(self, values: Floats) -> Floats:
+        """Return for each impact the addresses of its law, of its slope and of their numbers, which must live."""
+        at, slope = addresses(self.model, self.pieces)
+        return np.column_stack([at, slope, np.full(self.n, float(values.ctypes.data))])
+
+    def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""
+        values, F, J = self.values(p), np.full(2 * self.n, np.nan), np.full((2 * self.n, 2 * self.n), np.nan)
+        call(self._gaps, self._prepared(values), x, self.N, self._laws(values), F, J, who="the closing equations")
+        return F, J
+
+    def solve(self, guesses: Floats, p: Floats) -> Floats:
+        """Solve by Newton's method from each row of guesses (k, 2n), which they become; residuals, NaN for none."""
+        values, residuals = self.values(p), np.full(len(guesses), np.nan)
+        arguments = self._prepared(values), guesses, self.N, self._laws(values), residuals
+        call(self._close, *arguments, who="the closing equations")
+        return residuals
+
+    def profile(self, x: Floats, p: Floats, contacts: bool = False) -> Profile:
+        """Return what a solution's flights do; with ``contacts`` each is flown by the exact advance as well."""
+        values, table, out = self.values(p), np.empty((self.n, PROFILE)), np.empty(3)
+        arguments = self._prepared(values), x, self.N, self._laws(values), contacts, table, out
+        call(self._profile, *arguments, who="the closing equations")
+        return Profile(table, *out.tolist())
+
+    def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips."""
+        table, trace, det, scale = self.profile(x, p)
+        sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
+        found = [
+            Test("pd", sign * (scale + trace + det)),
+            Test("lp", sign * (scale - trace + det)),
+            Test("ns", sign * (scale - det)),
+        ]
+        trigger = self.values(p)[-1] if self.model.reset.law is triggered_law else 0.0
+        for i in range(self.n):
+            k = (i + 1) % self.n
+            speed = -table[i, ENDING]
+            found.append(Test("v0", speed, k))
+            if self.pieces[k] != WHOLE:
+                found.append(Test("law", speed - trigger if self.pieces[k] == FIRED else trigger - speed, k))
+            low = float(table[i, LOW])
+            found.append(Test("gr", low if np.isfinite(low) else 1.0, i))
+            if x[self.n + i] == 0.0:
+                found.append(Test("st", table[i, FORCE], i))
+        return tuple(found)
+
+    def broken(self, x: Floats, p: Floats) -> str:
+        """Say whether two impacts have become one, or the law gives no velocity."""
+        T = 2.0 * np.pi / self.values(p)[2]
+        times = np.append(x[: self.n], x[0] + self.N * T)
+        if not (np.diff(times) > SHORTEST * T).all():
+            return "two impacts have become one: the flight between them takes no time"
+        if not np.isfinite(x).all():
+            return "the reset law gives no velocity"
+        return ""
+
+    def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
+        """Return the orbit of a solution: admissible if the exact advance from each impact ends at the next one."""
+        n, N, c, model = self.n, self.N, self.constants(p), self.model_at(p)
+        profile = self.profile(x, p, contacts=True)
+        table = profile.table
+        times, outgoing, incoming = x[:n] - c.T * floor(x[0] / c.T), x[n:], np.roll(table[:, ENDING], 1)
+        late = np.abs(table[:, CONTACT] - np.diff(np.append(times, times[0] + N * c.T)))
+        with np.errstate(divide="ignore"):
+            arrives = (table[:, ENDING] < 0.0) & (late <= 1e-9 * c.T + 1e-14 * c.size / np.abs(table[:, ENDING]))
+        tests = [test.value for test in self.tests(x, p) if test.type in ("law", "st")]
+        points, letters = strobed(times, outgoing, N, c)
+        J = monodromy(times, incoming, outgoing, np.roll(table[:, SLOPE], 1), N, c)
+        scale = profile.scale if profile.scale != 0.0 else np.nan
+        return ImpactOrbit(
+            map=stroboscopic_map(model),
+            points=points,
+            word=word(letters),
+            period=N,
+            multipliers=multipliers(profile.trace / scale, profile.det / scale),
+            admissible=bool(arrives.all() and (outgoing >= 0.0).all() and all(value >= 0.0 for value in tests)),
+            condition=condition_of(J),
+            residual=float(np.abs(self.defects(x, p)[0]).max()),
+            times=times,
+            incoming=incoming,
+            outgoing=outgoing,
+            clearance=float(table[:, LOW].min()),
+        )
+
+
+@lru_cache(maxsize=64)
+def _addresses(law: Any, slope: Any, name: str, kind: type) -> tuple[float, float]:
+    """Return the addresses of a law and its slope in strict arithmetic."""
+    at, slope_at, _strike = law_addresses(law, slope, name, kind, "strict")
+    return at, slope_at
+
+
+def addresses(model: Oscillator, pieces: Sequence[int]) -> tuple[list[float], list[float]]:
+    """Return for each impact the address of the piece of the law that acts there, and of its slope.
+
+    A piece of a trigger goes on smoothly beyond the trigger's speed, so that Newton's method and virtual orbits can.
+    """
+    kind, law = parameter_tuple(tuple(model.params)), model.reset
+    known = {
+        WHOLE: (law.law, law.slope, law.name),
+        FIRED: (active_law, newton_slope, "active"),
+        PASSIVE: (newton_law, newton_slope, "newton"),
+    }
+    pairs = [_addresses(*known[piece], kind) for piece in pieces]
+    return [at for at, _slope in pairs], [slope for _at, slope in pairs]
+
+
+def strobed(times: Floats, outgoing: Floats, N: int, c: Any) -> tuple[Floats, list[int]]:
+    """Return the states (u, v) at 0, T, ..., (N - 1) T, and the impacts in each period (jT, (j + 1) T]."""
+    points, letters = np.empty((N, 2)), [0] * N
+    for t in times:
+        letters[(ceil(t / c.T) - 1) % N] += 1
+    for j in range(N):
+        s = np.mod(j * c.T - times, N * c.T)  # time since each impact; an impact at the strobe has just happened
+        i = int(np.argmin(s))
+        points[j] = flight(float(s[i]), anchored(times[i], 0.0, outgoing[i], c), c)
+    return points + np.array([c.sigma, 0.0]), letters
+
+
+def monodromy(times: Floats, incoming: Floats, outgoing: Floats, slopes: Floats, N: int, c: Any) -> Floats:
+    """Return the derivative (2, 2) of N periods at the orbit's state at time 0; NaN where an impact has v = 0."""
+    J, now = (1.0, 0.0, 0.0, 1.0), 0.0
+    when = np.where(times > 0.0, times, times + N * c.T)
+    when = when - N * c.T * np.floor((when - 1e-300) / (N * c.T))
+    for i in np.argsort(when):
+        jump = saltation(times[i], float(incoming[i]), float(outgoing[i]), float(slopes[i]), c)
+        J = product(jump, product(modes(when[i] - now, c), J))
+        now = when[i]
+    return np.array(product(modes(N * c.T - now, c), J)).reshape(2, 2)

@@ -1,0 +1,345 @@
+"""A path: solutions of equations followed in one parameter by pseudo-arclength, with what happens on the way located.
+
+The unknowns x and the parameter p, each divided by its scale, are the coordinates of a point z. From a point and the
+tangent there the next point is predicted and corrected in the plane across the tangent (Keller), so that a fold, where
+p turns round, is a point like any other. A test function that changes its sign between two points is solved for with
+the same corrector, on planes in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from grazing.orbits.equations import Equations, Test
+
+Floats = NDArray[np.float64]
+
+#: Newton steps of the corrector, and the last one's length that counts as arrived.
+STEPS, SMALL = 10, 1e-13
+#: Cosine of the largest angle between neighbouring tangents.
+STRAIGHT = 0.97
+#: Shortest step, and the first one, in units of the scaled coordinates.
+SHORTEST, FIRST = 1e-9, 1e-3
+
+
+class Point(NamedTuple):
+    """A solution z = (x, p) in scaled coordinates, the unit tangent there, and the test functions."""
+
+    z: Floats
+    tangent: Floats
+    tests: tuple[Test, ...]
+
+
+class Event(NamedTuple):
+    """Where a test function is zero: its type, the point, which impact or flight it is about, and how it was found.
+
+    ``low`` and ``high`` bracket the parameter; ``converged`` says that the test function is zero there to rounding,
+    and has not jumped.
+    """
+
+    type: str
+    point: Point
+    where: int
+    low: float
+    high: float
+    converged: bool
+
+
+@dataclass(eq=False)
+class Path:
+    """Points in order, what happens between them (index of the point before, event), and why the path ends."""
+
+    equations: Equations
+    points: list[Point] = field(default_factory=list)
+    events: list[tuple[int, Event]] = field(default_factory=list)
+    ended: str = ""
+    began: str = ""
+
+    def unscaled(self, z: Floats) -> tuple[Floats, Floats]:
+        """Return x and p of a point in scaled coordinates."""
+        return unscaled(self.equations, z)
+
+    def value(self, point: Point) -> float:
+        """Return the parameter at a point."""
+        return float(point.z[-1] * self.equations.spans[-1])
+
+
+def unscaled(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
+    """Return x and p of a point in scaled coordinates."""
+    n = len(equations.scale)
+    return z[:n] * equations.scale, z[n:] * equations.spans
+
+
+def joined(backward: Path, forward: Path) -> Path:
+    """Return one path of two that leave the same point in opposite directions."""
+    back = [point._replace(tangent=-point.tangent) for point in backward.points[:0:-1]]
+    last = len(backward.points) - 1
+    events = [(last - 1 - i, event) for i, event in reversed(backward.events)]
+    events += [(last + i, event) for i, event in forward.events]
+    return Path(forward.equations, back + forward.points, events, forward.ended, backward.ended)
+
+
+def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
+    """Solve the equations at fixed parameters by Newton's method; None where it does not converge."""
+    x, before = np.array(x, np.float64), np.inf
+    for _ in range(30):
+        F, J = equations.defects(x, p)
+        if not (np.isfinite(F).all() and np.isfinite(J).all()):
+            return None
+        try:
+            move = np.linalg.solve(J, F)
+        except np.linalg.LinAlgError:
+            return None
+        size = float(np.abs(move / equations.scale).max()) if len(move) else 0.0
+        x = x - move
+        if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
+            return x
+        if not size < 1e3:
+            return None
+        before = size
+    return None
+
+
+def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
+    """Return the defects and their derivative (n, n + 1) in scaled coordinates."""
+    x, p = unscaled(equations, z)
+    F, J = equations.defects(x, p)
+    wide = np.column_stack([J * equations.scale, equations.slopes(x, p) * equations.spans])
+    return F, wide
+
+
+def tangent_of(wide: Floats, along: Floats) -> Floats:
+    """Return the unit null vector of a derivative (n, n + 1) that points along a given vector."""
+    bordered = np.vstack([wide, along])
+    right = np.zeros(len(along))
+    right[-1] = 1.0
+    try:
+        t = np.linalg.solve(bordered, right)
+    except np.linalg.LinAlgError:
+        t = np.linalg.svd(wide)[2][-1]
+    size = np.linalg.norm(t)
+    if not 0.0 < size < np.inf:
+        t, size = np.linalg.svd(wide)[2][-1], np.float64(1.0)
+    t = t / size
+    return np.asarray(t if t @ along >= 0.0 else -t)
+
+
+def corrected(equations: Equations, z: Floats, across: Floats) -> tuple[Floats, Floats, int] | None:
+    """Solve the equations in the plane through z across a vector: the point, the derivative there, steps; or None."""
+    plane, before = z.copy(), np.inf
+    z = z.copy()
+    for step in range(1, STEPS + 1):
+        F, wide = linearised(equations, z)
+        if not (np.isfinite(F).all() and np.isfinite(wide).all()):
+            return None
+        rows = np.vstack([wide / rowwise(wide), across])
+        right = np.append(F / rowwise(wide)[:, 0], across @ (z - plane))
+        try:
+            move = np.linalg.solve(rows, right)
+        except np.linalg.LinAlgError:
+            return None
+        size = float(np.abs(move).max())
+        if not size < 1e3:
+            return None
+        z = z - move
+        if size <= SMALL or (size <= 1e-9 and size >= 0.25 * before):
+            return z, wide, step
+        if size > 2.0 * before and step > 2:
+            return None
+        before = size
+    return None
+
+
+def rowwise(wide: Floats) -> Floats:
+    """Return the size of each row, shape (n, 1), so that equations of different units weigh alike."""
+    size = np.abs(wide).max(axis=1, keepdims=True)
+    return np.where(size > 0.0, size, 1.0)
+
+
+def point_at(equations: Equations, z: Floats, along: Floats) -> Point | None:
+    """Return the point of the path in the plane through z across ``along``."""
+    found = corrected(equations, z, along)
+    if found is None:
+        return None
+    z, wide, _steps = found
+    return Point(z, tangent_of(wide, along), equations.tests(*unscaled(equations, z)))
+
+
+def follow(
+    equations: Equations,
+    first: Point,
+    bounds: tuple[float, float],
+    *,
+    step: float = 0.05,
+    limit: int = 2000,
+    stop: Callable[[Event], bool] | None = None,
+) -> Path:
+    """Follow a path from a point in the direction of its tangent until the parameter leaves its bounds.
+
+    Parameters
+    ----------
+    equations : Equations
+        With one parameter, or with several of which the last is the one that bounds are about.
+    first : Point
+    bounds : (low, high)
+        Of the parameter; the last point lies on one of them.
+    step : float
+        Longest step in scaled coordinates.
+    limit : int
+        Most points.
+    stop : callable, optional
+        ``stop(event) -> bool`` ends the path at an event.
+
+    Returns
+    -------
+    Path
+        ``ended`` says why: *bounds*, *closed* (back at the first point), *limit*, *stopped*, *lost* (the corrector
+        fails at the shortest step), or what :meth:`Equations.broken` says.
+    """
+    path = Path(equations, [first])
+    span = float(equations.spans[-1])
+    low, high = bounds[0] / span, bounds[1] / span
+    h, here = min(FIRST, step), first
+    while len(path.points) < limit:
+        there, steps = advanced(equations, here, h)
+        if there is None or float(there.tangent @ here.tangent) < STRAIGHT:
+            if h <= SHORTEST:
+                if there is None:
+                    path.ended = "lost"
+                    return path
+            else:
+                h = max(0.4 * h, SHORTEST)
+                continue
+        leaves = not low <= there.z[-1] <= high
+        if leaves:
+            edge = at_value(equations, here, there, min(max(float(there.z[-1]), low), high))
+            if edge is None:
+                path.ended = "lost"
+                return path
+            there = edge
+        broken = equations.broken(*unscaled(equations, there.z))
+        for event in between(equations, here, there):
+            path.events.append((len(path.points) - 1, event))
+            if stop is not None and stop(event):
+                path.ended = "stopped"
+                return path
+        path.points.append(there)
+        if broken or leaves:
+            path.ended = broken or "bounds"
+            return path
+        if len(path.points) > 3 and np.linalg.norm(there.z - first.z) < 0.6 * h and there.tangent @ first.tangent > 0.9:
+            path.ended = "closed"
+            return path
+        here = there
+        h = min(step, h * (1.6 if steps <= 3 else (1.2 if steps <= 4 else 0.8)))
+    path.ended = "limit"
+    return path
+
+
+def advanced(equations: Equations, here: Point, h: float) -> tuple[Point | None, int]:
+    """Return the point one step further, and the Newton steps that took."""
+    found = corrected(equations, here.z + h * here.tangent, here.tangent)
+    if found is None:
+        return None, STEPS
+    z, wide, steps = found
+    if np.linalg.norm(z - here.z) > 2.0 * h:
+        return None, STEPS
+    return Point(z, tangent_of(wide, here.tangent), equations.tests(*unscaled(equations, z))), steps
+
+
+def at_value(equations: Equations, a: Point, b: Point, value: float) -> Point | None:
+    """Return the point between two at which the scaled parameter has a value, by Newton's method at that value."""
+    share = (value - a.z[-1]) / (b.z[-1] - a.z[-1])
+    z = a.z + share * (b.z - a.z)
+    z[-1] = value
+    across = np.zeros(len(z))
+    across[-1] = 1.0
+    found = corrected(equations, z, across)
+    if found is None:
+        return None
+    z, wide, _steps = found
+    z[-1] = value
+    return Point(z, tangent_of(wide, a.tangent), equations.tests(*unscaled(equations, z)))
+
+
+def between(equations: Equations, a: Point, b: Point) -> list[Event]:
+    """Return what happens between two neighbouring points, in order along the path."""
+    chord = b.z - a.z
+    length = float(np.linalg.norm(chord))
+    along = chord / length
+    found: list[tuple[float, Event]] = []
+    folds = a.tangent[-1] * b.tangent[-1] < 0.0
+    if folds:
+        found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
+    for i, (before, after) in enumerate(zip(a.tests, b.tests, strict=False)):
+        if (before.value > 0.0) == (after.value > 0.0) or before[::2] != after[::2]:
+            continue
+        type = before.type
+        if type == "lp":  # its test function is zero at a fold, and where two branches cross
+            if folds:
+                continue
+            type = "bp"
+        found.append(located(equations, a, along, length, type, before.where, partial(height_of, i)))
+    found.sort(key=lambda one: one[0])
+    return [event for _share, event in found]
+
+
+def height_of(i: int, point: Point) -> float:
+    """Return one test function at a point."""
+    return point.tests[i].value
+
+
+def located(
+    equations: Equations,
+    a: Point,
+    along: Floats,
+    length: float,
+    type: str,
+    where: int,
+    height: Callable[[Point], float],
+) -> tuple[float, Event]:
+    """Return how far along the chord from a, and the event there: the zero of a function of points."""
+    seen: dict[float, tuple[Point, float]] = {0.0: (a, height(a))}
+
+    def at(s: float) -> float:
+        near = min(seen, key=lambda other: abs(other - s))
+        if near != s:
+            base = seen[near][0]
+            ahead = (s - near) / max(float(base.tangent @ along), 0.1)
+            point = point_at(equations, plane_point(a, along, s, base.z + ahead * base.tangent), along)
+            if point is None:
+                raise ArithmeticError
+            seen[s] = point, height(point)
+        return seen[s][1]
+
+    good = False
+    try:
+        if at(0.0) * at(length) < 0.0:
+            brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
+            good = True
+    except (ArithmeticError, RuntimeError):
+        pass
+    s = min(seen, key=lambda other: abs(seen[other][1]))
+    point, rest = seen[s]
+    positive = seen[0.0][1] > 0.0
+    sides = [
+        max((t for t in seen if t <= s and (seen[t][1] > 0.0) == positive), default=0.0),
+        min((t for t in seen if t >= s and (seen[t][1] > 0.0) != positive), default=length if length in seen else s),
+    ]
+    low, high = sorted(float(seen[t][0].z[-1]) * float(equations.spans[-1]) for t in sides)
+    value = float(point.z[-1]) * float(equations.spans[-1])
+    # a test function that jumps over 0, as where two dips merge, is not small on either side
+    good = good and abs(rest) <= 1e-6 * max(abs(other) for _point, other in seen.values())
+    return s, Event(type, point, where, min(low, value), max(high, value), good)
+
+
+def plane_point(a: Point, along: Floats, s: float, guess: Floats) -> Floats:
+    """Return the guess moved into the plane across ``along`` at a distance s from a."""
+    return np.asarray(guess + along * (s - float((guess - a.z) @ along)))

@@ -1,0 +1,114 @@
+"""From an orbit to the equations that it solves: flown once, if need be, to see its impacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.gap import gap_step
+from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.equations import Equations
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.gap_equations import GapEquations
+from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.map_equations import MapEquations
+from grazing.orbits.orbit import Orbit
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import triggered_law
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError
+
+Floats = NDArray[np.float64]
+
+
+def pieces_of(model: Oscillator, incoming: Floats) -> tuple[int, ...]:
+    """Return which piece of the reset law acts at each impact."""
+    if model.reset.law is not triggered_law:
+        return (WHOLE,) * len(incoming)
+    return tuple(FIRED if -v >= model.params["trigger"] else PASSIVE for v in incoming)
+
+
+def impact_equations(
+    model: Oscillator, names: tuple[str, ...], N: int, incoming: Floats, spans: Any = None
+) -> ImpactEquations | FreeEquations:
+    """Return the equations of an orbit with these impacts in N periods, none of them for the one without impacts."""
+    if len(incoming) == 0:
+        return FreeEquations(model, names, spans)
+    return ImpactEquations(model, names, N, pieces_of(model, incoming), spans)
+
+
+def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tuple[Equations, Floats]:
+    """Return the equations that an orbit solves in these parameters, and its unknowns.
+
+    Raises
+    ------
+    InputError
+        For parameters that the map does not have, and for an orbit that rests on the wall.
+    """
+    P = orbit.map
+    if isinstance(orbit, ImpactOrbit):
+        equations = impact_equations(orbit.model, names, orbit.period, orbit.incoming, spans)
+        if isinstance(equations, FreeEquations):
+            return equations, orbit.points[0] - np.array([orbit.model.sigma, 0.0])
+        return equations, np.concatenate([orbit.times, orbit.outgoing])
+    if P.model is not None and P.section is not None:
+        return equations_of(flown(orbit), names, spans)
+    letters = tuple(P.orbit(point, 1).letters[0] for point in orbit.points)
+    if P.step is gap_step:
+        if len(letters) != orbit.period:
+            raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
+        gap = GapEquations(P, names, virtual_letters(orbit), spans)
+        return gap, gap.unknowns(orbit.points[:, 0])
+    return MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
+
+
+def virtual_letters(orbit: Orbit) -> tuple[int, ...]:
+    """Return the letters of an orbit of the gap map from its images, so that those of a virtual one are right too."""
+    lam, mu, l = (orbit.map.params[name] for name in ("lam", "mu", "l"))
+    x = orbit.points[:, 0]
+    after = np.roll(x, -1)
+    left = np.abs(lam * x + mu - after)
+    right = np.where(x >= 0.0, np.abs((mu - l - after) ** 2 - x), np.inf)
+    return tuple(int(b < a) for a, b in zip(left, right, strict=True))
+
+
+def flown(orbit: Orbit) -> ImpactOrbit:
+    """Return an orbit of a section of the oscillator with its impacts, closed by Newton's method.
+
+    Raises
+    ------
+    InputError
+        For an orbit that comes to rest on the wall, or does not close.
+    """
+    P, model = orbit.map, orbit.map.model
+    assert model is not None
+    if P.section == "impact":
+        start, state = float(orbit.points[0, 0]), (model.sigma, float(orbit.points[0, 1]))
+        letters = P.orbit(orbit.points[0], orbit.period).letters
+        N = round((float(orbit.points[0, 0]) - start) / model.period) + int(letters.sum())
+    else:
+        start, state, N = (
+            P.params.get("phase", 0.0),
+            (float(orbit.points[0, 0]), float(orbit.points[0, 1])),
+            orbit.period,
+        )
+    path = trajectory(model, state, start=start, until=start + N * model.period, samples=1)
+    if path.attrs["chatter"]:
+        raise InputError(f"{orbit!r} comes to rest on the wall; its equations are those of the release")
+    times, incoming, outgoing = path.impact_time.values, path.v_minus.values, path.v_plus.values
+    shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
+    equations = impact_equations(model, (), N if len(times) else 1, incoming)
+    nothing = np.empty(0)
+    if isinstance(equations, FreeEquations):
+        x = equations.start(nothing)
+    else:
+        guess = np.concatenate([times - shift, outgoing])[None]
+        if not equations.solve(guess, nothing)[0] < 1e-9:
+            raise InputError(f"{orbit!r} does not close when it is flown; its points are not those of a periodic orbit")
+        x = guess[0]
+    found = equations.orbit(x, nothing)
+    assert isinstance(found, ImpactOrbit)
+    return found

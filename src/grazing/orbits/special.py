@@ -1,0 +1,75 @@
+"""Special points of a branch: what happens there, where, and how surely."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from grazing.orbits.orbit import Orbit
+
+#: What happens at a special point, in words.
+SPECIAL = {
+    "lp": "fold: two orbits meet, a multiplier is +1",
+    "pd": "period doubling: a multiplier is -1",
+    "ns": "Neimark-Sacker: complex multipliers lie on the unit circle",
+    "bp": "branch point: another branch crosses this one",
+    "gr": "graze: the orbit touches the wall",
+    "bcb": "border collision: a point reaches the border between two letters",
+    "v0": "the speed of an impact is 0, the bumper kicks: the orbit jumps",
+    "law": "the speed of an impact reaches the trigger",
+    "st": "sticking: a ball left at rest is no longer lifted off at once",
+    "ch": "onset of chatter: the impacts accumulate just when the forcing releases the ball",
+}
+
+
+class Special(NamedTuple):
+    """A special point of a branch.
+
+    Parameters
+    ----------
+    type : str
+        One of lp pd ns bp gr bcb v0 law st ch; :data:`SPECIAL` has them in words.
+    value : float
+        Of the parameter.
+    low, high : float
+        Bracket of the value: the test function has different signs there.
+    converged : bool
+        Whether the test function is zero there to rounding; False where it jumps, or the search failed.
+    orbit : Orbit
+        The orbit at this value.
+    where : int
+        Which impact (v0, law, st), flight (gr) or point (bcb) it is about; -1 for the whole orbit.
+    piece : int
+        The piece of the branch that it lies on.
+    to : int
+        The piece that begins there, -1 for none.
+    direction : ndarray
+        Unit tangent of the branch, in scaled unknowns and the parameter.
+    """
+
+    type: str
+    value: float
+    low: float
+    high: float
+    converged: bool
+    orbit: Orbit
+    where: int
+    piece: int
+    to: int = -1
+    direction: Any = None
+
+    @property
+    def meaning(self) -> str:
+        """What happens, in words."""
+        return SPECIAL[self.type]
+
+    def __repr__(self) -> str:
+        return f"<{self.type} at {self.value:.12g}: {self.orbit.word}, period {self.orbit.period}>"
+
+
+class Relabelling(NamedTuple):
+    """An impact crosses the strobe: the word changes and the orbit does not."""
+
+    value: float
+    before: str
+    after: str
+    piece: int

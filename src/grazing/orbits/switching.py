@@ -1,0 +1,215 @@
+"""Where other branches begin: at a period doubling, a branch point, and at a graze that changes the word."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.closing import DIPS, WHEN
+from grazing.orbits.closure import PASSIVE, WHOLE
+from grazing.orbits.equations import Equations, Test
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.gap_equations import GapEquations
+from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.map_equations import MapEquations
+from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of
+from grazing.orbits.signature import equations_of
+from grazing.orbits.special import Special
+from grazing.oscillator.model import Oscillator
+from grazing.outcome import InputError
+from grazing.parameter import parameters
+
+Floats = NDArray[np.float64]
+
+#: How far along its direction another branch is looked for, in scaled unknowns, one after the other.
+AWAY = (1e-2, 3e-3, 1e-3, 1e-4)
+#: Test functions that say whether an orbit is one of the flow.
+OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
+#: A test function that begins at its zero is put on the side that the path goes to.
+BARELY = 1e-300
+
+
+class Seed(NamedTuple):
+    """Where a piece of a branch begins: on both sides of a point or on one, and from which special point."""
+
+    equations: Equations
+    point: Point
+    both: bool = False
+    origin: int = -1
+
+
+def seeded(equations: Equations, x: Floats, p: Floats, along: Floats | None = None) -> Point:
+    """Return the point of a path at a known solution; its tangent points along a direction, else to larger p."""
+    z = np.concatenate([x / equations.scale, p / equations.spans])
+    if along is None:
+        along = np.zeros(len(z))
+        along[-1] = 1.0
+    _F, wide = linearised(equations, z)
+    return Point(z, tangent_of(wide, along), equations.tests(x, p))
+
+
+def doubled(equations: Equations, x: Floats, names: tuple[str, ...]) -> tuple[Equations, Floats]:
+    """Return the equations of two turns, and the solution that goes round twice."""
+    spans = equations.spans
+    if isinstance(equations, ImpactEquations):
+        n, N = equations.n, equations.N
+        twice = ImpactEquations(equations.model, names, 2 * N, equations.pieces * 2, spans)
+        return twice, np.concatenate([x[:n], x[:n] + N * equations.model.period, x[n:], x[n:]])
+    if isinstance(equations, GapEquations):
+        return GapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
+    if isinstance(equations, MapEquations):
+        return MapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
+    raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
+
+
+def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[Seed]:
+    """Return where the other branch leaves a period doubling or a branch point.
+
+    There the derivative has a second null vector. At a period doubling the equations of two turns have it, of opposite
+    sign in the two turns and with no change of the parameter; at a branch point it is taken across the branch. The
+    other branch is looked for a little way along it.
+    """
+    low, high = bounds
+    if special.type not in ("pd", "bp"):
+        raise InputError(
+            f"{special!r} is a {special.meaning.split(':')[0]}; another branch begins at pd and bp only, and "
+            "gz.continuation passes grazes by itself"
+        )
+    if not low <= special.value <= high:
+        raise InputError(f"{special!r} lies outside of [{low:g}, {high:g}]; widen the range of {name}")
+    spans = np.array([high - low])
+    equations, x = equations_of(special.orbit, (name,), spans)
+    if special.type == "pd":
+        equations, x = doubled(equations, x, (name,))
+    z = np.concatenate([x / equations.scale, np.array([special.value]) / spans])
+    _F, wide = linearised(equations, z)
+    one, other = np.linalg.svd(wide)[2][-2:]
+    if special.type == "pd":
+        across = other[-1] * one - one[-1] * other
+    else:
+        ahead = tangent_of(wide, special.direction if special.direction is not None else one)
+        across = (
+            other - (other @ ahead) * ahead if abs(other @ ahead) < abs(one @ ahead) else one - (one @ ahead) * ahead
+        )
+    across = across / np.linalg.norm(across)
+    seeds = []
+    for direction in (across,) if special.type == "pd" else (across, -across):
+        for away in AWAY:
+            found = corrected(equations, z + away * direction, direction)
+            if found is not None and np.linalg.norm(found[0] - z) < 3.0 * away:
+                n = len(equations.scale)
+                there, p = found[0][:n] * equations.scale, found[0][n:] * equations.spans
+                seeds.append(Seed(equations, seeded(equations, there, p, direction)))
+                break
+    if not seeds:
+        raise InputError(f"no other branch was found within {AWAY[-1]:g} to {AWAY[0]:g} of {special!r}")
+    return seeds
+
+
+def kick_of(model: Oscillator) -> float:
+    """Return the velocity that the law gives a ball that touches the wall with no speed."""
+    return float(model.reset.law(0.0, parameters(model.reset.params)))
+
+
+def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
+    """Return the branches that begin at a graze or a border collision where the map is continuous.
+
+    Nothing begins where the bumper kicks a ball that only touches it, or the gap map has a gap; nor at a graze of an
+    orbit that is virtual for another reason.
+    """
+    for test in event.point.tests:
+        if test.type in OF_THE_FLOW and test.value < 0.0 and (test.type, test.where) != (event.type, event.where):
+            return []
+    if isinstance(equations, GapEquations):
+        return flipped(equations, event, x, p)
+    if not isinstance(equations, (ImpactEquations, FreeEquations)) or kick_of(equations.model_at(p)) != 0.0:
+        return []
+    new = grown(equations, event, x, p) if event.type == "gr" else shrunk(equations, event, x, p)
+    return [] if new is None else [new]
+
+
+def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
+    """Return the branch with one impact more, which begins with speed 0 where a flight touches the wall."""
+    model = equations.model
+    piece = PASSIVE if isinstance(equations, ImpactEquations) and WHOLE not in equations.pieces else WHOLE
+    if isinstance(equations, FreeEquations):
+        _end, _E, _low, when = equations.turned(x, p)
+        new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
+        return begins(new, np.array([when, 0.0]), p, 0)
+    n, i = equations.n, event.where
+    row = equations.profile(x, p).table[i]
+    if row[DIPS] == 0:
+        return None
+    times = np.insert(x[:n], i + 1, x[i] + row[WHEN])
+    after = np.insert(x[n:], i + 1, 0.0)
+    pieces = (*equations.pieces[: i + 1], piece, *equations.pieces[i + 1 :])
+    new = ImpactEquations(model, equations.names, equations.N, pieces, equations.spans)
+    return begins(new, np.concatenate([times, after]), p, i + 1)
+
+
+def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
+    """Return the branch with one impact less, which begins where that impact has lost its speed."""
+    assert isinstance(equations, ImpactEquations)
+    n, k = equations.n, event.where
+    if n == 1:
+        free = FreeEquations(equations.model, equations.names, equations.spans)
+        start = free.start(p)
+        return begins(free, start, p, 0) if np.isfinite(start).all() else None
+    times, after = np.delete(x[:n], k), np.delete(x[n:], k)
+    pieces = (*equations.pieces[:k], *equations.pieces[k + 1 :])
+    new = ImpactEquations(equations.model, equations.names, equations.N, pieces, equations.spans)
+    return begins(new, np.concatenate([times, after]), p, (k - 1) % (n - 1))
+
+
+def flipped(equations: GapEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
+    """Return the branch of the gap map whose point at the border has the other letter; at l = 0 only."""
+    if equations.values(p)[2] != 0.0:
+        return []
+    j = event.where
+    letters = tuple(1 - letter if i == j else letter for i, letter in enumerate(equations.letters))
+    new = GapEquations(equations.P, equations.names, letters, equations.spans)
+    seed = begins(new, new.unknowns(equations.points(x)), p, j)
+    return [] if seed is None else [seed]
+
+
+def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | None:
+    """Return the seed at a solution where one test function is zero, going to where it is positive."""
+    solved = closed(equations, x, p)
+    if solved is not None and np.abs((solved - x) / equations.scale).max() < 1e-5:
+        x = solved
+    point = seeded(equations, x, p)
+    kind = "bcb" if isinstance(equations, GapEquations) else None
+    place = [
+        i for i, test in enumerate(point.tests)
+        if test.where == where and (test.type == kind if kind else test.type in ("v0", "gr"))
+    ]  # fmt: skip
+    if not place:
+        return None
+    i = min(place, key=lambda one: abs(point.tests[one].value))
+    n, h = len(equations.scale), 1e-6
+    sides = []
+    for sign in (1.0, -1.0):
+        z = point.z + sign * h * point.tangent
+        sides.append(equations.tests(z[:n] * equations.scale, z[n:] * equations.spans)[i].value)
+    tangent = point.tangent if sides[0] > sides[1] else -point.tangent
+    tests: list[Test] = list(point.tests)
+    tests[i] = tests[i]._replace(value=BARELY)
+    return Seed(equations, Point(point.z, tangent, tuple(tests)))
+
+
+def same_solution(one: Equations, x: Floats, other: Equations, y: Floats) -> bool:
+    """Whether two solutions are the same orbit, begun at another impact or point perhaps."""
+    if len(x) != len(y):
+        return False
+    if isinstance(one, ImpactEquations) and isinstance(other, ImpactEquations):
+        n, turn = one.n, one.N * one.model.period
+        for k in range(n):
+            times = np.concatenate([y[k:n], y[:k] + turn])
+            gap = np.mod(times - x[:n] + 0.5 * one.model.period, one.model.period) - 0.5 * one.model.period
+            after = np.concatenate([y[n + k :], y[n : n + k]])
+            if max(np.abs(gap / one.scale[:n]).max(), np.abs((after - x[n:]) / one.scale[n:]).max()) < 1e-5:
+                return True
+        return False
+    return any(np.abs((np.roll(y, k) - x) / one.scale).max() < 1e-5 for k in range(len(x)))
