@@ -5,33 +5,41 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Event, Path, Point, closed, follow, joined, located, unscaled
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Relabelling, Special
-from grazing.orbits.switching import Seed, partners, same_solution, seeded, switched
+from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched
 from grazing.outcome import InputError
 from grazing.parameter import real, unknown, whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end."""
+    """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
+
+    ``events`` are the numbers of the orbits at special points.
+    """
 
     equations: Equations
     unknowns: Floats
     values: Floats
     orbits: tuple[Orbit, ...]
+    events: tuple[int, ...]
     ends: tuple[str, str]
 
 
@@ -71,6 +79,11 @@ class Branch:
     def __iter__(self) -> Iterator[Orbit]:
         for piece in self.pieces:
             yield from piece.orbits
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The branch as a labelled table, see :func:`grazing.orbits.branch_table.branch_table`."""
+        return branch_table(self)
 
     def at(self, value: float) -> tuple[Orbit, ...]:
         """Return every orbit of the branch at one value of the parameter, solved there.
@@ -152,8 +165,8 @@ def continuation(
     >>> m = gz.pinball(d=0.11, V=0.4)
     >>> orbit = gz.one_impact_orbits(m, 3)[0]
     >>> branch = gz.continuation(orbit.map, orbit, "d", (0.09, 0.13))
-    >>> [(point.type, round(point.value, 9)) for point in branch.special]
-    [('gr', 0.098450445), ('pd', 0.12328145)]
+    >>> [(point.type, round(point.value, 9)) for point in branch.special if point.admissible]
+    [('gr', 0.098450445), ('pd', 0.12328145), ('v0', 0.123908389)]
     """
     low, high = checked_bounds(P, name, bounds)
     if isinstance(orbit, Special):
@@ -229,7 +242,8 @@ class _Search:
         solutions = [path.unscaled(point.z) for point in path.points]
         orbits = tuple(equations.orbit(x, p) for x, p in solutions)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
-        self.pieces.append(Piece(equations, unknowns, values, orbits, (path.began, path.ended)))
+        events = tuple(index for index, _event in path.events)
+        self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
         for _index, event in path.events:
             self._note(equations, path, event, number)
         self._relabelled(path, orbits, number)
@@ -254,8 +268,8 @@ class _Search:
         if seeds and type == "v0":
             type = "gr"
         self.special.append(
-            Special(type, float(p[-1]), event.low, event.high, event.converged, orbit, event.where, number,
-                    direction=event.point.tangent)
+            Special(type, float(p[-1]), event.low, event.high, event.converged, orbit, on_the_edge(event), event.where,
+                    number, direction=event.point.tangent)
         )  # fmt: skip
         self.waiting += [seed._replace(origin=len(self.special) - 1) for seed in seeds]
 
@@ -300,4 +314,5 @@ def crossing(equations: ImpactEquations, a: Point, b: Point) -> Point | None:
         values = equations.values(q.z[len(scale) :] * equations.spans)
         return float(q.z[i] * scale[i] - edge * 2.0 * np.pi / values[2])
 
-    return located(equations, a, chord / length, length, "strobe", i, ahead)[1].point
+    found = located(equations, a, chord / length, length, "strobe", i, ahead)
+    return None if found is None else found[1].point

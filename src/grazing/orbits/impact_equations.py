@@ -137,7 +137,8 @@ class ImpactEquations(Equations):
             found.append(Test("v0", speed, k))
             if self.pieces[k] != WHOLE:
                 found.append(Test("law", speed - trigger if self.pieces[k] == FIRED else trigger - speed, k))
-            low = float(table[i, LOW])
+            # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
+            low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
             found.append(Test("gr", low if np.isfinite(low) else 1.0, i))
             if x[self.n + i] == 0.0:
                 found.append(Test("st", table[i, FORCE], i))

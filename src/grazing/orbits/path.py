@@ -54,7 +54,7 @@ class Event(NamedTuple):
 
 @dataclass(eq=False)
 class Path:
-    """Points in order, what happens between them (index of the point before, event), and why the path ends."""
+    """Points in order, those at events among them (index, event), and why the path begins and ends."""
 
     equations: Equations
     points: list[Point] = field(default_factory=list)
@@ -81,7 +81,7 @@ def joined(backward: Path, forward: Path) -> Path:
     """Return one path of two that leave the same point in opposite directions."""
     back = [point._replace(tangent=-point.tangent) for point in backward.points[:0:-1]]
     last = len(backward.points) - 1
-    events = [(last - 1 - i, event) for i, event in reversed(backward.events)]
+    events = [(last - i, event) for i, event in reversed(backward.events)]
     events += [(last + i, event) for i, event in forward.events]
     return Path(forward.equations, back + forward.points, events, forward.ended, backward.ended)
 
@@ -226,6 +226,7 @@ def follow(
             there = edge
         broken = equations.broken(*unscaled(equations, there.z))
         for event in between(equations, here, there):
+            path.points.append(event.point)
             path.events.append((len(path.points) - 1, event))
             if stop is not None and stop(event):
                 path.ended = "stopped"
@@ -274,7 +275,7 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
     chord = b.z - a.z
     length = float(np.linalg.norm(chord))
     along = chord / length
-    found: list[tuple[float, Event]] = []
+    found: list[tuple[float, Event] | None] = []
     folds = a.tangent[-1] * b.tangent[-1] < 0.0
     if folds:
         found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
@@ -287,8 +288,7 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
                 continue
             type = "bp"
         found.append(located(equations, a, along, length, type, before.where, partial(height_of, i)))
-    found.sort(key=lambda one: one[0])
-    return [event for _share, event in found]
+    return [event for _share, event in sorted((one for one in found if one is not None), key=lambda one: one[0])]
 
 
 def height_of(i: int, point: Point) -> float:
@@ -304,8 +304,12 @@ def located(
     type: str,
     where: int,
     height: Callable[[Point], float],
-) -> tuple[float, Event]:
-    """Return how far along the chord from a, and the event there: the zero of a function of points."""
+) -> tuple[float, Event] | None:
+    """Return how far along the chord from a, and the event there: the zero of a function of points.
+
+    None where the function jumps over zero, as the lowest dip does where two dips merge; a border between letters, of
+    which nothing is known but its sides, is such a jump and counts.
+    """
     seen: dict[float, tuple[Point, float]] = {0.0: (a, height(a))}
 
     def at(s: float) -> float:
@@ -335,8 +339,8 @@ def located(
     ]
     low, high = sorted(float(seen[t][0].z[-1]) * float(equations.spans[-1]) for t in sides)
     value = float(point.z[-1]) * float(equations.spans[-1])
-    # a test function that jumps over 0, as where two dips merge, is not small on either side
-    good = good and abs(rest) <= 1e-6 * max(abs(other) for _point, other in seen.values())
+    if good and type != "bcb" and abs(rest) > 1e-6 * max(abs(other) for _point, other in seen.values()):
+        return None
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 
 

@@ -36,6 +36,8 @@ class Special(NamedTuple):
         Whether the test function is zero there to rounding; False where it jumps, or the search failed.
     orbit : Orbit
         The orbit at this value.
+    admissible : bool
+        Whether it is one of the map, or on the edge of being one; False on a virtual part of the branch.
     where : int
         Which impact (v0, law, st), flight (gr) or point (bcb) it is about; -1 for the whole orbit.
     piece : int
@@ -52,6 +54,7 @@ class Special(NamedTuple):
     high: float
     converged: bool
     orbit: Orbit
+    admissible: bool
     where: int
     piece: int
     to: int = -1

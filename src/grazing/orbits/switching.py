@@ -113,15 +113,20 @@ def kick_of(model: Oscillator) -> float:
     return float(model.reset.law(0.0, parameters(model.reset.params)))
 
 
+def on_the_edge(event: Event) -> bool:
+    """Whether nothing but the event itself keeps the orbit from being one of the map."""
+    others = (test for test in event.point.tests if test[::2] != (event.type, event.where))
+    return all(test.value >= 0.0 for test in others if test.type in OF_THE_FLOW)
+
+
 def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
     """Return the branches that begin at a graze or a border collision where the map is continuous.
 
     Nothing begins where the bumper kicks a ball that only touches it, or the gap map has a gap; nor at a graze of an
     orbit that is virtual for another reason.
     """
-    for test in event.point.tests:
-        if test.type in OF_THE_FLOW and test.value < 0.0 and (test.type, test.where) != (event.type, event.where):
-            return []
+    if not on_the_edge(event):
+        return []
     if isinstance(equations, GapEquations):
         return flipped(equations, event, x, p)
     if not isinstance(equations, (ImpactEquations, FreeEquations)) or kick_of(equations.model_at(p)) != 0.0:
@@ -179,6 +184,8 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     solved = closed(equations, x, p)
     if solved is not None and np.abs((solved - x) / equations.scale).max() < 1e-5:
         x = solved
+    if equations.broken(x, p) or not np.isfinite(equations.defects(x, p)[1]).all():
+        return None
     point = seeded(equations, x, p)
     kind = "bcb" if isinstance(equations, GapEquations) else None
     place = [

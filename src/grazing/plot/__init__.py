@@ -1,6 +1,7 @@
 """Figures, drawn from results: one function for each, none of them computes."""
 
 from grazing.plot.basins import basins
+from grazing.plot.branch import branch
 from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
 from grazing.plot.coexistence import coexistence
@@ -16,6 +17,7 @@ from grazing.plot.zdm import zdm
 
 __all__ = [
     "basins",
+    "branch",
     "chart",
     "cobweb",
     "coexistence",

@@ -1,0 +1,121 @@
+"""A branch as a labelled table: what figures are drawn from and files hold."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.special import SPECIAL
+from grazing.parameter import Parameter
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from grazing.orbits.branch import Branch, Piece
+
+
+def shifts(piece: Piece) -> NDArray[np.int64]:
+    """Return by how many periods each orbit's points are numbered later than along the branch."""
+    equations = piece.equations
+    if not isinstance(equations, ImpactEquations):
+        return np.zeros(len(piece.orbits), np.int64)
+    T = np.array([2.0 * np.pi / equations.values(np.array([value]))[2] for value in piece.values])
+    return np.asarray(np.floor(piece.unknowns[:, 0] / T), np.int64)
+
+
+def events_of(branch: Branch) -> NDArray[np.int8]:
+    """Return for each orbit whether it is one at a special point, on the edge of what is before and after."""
+    flags = []
+    for piece in branch.pieces:
+        one = np.zeros(len(piece.orbits), np.int8)
+        one[list(piece.events)] = 1
+        if piece.ends[0] == "seed":
+            one[0] = 1
+        flags.append(one)
+    return np.concatenate(flags)
+
+
+def branch_table(branch: Branch) -> xr.Dataset:
+    """Return a branch as a labelled table.
+
+    Parameters
+    ----------
+    branch : Branch
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``point``, the orbits in order, with ``piece``, the parameter by its name, ``period``, ``word``,
+        ``impacts`` (-1 for a map that counts none), ``stable``, ``admissible``, ``event`` (at a special point),
+        ``condition``, ``multiplier_real`` and ``multiplier_imag`` (point, multiplier), and the orbit's points by
+        coordinate (point, n), filled up with NaN. Dimension ``special``, with ``special_type``, ``special_value``,
+        ``special_low``, ``special_high``, ``special_converged``, ``special_admissible``, ``special_piece``,
+        ``special_to``, ``special_period`` and the first point by coordinate.
+        Dimension ``relabelling`` with value and words.
+    """
+    import xarray as xr
+
+    P, name = branch.map, branch.parameter
+    orbits = list(branch)
+    most = max((orbit.period for orbit in orbits), default=1)
+    points = np.full((len(orbits), most, P.dimension), np.nan)
+    rolls = np.concatenate([shifts(piece) for piece in branch.pieces])
+    for i, (orbit, roll) in enumerate(zip(orbits, rolls.tolist(), strict=True)):
+        points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
+    about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
+    value = {"long_name": about.meaning, "symbol": about.symbol, "units": "1"}
+    special = branch.special
+
+    def column(dim: str, values: Any, long_name: str, **more: str) -> Any:
+        return dim, np.array(list(values)), {"long_name": long_name, **more}
+
+    def text(dim: str, values: Any, long_name: str, **more: str) -> Any:
+        return dim, np.array(list(values), dtype=object), {"long_name": long_name, **more}
+
+    roots = np.array([orbit.multipliers for orbit in orbits]).reshape(len(orbits), P.dimension)
+    words = "; ".join(f"{kind}: {meaning}" for kind, meaning in SPECIAL.items())
+    table: dict[str, Any] = {
+        name: ("point", np.concatenate([piece.values for piece in branch.pieces]), value),
+        "piece": column("point", np.repeat(range(len(branch.pieces)), [len(p.orbits) for p in branch.pieces]), "piece"),
+        "period": column("point", [orbit.period for orbit in orbits], "period", units="1"),
+        "word": text("point", [orbit.word for orbit in orbits], "word"),
+        "impacts": column("point", [o.impacts if isinstance(o, ImpactOrbit) else -1 for o in orbits], "impacts"),
+        "stable": column("point", [int(orbit.stable) for orbit in orbits], "whether the orbit is stable"),
+        "admissible": column("point", [int(orbit.admissible) for orbit in orbits], "whether the orbit is admissible"),
+        "event": ("point", events_of(branch), {"long_name": "whether a special point lies there"}),
+        "condition": column("point", [orbit.condition for orbit in orbits], "condition number", units="1"),
+        "multiplier_real": (("point", "multiplier"), roots.real, {"long_name": "multiplier, real part", "units": "1"}),
+        "multiplier_imag": (("point", "multiplier"), roots.imag, {"long_name": "multiplier, imaginary part"}),
+        "special_type": text("special", [one.type for one in special], "type of special point", meaning=words),
+        "special_value": ("special", np.array([one.value for one in special], np.float64), value),
+        "special_low": ("special", np.array([one.low for one in special], np.float64), value),
+        "special_high": ("special", np.array([one.high for one in special], np.float64), value),
+        "special_converged": column("special", np.array([one.converged for one in special], np.int8), "converged"),
+        "special_admissible": column("special", np.array([one.admissible for one in special], np.int8), "admissible"),
+        "special_piece": column("special", np.array([one.piece for one in special], np.int64), "piece"),
+        "special_to": column("special", np.array([one.to for one in special], np.int64), "piece that begins, or -1"),
+        "special_period": column("special", np.array([one.orbit.period for one in special], np.int64), "period"),
+        "relabelling_value": ("relabelling", np.array([one.value for one in branch.relabellings], np.float64), value),
+        "relabelling_before": text("relabelling", [one.before for one in branch.relabellings], "word before"),
+        "relabelling_after": text("relabelling", [one.after for one in branch.relabellings], "word after"),
+    }
+    for j, coordinate in enumerate(P.coordinates):
+        table[coordinate] = ("point", "n"), points[:, :, j], {"long_name": coordinate, "symbol": coordinate}
+        first = np.array([one.orbit.points[0, j] for one in special], np.float64)
+        table[f"special_{coordinate}"] = "special", first, {"long_name": coordinate, "symbol": coordinate}
+    attributes = {
+        "title": f"branch in {name} of {P.name}",
+        "parameter": name,
+        "bounds": list(branch.bounds),
+        "map": P.name or "map",
+        "parameters": json.dumps(dict(P.params)),
+        "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
+        "coordinates": json.dumps(list(P.coordinates)),
+        "arithmetic": "strict",
+    }
+    return xr.Dataset(table, attrs=attributes)

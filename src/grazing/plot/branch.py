@@ -1,0 +1,184 @@
+"""Branches: stable orbits solid, unstable dashed, virtual dotted, and special points named."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from grazing.outcome import InputError
+from grazing.plot.style import INK, axes, label, period_colour, root, styled
+
+#: Dashes by kind of orbit.
+DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
+#: Markers of special points: filled for stability, open for borders.
+MARKERS = {
+    "lp": ("o", True), "pd": ("s", True), "ns": ("D", True), "bp": ("P", True), "gr": ("v", False),
+    "bcb": ("v", False), "v0": ("^", False), "law": ("<", False), "st": (">", False), "ch": ("*", False),
+}  # fmt: skip
+
+
+def branch(
+    result: Any,
+    ax: Axes | None = None,
+    *,
+    coordinate: str | None = None,
+    virtual: bool = True,
+    names: bool = True,
+    legend: bool = True,
+) -> dict[str, Any]:
+    """Draw branches: all points of their orbits over the parameter.
+
+    Parameters
+    ----------
+    result : Branch, xarray.Dataset, or several of them
+        From :func:`grazing.continuation`, or its ``dataset``.
+    ax : matplotlib Axes, optional
+    coordinate : str, optional
+        Which coordinate of the map; the first one by default.
+    virtual : bool
+        Whether orbits that the map does not have are drawn, and special points on them.
+    names : bool
+        Whether special points carry their names.
+    legend : bool
+        Whether to say what the lines and the special points are.
+
+    Returns
+    -------
+    dict
+        ``lines``, ``markers`` and ``names``, lists of artists; ``figure``.
+
+    Raises
+    ------
+    InputError
+        For anything else, or a coordinate that the map does not have.
+    """
+    tables = [table_of(one) for one in (result if isinstance(result, (list, tuple)) else [result])]
+    if not tables:
+        raise InputError("no branch to draw; give a branch, its dataset, or several of them")
+    name = tables[0].attrs["parameter"]
+    coordinates = json.loads(tables[0].attrs["coordinates"])
+    chosen = coordinates[0] if coordinate is None else coordinate
+    if chosen not in coordinates:
+        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(coordinates)}")
+    if any(table.attrs["parameter"] != name for table in tables):
+        raise InputError("the branches run in different parameters; draw them in figures of their own")
+    lines: list[Any] = []
+    markers: list[Any] = []
+    texts: list[Any] = []
+    with styled():
+        ax = axes(ax)
+        for table in tables:
+            lines += drawn(table, ax, name, chosen, virtual)
+            for artist, text in marked(table, ax, chosen, virtual, names):
+                markers.append(artist)
+                texts += [text] if text is not None else []
+        spread(ax, texts)
+        ax.set_xlabel(label(name, tables[0][name].attrs.get("symbol")))
+        ax.set_ylabel(label(chosen, tables[0][chosen].attrs.get("symbol")))
+        if legend:
+            explained(ax, tables, virtual)
+    return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts}
+
+
+def table_of(one: Any) -> xr.Dataset:
+    """Return the table of a branch, or refuse what is none."""
+    table = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
+    if not isinstance(table, xr.Dataset) or not {"piece", "stable", "admissible", "special_value"} <= set(
+        table.variables
+    ):
+        got = type(one).__name__
+        raise InputError(f"branches cannot be drawn from this {got}; give a Branch of gz.continuation, or its dataset")
+    return table
+
+
+def kinds(table: xr.Dataset) -> NDArray[Any]:
+    """Return which kind of line each point belongs to."""
+    kind = np.where(table["stable"].values == 1, "stable", "unstable")
+    return np.where(table["admissible"].values == 1, kind, "virtual")
+
+
+def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool) -> list[Any]:
+    """Draw the lines: one for each stretch of one piece, word and kind, joined to the point before it."""
+    kind, piece = kinds(table), table["piece"].values
+    word, period = table["word"].values.astype(str), table["period"].values
+    x, y = table[name].values, table[coordinate].values
+    goes_on = (piece[1:] == piece[:-1]) & (word[1:] == word[:-1])
+    # an orbit at a special point is on the edge of two kinds: a step is of the kind of its other end
+    step = np.where(table["event"].values[:-1] == 1, kind[1:], kind[:-1])
+    step = np.where(goes_on, step, "")
+    edges = np.concatenate([[0], np.flatnonzero(step[1:] != step[:-1]) + 1, [len(step)]]) if len(step) else [0]
+    artists = []
+    for first, last in pairwise(edges):
+        what = str(step[first])
+        if what == "" or (what == "virtual" and not virtual):
+            continue
+        rows = slice(first, last + 1)
+        artists += ax.plot(
+            x[rows],
+            y[rows, : period[first]],
+            color=period_colour(int(period[first])),
+            ls=DASHES[what],
+            lw={"stable": 1.2, "unstable": 0.8, "virtual": 0.5}[what],
+            zorder={"stable": 3.0, "unstable": 2.8, "virtual": 2.5}[what],
+        )
+    return artists
+
+
+def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: bool) -> list[tuple[Any, Any]]:
+    """Draw the special points at the first point of their orbits, with their names."""
+    artists = []
+    for i, kind in enumerate(table["special_type"].values.astype(str).tolist()):
+        if not virtual and not table["special_admissible"].values[i]:
+            continue
+        x, y = float(table["special_value"].values[i]), float(table[f"special_{coordinate}"].values[i])
+        shape, filled = MARKERS[kind]
+        colour = period_colour(int(table["special_period"].values[i]))
+        (artist,) = ax.plot(
+            [x], [y], shape, ms=4.2, mec=colour, mew=0.8, mfc=colour if filled else "white", zorder=5, ls="none"
+        )
+        text = None
+        if names:
+            text = ax.annotate(
+                kind, (x, y), xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=6
+            )
+        artists.append((artist, text))
+    return artists
+
+
+def spread(ax: Axes, texts: list[Any]) -> None:
+    """Move names that would cover each other to the first of eight places that is free; where none is, leave it out."""
+    places = [(3, 3), (3, -8), (-11, 3), (-11, -8), (3, 10), (3, -15), (-11, 10), (-11, -15)]
+    figure = root(ax)
+    canvas = figure.canvas
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    figure.set_canvas(canvas)
+    taken: list[Any] = []
+    for text in texts:
+        for place in places:
+            text.set_position(place)
+            box = text.get_window_extent(renderer)
+            if not any(box.overlaps(other) for other in taken):
+                taken.append(box)
+                break
+        else:
+            text.set_visible(False)
+
+
+def explained(ax: Axes, tables: list[xr.Dataset], virtual: bool) -> None:
+    """Add a legend of the kinds of lines and of special points that occur."""
+    seen = [kind for kind in DASHES if any((kinds(table) == kind).any() for table in tables)]
+    handles = [
+        Line2D([], [], color=INK, ls=DASHES[kind], lw=1.1 if kind == "stable" else 0.8, label=kind)
+        for kind in seen
+        if virtual or kind != "virtual"
+    ]
+    if len(handles) > 1:
+        ax.legend(handles=handles, loc="best", fontsize=6.5, handlelength=2.4)
