@@ -253,6 +253,9 @@ class _Search:
         forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
         if not seed.both or forward.ended == "closed":
             forward.began = "closed" if forward.ended == "closed" else "seed"
+            if seed.leaves is not None:
+                forward.points.insert(0, seed.leaves)
+                forward.events = [(i + 1, event) for i, event in forward.events]
             return forward
         back = seed.point._replace(tangent=-seed.point.tangent)
         backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
@@ -267,10 +270,9 @@ class _Search:
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
         if seeds and type == "v0":
             type = "gr"
-        self.special.append(
-            Special(type, float(p[-1]), event.low, event.high, event.converged, orbit, on_the_edge(event), event.where,
-                    number, direction=event.point.tangent)
-        )  # fmt: skip
+        edge = on_the_edge(equations, event)
+        found = float(p[-1]), event.low, event.high, event.converged
+        self.special.append(Special(type, *found, orbit, edge, event.where, number, direction=event.point.tangent))
         self.waiting += [seed._replace(origin=len(self.special) - 1) for seed in seeds]
 
     def _known(self, seed: Seed) -> bool:

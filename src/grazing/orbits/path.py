@@ -117,18 +117,19 @@ def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
 
 def tangent_of(wide: Floats, along: Floats) -> Floats:
     """Return the unit null vector of a derivative (n, n + 1) that points along a given vector."""
-    bordered = np.vstack([wide, along])
     right = np.zeros(len(along))
     right[-1] = 1.0
-    try:
-        t = np.linalg.solve(bordered, right)
-    except np.linalg.LinAlgError:
-        t = np.linalg.svd(wide)[2][-1]
-    size = np.linalg.norm(t)
-    if not 0.0 < size < np.inf:
-        t, size = np.linalg.svd(wide)[2][-1], np.float64(1.0)
-    t = t / size
+    t = solved_or_least(np.vstack([wide, along]), right)
+    t = t / np.linalg.norm(t)
     return np.asarray(t if t @ along >= 0.0 else -t)
+
+
+def solved_or_least(A: Floats, b: Floats) -> Floats:
+    """Solve A x = b; where A is singular, as where two branches cross, the shortest x with the least defect."""
+    try:
+        return np.asarray(np.linalg.solve(A, b))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(A, b)[0])
 
 
 def corrected(equations: Equations, z: Floats, across: Floats) -> tuple[Floats, Floats, int] | None:
@@ -141,10 +142,7 @@ def corrected(equations: Equations, z: Floats, across: Floats) -> tuple[Floats, 
             return None
         rows = np.vstack([wide / rowwise(wide), across])
         right = np.append(F / rowwise(wide)[:, 0], across @ (z - plane))
-        try:
-            move = np.linalg.solve(rows, right)
-        except np.linalg.LinAlgError:
-            return None
+        move = solved_or_least(rows, right)
         size = float(np.abs(move).max())
         if not size < 1e3:
             return None

@@ -95,7 +95,7 @@ def flown(orbit: Orbit) -> ImpactOrbit:
             (float(orbit.points[0, 0]), float(orbit.points[0, 1])),
             orbit.period,
         )
-    path = trajectory(model, state, start=start, until=start + N * model.period, samples=1)
+    path = trajectory(model, state, start=start, until=start + N * model.period, samples=2)
     if path.attrs["chatter"]:
         raise InputError(f"{orbit!r} comes to rest on the wall; its equations are those of the release")
     times, incoming, outgoing = path.impact_time.values, path.v_minus.values, path.v_plus.values
@@ -105,8 +105,10 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     if isinstance(equations, FreeEquations):
         x = equations.start(nothing)
     else:
-        guess = np.concatenate([times - shift, outgoing])[None]
-        if not equations.solve(guess, nothing)[0] < 1e-9:
+        first = np.concatenate([times - shift, outgoing])
+        guess = first[None].copy()
+        closes = equations.solve(guess, nothing)[0] < 1e-9
+        if not closes or np.abs((guess[0] - first) / equations.scale).max() > 1e-3:
             raise InputError(f"{orbit!r} does not close when it is flown; its points are not those of a periodic orbit")
         x = guess[0]
     found = equations.orbit(x, nothing)

@@ -24,20 +24,26 @@ from grazing.parameter import parameters
 Floats = NDArray[np.float64]
 
 #: How far along its direction another branch is looked for, in scaled unknowns, one after the other.
-AWAY = (1e-2, 3e-3, 1e-3, 1e-4)
+AWAY = (1e-4, 1e-3, 1e-2)
 #: Test functions that say whether an orbit is one of the flow.
 OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
+#: Heights and speeds below this part of their size are 0.
+ZERO = 1e-10
 #: A test function that begins at its zero is put on the side that the path goes to.
 BARELY = 1e-300
 
 
 class Seed(NamedTuple):
-    """Where a piece of a branch begins: on both sides of a point or on one, and from which special point."""
+    """Where a piece of a branch begins: on both sides of a point or on one, and from which special point.
+
+    ``leaves`` is the point of another branch that it leaves, if that is not the point itself.
+    """
 
     equations: Equations
     point: Point
     both: bool = False
     origin: int = -1
+    leaves: Point | None = None
 
 
 def seeded(equations: Equations, x: Floats, p: Floats, along: Floats | None = None) -> Point:
@@ -101,10 +107,11 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
             if found is not None and np.linalg.norm(found[0] - z) < 3.0 * away:
                 n = len(equations.scale)
                 there, p = found[0][:n] * equations.scale, found[0][n:] * equations.spans
-                seeds.append(Seed(equations, seeded(equations, there, p, direction)))
+                at = Point(z, direction, equations.tests(x, np.array([special.value])))
+                seeds.append(Seed(equations, seeded(equations, there, p, direction), leaves=at))
                 break
     if not seeds:
-        raise InputError(f"no other branch was found within {AWAY[-1]:g} to {AWAY[0]:g} of {special!r}")
+        raise InputError(f"no other branch was found within {AWAY[0]:g} to {AWAY[-1]:g} of {special!r}")
     return seeds
 
 
@@ -113,10 +120,14 @@ def kick_of(model: Oscillator) -> float:
     return float(model.reset.law(0.0, parameters(model.reset.params)))
 
 
-def on_the_edge(event: Event) -> bool:
-    """Whether nothing but the event itself keeps the orbit from being one of the map."""
+def on_the_edge(equations: Equations, event: Event) -> bool:
+    """Whether nothing but the event itself keeps the orbit from being one of the map.
+
+    At a graze of the steady response every period of a longer orbit touches the wall: zeros count as none.
+    """
+    zero = -ZERO * float(equations.scale.max())
     others = (test for test in event.point.tests if test[::2] != (event.type, event.where))
-    return all(test.value >= 0.0 for test in others if test.type in OF_THE_FLOW)
+    return all(test.value >= zero for test in others if test.type in OF_THE_FLOW)
 
 
 def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
@@ -125,7 +136,7 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
     Nothing begins where the bumper kicks a ball that only touches it, or the gap map has a gap; nor at a graze of an
     orbit that is virtual for another reason.
     """
-    if not on_the_edge(event):
+    if not on_the_edge(equations, event):
         return []
     if isinstance(equations, GapEquations):
         return flipped(equations, event, x, p)

@@ -1,0 +1,292 @@
+"""Branches: closed forms, methods against each other, laws, and what a wrong call is told."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.orbits.branch import Branch, continuation
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.special import SPECIAL
+
+NOTHING = np.empty(0)
+
+
+def free_orbit(model):
+    equations = FreeEquations(model, ())
+    return equations.orbit(equations.start(NOTHING), NOTHING)
+
+
+def admissible(branch, type):
+    return [one for one in branch.special if one.type == type and one.admissible]
+
+
+@pytest.mark.parametrize("N", range(2, 8))
+def test_windows_of_the_standard_model_by_continuation(N):
+    model = gz.pinball(V=0.4)
+    table = gz.windows(model, "d", N).isel(window=0)
+    low, high = float(table.low), float(table.high)
+    middle = 0.5 * (low + high)
+    orbit = next(o for o in gz.one_impact_orbits(model.replace(d=middle), N) if o.stable and o.admissible)
+    branch = continuation(orbit.map, orbit, "d", (low - 0.01, high + 0.01))
+    graze, double = admissible(branch, "gr")[0], admissible(branch, "pd")[0]
+    assert graze.value == pytest.approx(low, abs=1e-10) and graze.converged
+    assert double.value == pytest.approx(high, abs=1e-10) and double.converged
+    assert graze.low <= graze.value <= graze.high and graze.high - graze.low < 1e-12
+    assert abs(double.orbit.multipliers[0] + 1.0) < 1e-9
+
+
+# model, N, parameter, half of the range around the model's value
+OTHERS = {
+    "under-damped": (gz.pinball(alpha=0.2, k=1.0, omega=2.8, d=0.3, V=0.1, r=0.9), 2, "d", 0.25),
+    "no stiffness": (gz.pinball(alpha=0.2, k=0.0, omega=1.1, d=-0.3, r=0.6, V=0.3), 2, "omega", 0.5),
+    "shifted wall": (gz.pinball(sigma=-0.05, t0=0.7, d=0.02, V=0.4), 2, "sigma", 0.08),
+    "passive": (gz.pinball(V=0.0, d=0.1), 2, "r", 0.6),
+    "passive in d": (gz.pinball(V=0.0, d=0.1), 2, "d", 0.05),
+    "three harmonics": (
+        gz.Oscillator(
+            alpha=0.5, k=1.3, sigma=-0.3, reset=gz.active(r=0.7, V=0.2),
+            forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25)),
+        ), 1, "cos2", 0.8,
+    ),
+    "trigger": (
+        gz.Oscillator(
+            alpha=1.0, k=2.0, forcing=gz.Forcing(omega=2.5, offset=-0.1), reset=gz.triggered(r=0.6, V=0.5, trigger=0.1)
+        ), 1, "offset", 0.6,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_edges_of_windows_are_special_points(case):
+    """Every edge of a window that the closed forms find lies on the branch that passes through the window."""
+    model, N, name, half = OTHERS[case]
+    value = model.params[name]
+    span = max(value - half, 0.0 if name in ("V", "r") else -np.inf), min(value + half, 1.0 if name == "r" else np.inf)
+    table = gz.windows(model, name, N, span=span)
+    assert table.sizes["window"] > 0
+    checked = 0
+    for i in range(table.sizes["window"]):
+        row = table.isel(window=i)
+        middle = 0.5 * (float(row.low) + float(row.high))
+        orbits = [o for o in gz.one_impact_orbits(model.replace(**{name: middle}), N) if o.stable and o.admissible]
+        special = [s for o in orbits for s in continuation(o.map, o, name, span).special if s.admissible]
+        for side in ("low", "high"):
+            type, edge = str(row[f"{side}_type"].values), float(row[side])
+            if type == "end":
+                continue
+            wanted = {"gr", "v0"} if type in ("gr", "v0") else {type}
+            near = [s for s in special if s.type in wanted and abs(s.value - edge) <= 1e-10 * (1.0 + abs(edge))]
+            assert near, (type, edge, special)
+            checked += 1
+    assert checked > 0
+
+
+def test_a_branch_passes_grazes_where_the_wall_is_passive():
+    """The orbit without impacts, beyond its graze the one with an impact, period doublings and the next graze."""
+    model = gz.pinball(d=0.14, V=0.0)
+    start = free_orbit(model)
+    branch = continuation(start.map, start, "d", (0.02, 0.16))
+    graze = gz.normal_form(model, "d").graze
+    (first,) = admissible(branch, "gr")
+    assert first.value == pytest.approx(graze, abs=1e-14)
+    assert [piece.equations.n for piece in branch.pieces] == [0, 1] and first.to == 1
+    (pd,) = admissible(branch, "pd")
+    doubled = continuation(start.map, pd, "d", (0.02, 0.16))
+    values = [s.value for s in admissible(doubled, "gr")]
+    assert len(values) == 2 and values[1] == pytest.approx(graze, abs=1e-12)
+    assert "01" in {orbit.word for orbit in doubled if orbit.admissible and orbit.stable}
+    for orbit in doubled:
+        if orbit.admissible and orbit.stable and min(abs(orbit.incoming), default=0.0) > 1e-4:
+            follows = orbit.map.iterate(orbit.points[0], orbit.period)[1:]
+            np.testing.assert_allclose(follows, np.roll(orbit.points, -1, axis=0), atol=1e-12)
+
+
+def test_every_orbit_of_a_branch_is_one_of_the_map_or_says_that_it_is_not():
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    branch = continuation(orbit.map, orbit, "d", (0.08, 0.125))
+    both = {True: 0, False: 0}
+    for one, event in zip(branch, branch.dataset["event"].values, strict=True):
+        if event:
+            continue
+        after = one.map.iterate(np.maximum(one.points[0], [one.model.sigma, -np.inf]), one.period)[-1]
+        back = np.abs(after - one.points[0]).max()
+        assert (back < 1e-11 * max(1.0, abs(one.multipliers[0]))) == one.admissible
+        assert one.residual < 1e-13
+        both[one.admissible] += 1
+    assert min(both.values()) > 3
+
+
+def test_the_period_doubling_of_the_standard_model_is_subcritical():
+    model = gz.pinball(V=0.4, d=0.05)
+    for N in (2, 3, 4):
+        table = gz.windows(model, "d", N).isel(window=0)
+        value = 0.5 * (float(table.low) + float(table.high))
+        orbit = next(o for o in gz.one_impact_orbits(model.replace(d=value), N) if o.stable and o.admissible)
+        bounds = (0.0, 0.14)
+        (pd,) = admissible(continuation(orbit.map, orbit, "d", bounds), "pd")
+        doubled = continuation(orbit.map, pd, "d", bounds)
+        piece = doubled.pieces[0]
+        seen = [o for i, o in enumerate(piece.orbits) if o.admissible and i > 0 and i not in piece.events]
+        assert len(seen) > 2 and not any(o.stable for o in seen)
+        assert max(o.map.params["d"] for o in seen) <= pd.value
+        assert all(o.period == 2 * N and abs(o.multipliers[0]) > 1.0 for o in seen)
+        for o in seen[2:4]:  # confirmed by the exact map and its own derivative
+            J = np.eye(2)
+            for point in o.points:
+                J = o.map.jacobian(point) @ J
+            assert np.abs(np.linalg.eigvals(J)).max() == pytest.approx(abs(o.multipliers[0]), rel=1e-7)
+
+
+def test_branches_of_the_gap_map_agree_with_theory():
+    compared = 0
+    for lam, l in ((0.34, 0.21), (0.5, 0.1), (0.8, 0.4)):
+        for N in (2, 3, 4):
+            pd, bc = gz.theory.mu_pd(N, lam, l), gz.theory.mu_bc(N, lam, l)
+            if not pd < bc:
+                continue
+            mu = 0.5 * (pd + bc)
+            G = gz.gap_map(lam=lam, mu=mu, l=l)
+            points = np.array(gz.theory.maximal_orbit(N, lam, mu, l))
+            J = float(gz.theory.multiplier(N, lam, mu, l))
+            orbit = gz.Orbit(
+                map=G, points=points.reshape(-1, 1), word="L" * (N - 1) + "R", period=N,
+                multipliers=np.array([J + 0j]), admissible=True, condition=1.0, residual=0.0,
+            )  # fmt: skip
+            branch = continuation(G, orbit, "mu", (pd - 0.1, bc + 0.1))
+            types = {s.type: s.value for s in branch.special if s.admissible}
+            assert types["pd"] == pytest.approx(pd, abs=1e-13)
+            assert any(s.type == "bcb" and s.value == pytest.approx(bc, abs=1e-13) for s in branch.special)
+            (switch,) = [s for s in branch.special if s.type == "pd" and s.admissible]
+            doubled = continuation(G, switch, "mu", (pd - 0.1, bc + 0.1))
+            for o in doubled:
+                here = o.map.params["mu"]
+                away = np.abs(o.points).min() > 1e-6  # from the border, where multipliers are infinite
+                if o.admissible and here - pd > 1e-4 and away:
+                    known = gz.theory.doubled_multiplier(N, lam, here, l)
+                    assert o.multipliers[0].real == pytest.approx(known, rel=1e-6)
+                    compared += 1
+    assert compared > 10
+
+
+def test_a_smooth_map_of_ones_own():
+    """The Hénon map: fold and period doubling of its fixed points in closed form, Neimark-Sacker at b = -1."""
+
+    def henon(state, p):
+        x, y = state
+        return (1.0 - p.a * x * x + y, p.b * x)
+
+    P = gz.Map(henon, params={"a": 0.2, "b": 0.3}, coordinates=("x", "y"), box=((-2.0, 2.0), (-1.0, 1.0)))
+    a, b = 0.2, 0.3
+    x = (b - 1.0 + np.sqrt((1.0 - b) ** 2 + 4.0 * a)) / (2.0 * a)
+    J = np.array([[-2.0 * a * x, 1.0], [b, 0.0]])
+    orbit = gz.Orbit(
+        map=P, points=np.array([[x, b * x]]), word="0", period=1, multipliers=np.linalg.eigvals(J) + 0j,
+        admissible=True, condition=1.0, residual=0.0,
+    )  # fmt: skip
+    branch = continuation(P, orbit, "a", (-0.3, 1.2))
+    found = {one.type: one.value for one in branch.special}
+    assert found["lp"] == pytest.approx(-((1.0 - b) ** 2) / 4.0, abs=1e-9)
+    assert found["pd"] == pytest.approx(3.0 * (1.0 - b) ** 2 / 4.0, abs=1e-9)
+    (pd,) = [one for one in branch.special if one.type == "pd"]
+    doubled = continuation(P, pd, "a", (-0.3, 1.2))
+    assert any(o.stable and o.period == 2 for o in doubled)
+    (second,) = [one for one in doubled.special if one.type == "pd"]
+    assert second.value == pytest.approx(((1.0 - b) ** 2 * 4.0 + (1.0 + b) ** 2) / 4.0, abs=1e-9)
+
+
+def test_a_pitchfork_is_a_branch_point():
+    def cubic(state, p):
+        (x,) = state
+        return (p.a * x - x * x * x,)
+
+    P = gz.Map(cubic, params={"a": 0.5}, coordinates=("x",), box=((-2.0, 2.0),))
+    orbit = gz.Orbit(
+        map=P, points=np.zeros((1, 1)), word="0", period=1, multipliers=np.array([0.5 + 0j]), admissible=True,
+        condition=2.0, residual=0.0,
+    )  # fmt: skip
+    branch = continuation(P, orbit, "a", (0.2, 1.7))
+    (bp,) = [one for one in branch.special if one.type == "bp"]
+    assert bp.value == pytest.approx(1.0, abs=1e-8)
+    other = continuation(P, bp, "a", (0.2, 1.7))
+    assert len(other.pieces) == 2
+    for piece in other.pieces:
+        np.testing.assert_allclose(piece.unknowns[:, 0] ** 2, piece.values - 1.0, atol=1e-8)
+
+
+def test_orbits_at_a_value_and_the_relabelling_of_words():
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    branch = continuation(orbit.map, orbit, "t0", (0.0, 3.0))
+    assert not branch.special and not branch.relabellings  # a shift of time changes nothing, 010 is 001
+    for value in (0.4, 1.7):
+        (found,) = branch.at(value)
+        assert found.multipliers == pytest.approx(orbit.multipliers, abs=1e-10)
+        assert np.mod(found.times[0] + value - orbit.times[0], model.period) == pytest.approx(0.0, abs=1e-9) or np.mod(
+            found.times[0] + value - orbit.times[0], model.period
+        ) == pytest.approx(model.period, abs=1e-9)
+    assert branch.at(5.0) == ()
+
+
+def test_an_impact_that_crosses_the_strobe_relabels_the_word():
+    model = gz.pinball(d=0.1025, V=0.4)
+    (orbit,) = [o for o in gz.one_impact_orbits(model, 2) if o.stable]
+    (pd,) = admissible(continuation(orbit.map, orbit, "d", (0.09, 0.11)), "pd")
+    doubled = continuation(orbit.map, pd, "d", (0.09, 0.11))
+    (two,) = doubled.at(0.1025)
+    assert two.impacts == 2 and not two.stable
+    branch = continuation(two.map, two, "t0", (0.0, 3.0))
+    assert not branch.special and len(branch.relabellings) >= 2
+    for one in branch.relabellings:
+        assert one.before != one.after
+        (there,) = branch.at(one.value)
+        strobe = np.mod(there.times / model.period + 0.5, 1.0) - 0.5
+        assert np.abs(strobe).min() < 1e-9
+
+
+def test_a_branch_as_a_table(tmp_path):
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    branch = gz.continuation(orbit.map, orbit, "d", (0.09, 0.13))
+    assert isinstance(branch, Branch) and "001" in repr(branch) and "pd" in repr(branch)
+    table = branch.dataset
+    assert table.sizes["point"] == len(list(branch)) and table.sizes["special"] == len(branch.special)
+    assert set(table["special_type"].values) <= set(SPECIAL)
+    gz.save(table, tmp_path / "branch.nc")
+    back = gz.load(tmp_path / "branch.nc")
+    np.testing.assert_array_equal(back["u"].values, table["u"].values)
+    assert back["word"].values.tolist() == table["word"].values.tolist()
+
+
+def test_what_a_wrong_call_is_told():
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    P = orbit.map
+    with pytest.raises(gz.InputError, match="give a map"):
+        continuation(model, orbit, "d", (0.0, 0.2))
+    with pytest.raises(gz.InputError, match="unknown parameter 'e'"):
+        continuation(P, orbit, "e", (0.0, 0.2))
+    with pytest.raises(gz.InputError, match=r"the pair \(low, high\)"):
+        continuation(P, orbit, "d", 0.3)
+    with pytest.raises(gz.InputError, match="the lower end must come first"):
+        continuation(P, orbit, "d", (0.2, 0.1))
+    with pytest.raises(gz.InputError, match="0 <= r <= 1"):
+        continuation(P, orbit, "r", (0.5, 1.5))
+    with pytest.raises(gz.InputError, match="outside of"):
+        continuation(P, orbit, "d", (0.2, 0.3))
+    with pytest.raises(gz.InputError, match="give its own map"):
+        continuation(P.replace(r=0.7), orbit, "d", (0.0, 0.2))
+    with pytest.raises(gz.InputError, match="give an Orbit"):
+        continuation(P, (0.1, 0.2), "d", (0.0, 0.2))
+    with pytest.raises(gz.InputError, match="limit"):
+        continuation(P, orbit, "d", (0.0, 0.2), limit=1)
+    branch = continuation(P, orbit, "d", (0.09, 0.13))
+    graze = admissible(branch, "gr")[0]
+    with pytest.raises(gz.InputError, match="another branch begins at pd and bp only"):
+        continuation(P, graze, "d", (0.09, 0.13))
+    wrong = gz.Orbit(
+        map=P, points=orbit.points + 0.05, word="001", period=3, multipliers=orbit.multipliers, admissible=True,
+        condition=1.0, residual=0.0,
+    )  # fmt: skip
+    with pytest.raises(gz.InputError, match="does not close"):
+        continuation(P, wrong, "d", (0.0, 0.2))
