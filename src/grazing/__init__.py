@@ -44,6 +44,7 @@ _PUBLIC = {
     "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
     "windows": "orbits.windows",
+    "bifurcation_diagram": "compare.bifurcation_diagram",
     "Attractor": "studies.attractors",
     "attractors": "studies.attractors",
     "basins": "studies.basins",
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
     from grazing import testing as testing
     from grazing import theory as theory
     from grazing.citation import cite as cite
+    from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
     from grazing.export import to_csv as to_csv
     from grazing.io import load as load
     from grazing.io import save as save

@@ -17,7 +17,7 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Event, Path, Point, closed, follow, joined, located, unscaled
 from grazing.orbits.signature import equations_of
-from grazing.orbits.special import Relabelling, Special
+from grazing.orbits.special import SPECIAL, Relabelling, Special
 from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched
 from grazing.outcome import InputError
 from grazing.parameter import real, unknown, whole
@@ -32,7 +32,8 @@ Floats = NDArray[np.float64]
 class Piece:
     """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
 
-    ``events`` are the numbers of the orbits at special points.
+    ``events`` are the numbers of the orbits at special points, the first one among them where the piece begins at one;
+    ``ends`` then says of which type.
     """
 
     equations: Equations
@@ -116,7 +117,7 @@ def continuation(
     name: str,
     bounds: tuple[float, float],
     *,
-    step: float = 0.05,
+    step: float = 0.03,
     limit: int = 2000,
 ) -> Branch:
     """Follow a periodic orbit in a parameter, by pseudo-arclength, and locate all that happens to it.
@@ -239,20 +240,27 @@ class _Search:
             self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         path = self._path(seed)
         equations = seed.equations
-        solutions = [path.unscaled(point.z) for point in path.points]
+        solutions = [self._solution(path, point) for point in path.points]
         orbits = tuple(equations.orbit(x, p) for x, p in solutions)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
-        events = tuple(index for index, _event in path.events)
+        kept = [index for index, event in path.events if self._note(equations, path, event, number)]
+        events = (0, *kept) if path.began in SPECIAL else tuple(kept)
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
-        for _index, event in path.events:
-            self._note(equations, path, event, number)
         self._relabelled(path, orbits, number)
+
+    def _solution(self, path: Path, point: Point) -> tuple[Floats, Floats]:
+        """Return x and p of a point; an end of the range that rounding has missed is that end."""
+        x, p = path.unscaled(point.z)
+        for bound in self.bounds:
+            if abs(p[-1] - bound) <= 1e-15 * (abs(bound) + self.bounds[1] - self.bounds[0]):
+                p = np.array([bound])
+        return x, p
 
     def _path(self, seed: Seed) -> Path:
         """Return the path through a seed, on both sides of it if wanted."""
         forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
         if not seed.both or forward.ended == "closed":
-            forward.began = "closed" if forward.ended == "closed" else "seed"
+            forward.began = "closed" if forward.ended == "closed" else seed.type
             if seed.leaves is not None:
                 forward.points.insert(0, seed.leaves)
                 forward.events = [(i + 1, event) for i, event in forward.events]
@@ -261,12 +269,12 @@ class _Search:
         backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
         return joined(backward, forward)
 
-    def _note(self, equations: Equations, path: Path, event: Event, number: int) -> None:
-        """Keep an event as a special point, and what begins there as a seed."""
+    def _note(self, equations: Equations, path: Path, event: Event, number: int) -> bool:
+        """Keep an event as a special point, and what begins there as a seed; whether it is one."""
         x, p = path.unscaled(event.point.z)
         type, orbit = event.type, equations.orbit(x, p)
         if type == "ns" and abs(orbit.multipliers[0].imag) == 0.0:
-            return  # real multipliers whose product is 1: no bifurcation
+            return False  # real multipliers whose product is 1: no bifurcation
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
         if seeds and type == "v0":
             type = "gr"
@@ -274,6 +282,7 @@ class _Search:
         found = float(p[-1]), event.low, event.high, event.converged
         self.special.append(Special(type, *found, orbit, edge, event.where, number, direction=event.point.tangent))
         self.waiting += [seed._replace(origin=len(self.special) - 1) for seed in seeds]
+        return True
 
     def _known(self, seed: Seed) -> bool:
         """Whether a piece that is known already passes through a seed: then a graze lies there with its impacts."""

@@ -34,8 +34,6 @@ def events_of(branch: Branch) -> NDArray[np.int8]:
     for piece in branch.pieces:
         one = np.zeros(len(piece.orbits), np.int8)
         one[list(piece.events)] = 1
-        if piece.ends[0] == "seed":
-            one[0] = 1
         flags.append(one)
     return np.concatenate(flags)
 

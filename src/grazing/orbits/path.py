@@ -175,7 +175,7 @@ def follow(
     first: Point,
     bounds: tuple[float, float],
     *,
-    step: float = 0.05,
+    step: float = 0.03,
     limit: int = 2000,
     stop: Callable[[Event], bool] | None = None,
 ) -> Path:
@@ -222,6 +222,9 @@ def follow(
                 path.ended = "lost"
                 return path
             there = edge
+            if np.array_equal(there.z, here.z):
+                path.ended = "bounds"
+                return path
         broken = equations.broken(*unscaled(equations, there.z))
         for event in between(equations, here, there):
             path.points.append(event.point)

@@ -36,7 +36,8 @@ BARELY = 1e-300
 class Seed(NamedTuple):
     """Where a piece of a branch begins: on both sides of a point or on one, and from which special point.
 
-    ``leaves`` is the point of another branch that it leaves, if that is not the point itself.
+    ``leaves`` is the point of another branch that it leaves, if that is not the point itself, and ``type`` what
+    happens there.
     """
 
     equations: Equations
@@ -44,6 +45,7 @@ class Seed(NamedTuple):
     both: bool = False
     origin: int = -1
     leaves: Point | None = None
+    type: str = "seed"
 
 
 def seeded(equations: Equations, x: Floats, p: Floats, along: Floats | None = None) -> Point:
@@ -108,7 +110,7 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
                 n = len(equations.scale)
                 there, p = found[0][:n] * equations.scale, found[0][n:] * equations.spans
                 at = Point(z, direction, equations.tests(x, np.array([special.value])))
-                seeds.append(Seed(equations, seeded(equations, there, p, direction), leaves=at))
+                seeds.append(Seed(equations, seeded(equations, there, p, direction), leaves=at, type=special.type))
                 break
     if not seeds:
         raise InputError(f"no other branch was found within {AWAY[0]:g} to {AWAY[-1]:g} of {special!r}")
@@ -136,7 +138,7 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
     Nothing begins where the bumper kicks a ball that only touches it, or the gap map has a gap; nor at a graze of an
     orbit that is virtual for another reason.
     """
-    if not on_the_edge(equations, event):
+    if not event.converged or not on_the_edge(equations, event):
         return []
     if isinstance(equations, GapEquations):
         return flipped(equations, event, x, p)
@@ -172,7 +174,9 @@ def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, 
     if n == 1:
         free = FreeEquations(equations.model, equations.names, equations.spans)
         start = free.start(p)
-        return begins(free, start, p, 0) if np.isfinite(start).all() else None
+        if not np.isfinite(start).all() or abs(free.turned(start, p)[2]) > 1e-6 * free.scale[0]:
+            return None
+        return begins(free, start, p, 0)
     times, after = np.delete(x[:n], k), np.delete(x[n:], k)
     pieces = (*equations.pieces[:k], *equations.pieces[k + 1 :])
     new = ImpactEquations(equations.model, equations.names, equations.N, pieces, equations.spans)
@@ -214,7 +218,7 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     tangent = point.tangent if sides[0] > sides[1] else -point.tangent
     tests: list[Test] = list(point.tests)
     tests[i] = tests[i]._replace(value=BARELY)
-    return Seed(equations, Point(point.z, tangent, tuple(tests)))
+    return Seed(equations, Point(point.z, tangent, tuple(tests)), type="bcb" if kind else "gr")
 
 
 def same_solution(one: Equations, x: Floats, other: Equations, y: Floats) -> bool:

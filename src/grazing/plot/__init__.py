@@ -1,6 +1,7 @@
 """Figures, drawn from results: one function for each, none of them computes."""
 
 from grazing.plot.basins import basins
+from grazing.plot.bifurcation_diagram import bifurcation_diagram
 from grazing.plot.branch import branch
 from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
@@ -17,6 +18,7 @@ from grazing.plot.zdm import zdm
 
 __all__ = [
     "basins",
+    "bifurcation_diagram",
     "branch",
     "chart",
     "cobweb",

@@ -135,17 +135,21 @@ def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool
 def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: bool) -> list[tuple[Any, Any]]:
     """Draw the special points at the first point of their orbits, with their names."""
     artists = []
+    span = float(np.ptp(table["special_value"].values)) or 1.0
+    seen: set[tuple[str, int]] = set()
     for i, kind in enumerate(table["special_type"].values.astype(str).tolist()):
         if not virtual and not table["special_admissible"].values[i]:
             continue
         x, y = float(table["special_value"].values[i]), float(table[f"special_{coordinate}"].values[i])
+        place = kind, round(1e4 * x / span)
         shape, filled = MARKERS[kind]
         colour = period_colour(int(table["special_period"].values[i]))
         (artist,) = ax.plot(
             [x], [y], shape, ms=4.2, mec=colour, mew=0.8, mfc=colour if filled else "white", zorder=5, ls="none"
         )
         text = None
-        if names:
+        if names and place not in seen:  # where several branches meet one name is enough
+            seen.add(place)
             text = ax.annotate(
                 kind, (x, y), xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=6
             )

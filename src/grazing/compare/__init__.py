@@ -1,0 +1,1 @@
+"""Comparisons: what the reductions of a model keep of it, rung by rung."""

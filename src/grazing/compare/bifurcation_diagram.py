@@ -1,0 +1,377 @@
+"""Scan and branches together: what random starts reach, the branches through it, and where the two disagree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.maps.map import Map
+from grazing.orbits.branch import Branch, Piece, continuation
+from grazing.orbits.branch_table import branch_table
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.path import closed
+from grazing.orbits.special import SPECIAL, Special
+from grazing.outcome import GrazingError, InputError
+from grazing.parameter import whole
+from grazing.studies.orbit_diagram import orbit_diagram
+from grazing.studies.plan import Progress
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+#: Orbits whose points differ by less than this part of the map's box are one.
+SAME = 1e-6
+#: Branches that are begun at most: each costs about a tenth of a second.
+MOST = 200
+
+
+class Window(NamedTuple):
+    """An interval of the parameter on which a branch is stable and admissible, and the special points that end it."""
+
+    low: float
+    high: float
+    low_type: str
+    high_type: str
+    word: str
+    period: int
+
+
+class Disagreement(NamedTuple):
+    """Neighbouring values at which scan and branches differ.
+
+    ``kind`` is *scan only* (an attractor was reached that lies on no branch), *branch only* (no start reached a stable
+    orbit) or *not followed* (an attractor whose period is beyond the limit, or whose branch could not be begun).
+    """
+
+    kind: str
+    low: float
+    high: float
+    values: int
+    word: str
+    period: int
+    reason: str
+
+
+def bifurcation_diagram(
+    P: Map,
+    name: str,
+    values: ArrayLike,
+    *,
+    starts: int | ArrayLike = 40,
+    transient: int = 400,
+    keep: int = 48,
+    seed: int = 0,
+    period: int = 16,
+    box: Sequence[tuple[float, float]] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Scan a parameter, follow every attractor that was reached and the unstable branches between, and compare.
+
+    Parameters
+    ----------
+    P : Map
+        Any map.
+    name : str
+        Which of ``P.params`` varies.
+    values : array_like, shape (m,)
+        Its values, at least 2 different ones; branches are followed from the least to the greatest.
+    starts, transient, keep, seed, box, threads, progress
+        Of the scan, as in :func:`grazing.orbit_diagram`.
+    period : int
+        Attractors of longer periods are listed and not followed.
+
+    Returns
+    -------
+    xarray.Dataset
+        The scan as :func:`grazing.orbit_diagram` returns it; all branches as :attr:`grazing.Branch.dataset` has them,
+        its variables with ``branch_`` in front but for those of special points; dimension ``window`` with
+        ``window_low``, ``window_high``, ``window_low_type``, ``window_high_type``, ``window_word``,
+        ``window_period``; dimension ``disagreement`` with ``disagreement_kind``, ``disagreement_low``,
+        ``disagreement_high``, ``disagreement_values``, ``disagreement_word``, ``disagreement_period``,
+        ``disagreement_reason``.
+
+    Raises
+    ------
+    InputError
+        For an input out of range.
+
+    Notes
+    -----
+    A branch is begun at each attractor of the scan that lies on no branch yet, and at each period doubling and
+    branch point of an admissible orbit. A scanned orbit lies on a branch if Newton's method from the branch ends at
+    its points. That no start reaches a stable orbit is no error: its basin may be small, or lie outside of the box.
+
+    Examples
+    --------
+    >>> import grazing as gz, numpy as np
+    >>> P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    >>> result = gz.bifurcation_diagram(P, "d", np.linspace(0.09, 0.12, 7), starts=10)
+    >>> sorted(set(result.window_word.values.tolist()))
+    ['001', '01']
+    """
+    longest = whole(period, "period", 1)
+    scan = orbit_diagram(P, name, values, starts, transient, keep, seed, threads, "fast", box, progress)
+    grid = np.unique(scan[name].values)
+    if len(grid) < 2:
+        raise InputError(f"values of {name} are {grid.tolist()}; give at least 2 different ones")
+    search = _Search(P, name, (float(grid[0]), float(grid[-1])), longest, keep // 2, transient + keep)
+    search.scanned(scan)
+    branch = merged(P, name, search.bounds, search.branches)
+    found = [*search.missed(), *search.unreached(scan)]
+    return labelled(scan, branch, windows_of(branch), found, name)
+
+
+@dataclass
+class _Search:
+    """The branches that are known, and where the scan saw something else."""
+
+    P: Map
+    name: str
+    bounds: tuple[float, float]
+    longest: int
+    seen: int
+    steps: int
+    branches: list[Branch] = field(default_factory=list)
+    alone: list[tuple[float, str, int, str]] = field(default_factory=list)
+    reached: set[tuple[float, int, int]] = field(default_factory=set)
+
+    def scanned(self, scan: xr.Dataset) -> None:
+        """Go through all attractors of a scan; follow those that lie on no branch."""
+        order = np.argsort(scan[self.name].values, kind="stable")
+        for i in order.tolist():
+            value = float(scan[self.name].values[i])
+            periods, words = scan["period"].values[i], scan["word"].values[i]
+            points = np.stack([scan[c].values[i] for c in self.P.coordinates], axis=-1)
+            for first in representatives(periods, words, points, self.size).tolist():
+                self._attractor(value, int(periods[first]), str(words[first]), points[first])
+
+    @property
+    def size(self) -> Floats:
+        """Extent of the map's box along each coordinate."""
+        return np.array([high - low for low, high in self.P.box])
+
+    def _attractor(self, value: float, N: int, word: str, points: Floats) -> None:
+        """Find the branch of one scanned attractor, or follow it."""
+        if N > self.longest:
+            self.alone.append((value, word, N, f"its period is beyond {self.longest}"))
+            return
+        if self._lies(value, N, points[-N:]):
+            return
+        if len(self.branches) >= MOST:
+            self.alone.append((value, word, N, f"{MOST} branches are followed already"))
+            return
+        P = self.P.replace(**{self.name: value})
+        orbit = Orbit(
+            map=P, points=points[-N:], word=word, period=N, multipliers=np.zeros(P.dimension, np.complex128),
+            admissible=True, condition=1.0, residual=0.0,
+        )  # fmt: skip
+        try:
+            self._add(continuation(P, orbit, self.name, self.bounds))
+        except GrazingError as error:
+            self.alone.append((value, word, N, str(error)))
+            return
+        if not self._lies(value, N, points[-N:]):
+            self.alone.append((value, word, N, "its branch does not pass through its points"))
+
+    def _add(self, branch: Branch) -> None:
+        """Keep a branch, and the branches that begin at its period doublings and branch points."""
+        self.branches.append(branch)
+        for one in branch.special:
+            if one.type in ("pd", "bp") and one.admissible and one.orbit.period <= self.longest:
+                if len(self.branches) < MOST and not self._begun(one):
+                    try:
+                        self.branches.append(continuation(branch.map, one, self.name, self.bounds))
+                    except GrazingError:
+                        continue
+
+    def _begun(self, special: Special) -> bool:
+        """Whether a branch that is known begins at this special point already."""
+        for branch in self.branches:
+            for piece in branch.pieces:
+                twice = piece.orbits[0].period == (2 if special.type == "pd" else 1) * special.orbit.period
+                if twice and abs(piece.values[0] - special.value) < 1e-9 * (self.bounds[1] - self.bounds[0]):
+                    return True
+        return False
+
+    def _lies(self, value: float, N: int, points: Floats) -> bool:
+        """Whether a scanned orbit lies on a stable admissible stretch of a known branch; notes which if so."""
+        for b, branch in enumerate(self.branches):
+            for k, piece in enumerate(branch.pieces):
+                for orbit in stable_at(piece, value):
+                    # what is left of the distance at the start, next to a bifurcation not yet nothing
+                    near = SAME + float(np.abs(orbit.multipliers).max()) ** (self.steps / N)
+                    if orbit.period == N and same_points(orbit.points, points, near * self.size):
+                        self.reached.add((value, b, k))
+                        return True
+        return False
+
+    def missed(self) -> list[Disagreement]:
+        """Return the attractors of the scan that lie on no branch, those at neighbouring values together."""
+        kinds = {"its branch does not pass through its points": "scan only"}
+        groups: dict[tuple[str, str, int, str], list[float]] = {}
+        for value, word, N, reason in self.alone:
+            groups.setdefault((kinds.get(reason, "not followed"), word, N, reason), []).append(value)
+        return [
+            Disagreement(kind, min(values), max(values), len(set(values)), word, N, reason)
+            for (kind, word, N, reason), values in groups.items()
+        ]
+
+    def unreached(self, scan: xr.Dataset) -> list[Disagreement]:
+        """Return the stable admissible stretches of branches at whose values no start got there."""
+        found = []
+        grid = np.sort(scan[self.name].values)
+        for b, branch in enumerate(self.branches):
+            for k, piece in enumerate(branch.pieces):
+                for window in windows_of_piece(piece, branch.special, k):
+                    inside = grid[(grid > window.low) & (grid < window.high)]
+                    lost = [value for value in inside.tolist() if (value, b, k) not in self.reached]
+                    lost = [v for v in lost if not self._elsewhere(v, piece)]
+                    if lost and window.period <= self.seen:
+                        reason = f"none of the starts reached it at {len(lost)} of {len(inside)} values"
+                        word, N = window.word, window.period
+                        found.append(Disagreement("branch only", min(lost), max(lost), len(lost), word, N, reason))
+        return found
+
+    def _elsewhere(self, value: float, piece: Piece) -> bool:
+        """Whether the orbits of a piece at a value are on another branch as well, which the scan reached."""
+        for orbit in stable_at(piece, value):
+            for b, branch in enumerate(self.branches):
+                for k, other in enumerate(branch.pieces):
+                    if other is piece or (value, b, k) not in self.reached:
+                        continue
+                    for one in stable_at(other, value):
+                        if one.period == orbit.period and same_points(one.points, orbit.points, SAME * self.size):
+                            return True
+        return False
+
+
+def representatives(periods: Any, words: Any, points: Floats, size: Floats) -> NDArray[np.int64]:
+    """Return the first start on each periodic attractor at one value: by period, word and place."""
+    found: list[int] = []
+    for i in np.flatnonzero(periods >= 1).tolist():
+        N = int(periods[i])
+        for j in found:
+            alike = periods[j] == N and words[j] == words[i]
+            if alike and same_points(points[j, -N:], points[i, -N:], 1e-3 * size):
+                break
+        else:
+            found.append(i)
+    return np.array(found, np.int64)
+
+
+def same_points(a: Floats, b: Floats, tolerance: Floats) -> bool:
+    """Whether two lists of points (N, dim) are the same cycle, begun at whatever point."""
+    if len(a) != len(b):
+        return False
+    first = np.abs(b - a[0]) <= tolerance
+    return any((np.abs(np.roll(b, -k, axis=0) - a) <= tolerance).all() for k in np.flatnonzero(first.all(axis=1)))
+
+
+def stable_at(piece: Piece, value: float) -> list[Orbit]:
+    """Return the stable admissible orbits of a piece at one value, solved there."""
+    values = piece.values
+    found = []
+    for i in np.flatnonzero((values[:-1] - value) * (values[1:] - value) <= 0.0).tolist():
+        ends = piece.orbits[i], piece.orbits[i + 1]
+        if not any(end.stable or j in piece.events for j, end in zip((i, i + 1), ends, strict=True)):
+            continue
+        share = (value - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
+        guess = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
+        x = closed(piece.equations, guess, np.array([value]))
+        if x is None:
+            continue
+        orbit = piece.equations.orbit(x, np.array([value]))
+        if orbit.stable and orbit.admissible:
+            found.append(orbit)
+    return found
+
+
+def windows_of_piece(piece: Piece, special: Sequence[Special], number: int) -> list[Window]:
+    """Return the stretches of a piece that are stable and admissible, with the special points that end them."""
+    good = [
+        a.stable and a.admissible if i not in piece.events else b.stable and b.admissible
+        for i, (a, b) in enumerate(pairwise(piece.orbits))
+    ]
+    here = [0] if piece.events[:1] == (0,) and piece.ends[0] in SPECIAL else []
+    types = [piece.ends[0]] * len(here) + [one.type for one in special if one.piece == number]
+    kinds = dict(zip(piece.events, types, strict=True))
+    found = []
+    first = None
+    for i, inside in enumerate([*good, False]):
+        if inside and first is None:
+            first = i
+        if not inside and first is not None:
+            ends = [(float(piece.values[j]), kinds.get(j, "end"), j) for j in (first, i)]
+            (low, low_type, _j), (high, high_type, _k) = sorted(ends)
+            inner = piece.orbits[min(first + 1, i)]
+            found.append(Window(low, high, low_type, high_type, inner.word, inner.period))
+            first = None
+    return found
+
+
+def windows_of(branch: Branch) -> list[Window]:
+    """Return all windows of a branch by period and place, each once."""
+    found: list[Window] = []
+    for number, piece in enumerate(branch.pieces):
+        for one in windows_of_piece(piece, branch.special, number):
+            close = 1e-9 * (branch.bounds[1] - branch.bounds[0])
+            known = (w for w in found if (w.period, w.word) == (one.period, one.word))
+            if not any(abs(w.low - one.low) < close and abs(w.high - one.high) < close for w in known):
+                found.append(one)
+    return sorted(found, key=lambda w: (w.period, w.low, w.word))
+
+
+def merged(P: Map, name: str, bounds: tuple[float, float], branches: Sequence[Branch]) -> Branch:
+    """Return several branches as one, their pieces numbered on."""
+    pieces: list[Piece] = []
+    special: list[Special] = []
+    relabellings: list[Any] = []
+    for branch in branches:
+        shift = len(pieces)
+        pieces += branch.pieces
+        special += [
+            one._replace(piece=one.piece + shift, to=one.to + shift if one.to >= 0 else -1) for one in branch.special
+        ]
+        relabellings += [one._replace(piece=one.piece + shift) for one in branch.relabellings]
+    return Branch(P, name, bounds, tuple(pieces), tuple(special), tuple(relabellings))
+
+
+def labelled(
+    scan: xr.Dataset, branch: Branch, windows: list[Window], found: list[Disagreement], name: str
+) -> xr.Dataset:
+    """Return scan, branches, windows and disagreements as one table."""
+    table = branch_table(branch)
+    renamed = table.rename(
+        {key: f"branch_{key}" for key in [*table.variables, *table.dims] if not str(key).startswith("special")}
+    )
+    result = scan.merge(renamed)
+    about = dict(scan[name].attrs)
+
+    def text(dim: str, values: list[str], long_name: str) -> Any:
+        return dim, np.array(values, dtype=object), {"long_name": long_name}
+
+    for side in ("low", "high"):
+        result[f"window_{side}"] = "window", np.array([getattr(w, side) for w in windows], np.float64), about
+        types = [getattr(w, f"{side}_type") for w in windows]
+        result[f"window_{side}_type"] = text("window", types, f"special point at the {side} end")
+        result[f"disagreement_{side}"] = "disagreement", np.array([getattr(d, side) for d in found], np.float64), about
+    result["window_word"] = text("window", [w.word for w in windows], "word")
+    result["window_period"] = "window", np.array([w.period for w in windows], np.int64), {"long_name": "period"}
+    result["disagreement_kind"] = text("disagreement", [d.kind for d in found], "what differs")
+    result["disagreement_word"] = text("disagreement", [d.word for d in found], "word")
+    result["disagreement_reason"] = text("disagreement", [d.reason for d in found], "why")
+    for key in ("values", "period"):
+        numbers = np.array([getattr(d, key) for d in found], np.int64)
+        result[f"disagreement_{key}"] = "disagreement", numbers, {"long_name": key}
+    result.attrs = {**scan.attrs, "title": f"bifurcation diagram of the {branch.map.name} in {name}"}
+    result.attrs["bounds"] = list(branch.bounds)
+    result.attrs["ends"] = table.attrs["ends"]
+    return result

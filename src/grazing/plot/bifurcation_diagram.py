@@ -1,0 +1,95 @@
+"""Bifurcation diagrams: scanned points under branches, special points named, windows shaded."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from grazing.outcome import InputError
+from grazing.plot.branch import branch
+from grazing.plot.orbit_diagram import orbit_diagram
+from grazing.plot.provenance import provenance_of
+from grazing.plot.style import DOUBLE, axes, period_colour, root, styled
+
+#: Opacity of scanned points and of shaded windows.
+FAINT, SHADE = 0.35, 0.10
+
+
+def bifurcation_diagram(
+    result: Any,
+    ax: Axes | None = None,
+    *,
+    coordinate: str | None = None,
+    virtual: bool = False,
+    names: bool = True,
+) -> dict[str, Any]:
+    """Draw scan and branches: points faint, stable orbits solid, unstable dashed, virtual dotted, windows shaded.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.bifurcation_diagram`.
+    ax : matplotlib Axes, optional
+        Default: a new figure two columns wide.
+    coordinate : str, optional
+        Which coordinate of the map; the first one by default.
+    virtual : bool
+        Whether orbits that the map does not have are drawn too.
+    names : bool
+        Whether special points carry their names.
+
+    Returns
+    -------
+    dict
+        ``points`` as :func:`grazing.plot.orbit_diagram` returns them, ``lines``, ``markers`` and ``names`` as
+        :func:`grazing.plot.branch`, ``windows`` (a list of shaded bands), ``provenance``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    """
+    if not isinstance(result, xr.Dataset) or "branch_piece" not in result:
+        raise InputError(
+            f"no bifurcation diagram can be drawn from this {type(result).__name__}; "
+            "give the result of gz.bifurcation_diagram"
+        )
+    name = str(result["period"].dims[0])
+    table = branches_of(result, name)
+    chosen = json.loads(table.attrs["coordinates"])[0] if coordinate is None else coordinate
+    if chosen not in result:
+        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinates']))}")
+    with styled():
+        ax = axes(ax, DOUBLE, 95.0)
+        scan = orbit_diagram(result, ax, chosen, size=1.0, legend=False)
+        for line in scan["points"].values():
+            line.set_alpha(FAINT)
+        low, high = ax.get_ylim()
+        drawn = branch(table, ax, coordinate=chosen, virtual=virtual, names=names)
+        bands = []
+        lows, highs, periods = (result[f"window_{key}"].values for key in ("low", "high", "period"))
+        for a, b, N in zip(lows.tolist(), highs.tolist(), periods.tolist(), strict=True):
+            bands.append(ax.axvspan(a, b, color=period_colour(N), alpha=SHADE, lw=0, zorder=0))
+        ax.set_xlim(float(np.min(result[name].values)), float(np.max(result[name].values)))
+        if virtual:
+            ax.set_ylim(low, high)
+    return {
+        "figure": root(ax), "points": scan["points"], "lines": drawn["lines"], "markers": drawn["markers"],
+        "names": drawn["names"], "windows": bands, "provenance": provenance_of(result),
+    }  # fmt: skip
+
+
+def branches_of(result: xr.Dataset, name: str) -> xr.Dataset:
+    """Return the branches of a bifurcation diagram as a table of their own."""
+    keys = [str(key) for key in result.variables if str(key).startswith(("branch_", "special_"))]
+    table = result[keys].drop_vars([key for key in result.coords if key not in keys], errors="ignore")
+    front = "branch_"
+    renamed = {key: key.removeprefix(front) for key in [*keys, *map(str, table.dims)] if key.startswith(front)}
+    table = table.rename(renamed)
+    coordinates = [str(key) for key in result.data_vars if result[key].dims == (name, "start", "n") and key != "letter"]
+    table.attrs = {"parameter": name, "coordinates": json.dumps(coordinates)}
+    return table

@@ -1,0 +1,106 @@
+"""Scan and branches together: windows against closed forms, disagreements that are named, and maps of every kind."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.compare.bifurcation_diagram import bifurcation_diagram
+
+
+def windows(result):
+    names = ("word", "period", "low", "high", "low_type", "high_type")
+    rows = zip(*(result[f"window_{name}"].values.tolist() for name in names), strict=True)
+    return {(row[0], row[1]): row[2:] for row in rows}
+
+
+def kinds(result):
+    return set(result["disagreement_kind"].values.tolist())
+
+
+def test_the_active_wall_of_the_standard_model():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    result = bifurcation_diagram(P, "d", np.linspace(0.05, 0.16, 111), starts=30)
+    found = windows(result)
+    for N in range(2, 6):
+        exact = gz.windows(P.model, "d", N).isel(window=0)
+        low, high, low_type, high_type = found["0" * (N - 1) + "1", N]
+        assert high == pytest.approx(float(exact.high), abs=1e-12) and high_type == "pd"
+        if N > 2:
+            assert low == pytest.approx(float(exact.low), abs=1e-12) and low_type == "gr"
+    assert found["0", 1][0] == pytest.approx(gz.normal_form(P.model, "d").graze, abs=1e-14)
+    unstable = (result["branch_stable"] == 0) & (result["branch_admissible"] == 1)
+    assert {4, 6} <= set(result["branch_period"].values[unstable.values].tolist())
+    assert not {"scan only", "not followed"} & kinds(result)
+
+
+def test_the_passive_wall_joins_its_windows_by_unstable_orbits():
+    P = gz.stroboscopic_map(gz.pinball(V=0.0))
+    result = bifurcation_diagram(P, "d", np.linspace(0.06, 0.14, 81), starts=20)
+    found = windows(result)
+    assert found["01", 2][2:] == ("gr", "pd") and found["001", 3][2:] == ("gr", "pd")
+    exact = gz.windows(P.model, "d", 2).isel(window=0)
+    assert found["01", 2][:2] == pytest.approx((float(exact.low), float(exact.high)), abs=1e-12)
+    assert "scan only" not in kinds(result)
+
+
+def test_the_gap_map_with_its_windows():
+    lam, l = 0.5, 0.1
+    result = bifurcation_diagram(gz.gap_map(lam=lam, mu=0.05, l=l), "mu", np.linspace(0.02, 0.2, 61), starts=20)
+    found = windows(result)
+    checked = 0
+    for N in (2, 3, 4):
+        pd, bc = gz.theory.mu_pd(N, lam, l), gz.theory.mu_bc(N, lam, l)
+        low, high, low_type, high_type = found["L" * (N - 1) + "R", N]
+        if 0.02 < pd:
+            assert (low, low_type) == (pytest.approx(pd, abs=1e-12), "pd")
+            checked += 1
+        if bc < 0.2:
+            assert (high, high_type) == (pytest.approx(bc, abs=1e-12), "bcb")
+            checked += 1
+    assert checked >= 4 and "scan only" not in kinds(result)
+
+
+def test_a_smooth_map_of_ones_own_and_what_lies_beyond_the_period_limit():
+    def logistic(state, p):
+        (x,) = state
+        return (p.a * x * (1.0 - x),)
+
+    P = gz.Map(logistic, params={"a": 3.2}, coordinates=("x",), box=((0.01, 0.99),))
+    result = bifurcation_diagram(P, "a", np.linspace(2.9, 3.56, 34), starts=5, transient=2000, keep=64, period=4)
+    found = windows(result)
+    assert found["0", 1][1] == pytest.approx(3.0, abs=1e-9)
+    assert found["0", 2][:2] == pytest.approx((3.0, 1.0 + np.sqrt(6.0)), abs=1e-8)
+    rows = result["disagreement_kind"].values == "not followed"
+    assert set(result["disagreement_period"].values[rows].tolist()) <= {8, 16}
+    assert rows.any() and "its period is beyond 4" in result["disagreement_reason"].values[rows].tolist()
+
+
+def test_a_stable_orbit_that_no_start_reaches_is_listed():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4, d=0.101))
+    box = ((0.11, 0.12), (-0.01, 0.0))
+    values = np.linspace(0.0995, 0.1025, 5)
+    both = bifurcation_diagram(P, "d", values, starts=60)
+    assert {("01", 2), ("001", 3)} <= set(windows(both))
+    one = bifurcation_diagram(P, "d", np.concatenate([values, [0.09]]), starts=1, box=box)
+    reached = set(one["word"].values.ravel().tolist())
+    assert "branch only" in kinds(one) or reached == {"01", "001"}
+
+
+def test_saved_and_loaded(tmp_path):
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    result = bifurcation_diagram(P, "d", np.linspace(0.09, 0.11, 5), starts=5)
+    gz.save(result, tmp_path / "all.nc")
+    back = gz.load(tmp_path / "all.nc")
+    assert back["branch_word"].values.tolist() == result["branch_word"].values.tolist()
+    drawn = gz.plot.bifurcation_diagram(back)
+    assert drawn["lines"] and drawn["windows"] and drawn["provenance"]
+
+
+def test_what_a_wrong_call_is_told():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    with pytest.raises(gz.InputError, match="at least 2 different"):
+        bifurcation_diagram(P, "d", [0.1], starts=2)
+    with pytest.raises(gz.InputError, match="period"):
+        bifurcation_diagram(P, "d", [0.1, 0.11], starts=2, period=0)
+    with pytest.raises(gz.InputError, match="give the result of"):
+        gz.plot.bifurcation_diagram(gz.orbit_diagram(P, "d", [0.1], starts=2))
