@@ -41,6 +41,8 @@ _PUBLIC = {
     "Branch": "orbits.branch",
     "boundaries": "orbits.boundaries",
     "continuation": "orbits.branch",
+    "Locus": "orbits.locus",
+    "locus": "orbits.locus",
     "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
     "windows": "orbits.windows",
@@ -93,6 +95,8 @@ if TYPE_CHECKING:
     from grazing.orbits.branch import continuation as continuation
     from grazing.orbits.grazing_curve import grazing_curve as grazing_curve
     from grazing.orbits.impact_orbit import ImpactOrbit as ImpactOrbit
+    from grazing.orbits.locus import Locus as Locus
+    from grazing.orbits.locus import locus as locus
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
     from grazing.orbits.orbit import Orbit as Orbit
     from grazing.orbits.windows import windows as windows

@@ -7,6 +7,7 @@ from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
 from grazing.plot.coexistence import coexistence
 from grazing.plot.density import density
+from grazing.plot.locus import locus
 from grazing.plot.lyapunov import lyapunov
 from grazing.plot.map_graph import graph_of, map_graph
 from grazing.plot.orbit_diagram import orbit_diagram
@@ -26,6 +27,7 @@ __all__ = [
     "density",
     "figure",
     "graph_of",
+    "locus",
     "lyapunov",
     "map_graph",
     "orbit_diagram",

@@ -1,0 +1,299 @@
+"""Loci: where a special point lies as a second parameter varies, and the points of codimension two on the way."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.branch import checked_bounds
+from grazing.orbits.equations import Equations, Test
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.path import Point, closed, follow, joined, linearised, tangent_of
+from grazing.orbits.signature import equations_of
+from grazing.orbits.special import SPECIAL, Special
+from grazing.orbits.switching import ZERO
+from grazing.outcome import InputError
+from grazing.parameter import Parameter, whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+#: Special points that are zeros of one test function.
+FOLLOWED = ("lp", "pd", "ns", "gr", "bcb", "v0", "law")
+#: Part of an unknown's size by which it is moved to see how a test function changes.
+MOVED = 1e-5
+#: A fold whose second parameter turns round at a point where the first one does, too, is a cusp.
+STANDS = 1e-5
+
+
+class LocusEquations(Equations):
+    """The equations of an orbit and one test function of it, with the first of two parameters among the unknowns."""
+
+    def __init__(
+        self, base: Equations, type: str, where: int, bounds: tuple[float, float], x: Floats, p: Floats
+    ) -> None:
+        self.base, self.type, self.bounds = base, type, bounds
+        self.names, self.N = base.names, base.N
+        self.spans = base.spans[1:]
+        self.scale = np.append(base.scale, base.spans[0])
+        tests = base.tests(x, p)
+        # at a graze of a passive wall an impact's speed and a dip's depth are one thing, and the speed is smoother
+        alike = ("v0", "gr") if type in ("gr", "v0") else (type,)
+        places = [i for i, test in enumerate(tests) if test.type in alike and test.where in (where, -1)]
+        if not places:
+            raise InputError(f"a {type} cannot be followed: these equations have no test function for it")
+        zero = ZERO * float(base.scale.max())
+        self._index = min(places, key=lambda i: (max(abs(tests[i].value), zero), alike.index(tests[i].type)))
+        self._kinds = tuple(test[::2] for test in tests)
+
+    def split(self, X: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return the unknowns of the orbit and both parameters."""
+        return X[:-1], np.array([X[-1], p[-1]])
+
+    def height(self, x: Floats, both: Floats) -> float:
+        """Return the test function; NaN where the tests are others."""
+        tests = self.base.tests(x, both)
+        if self._index >= len(tests) or tests[self._index][::2] != self._kinds[self._index]:
+            return float("nan")
+        return tests[self._index].value
+
+    def defects(self, X: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return the defects of the orbit and the test function, with their derivatives."""
+        x, both = self.split(X, p)
+        n = len(x)
+        F, J = self.base.defects(x, both)
+        wide = np.full((n + 1, n + 1), np.nan)
+        if not (np.isfinite(F).all() and np.isfinite(J).all()):
+            return np.full(n + 1, np.nan), wide
+        wide[:n, :n], wide[:n, n] = J, self.base.slopes(x, both)[:, 0]
+        for j in range(n + 1):
+            h = MOVED * float(self.scale[j])
+            ends = []
+            for side in (h, -h):
+                moved, params = x.copy(), both.copy()
+                if j < n:
+                    moved[j] += side
+                else:
+                    params[0] += side
+                ends.append(self.height(moved, params))
+            wide[n, j] = (ends[0] - ends[1]) / (2.0 * h)
+        return np.append(F, self.height(x, both)), wide
+
+    def slopes(self, X: Floats, p: Floats) -> Floats:
+        """Return the derivatives in the second parameter."""
+        x, both = self.split(X, p)
+        h = MOVED * float(self.spans[0])
+        shift = np.array([0.0, h])
+        across = (self.height(x, both + shift) - self.height(x, both - shift)) / (2.0 * h)
+        return np.append(self.base.slopes(x, both)[:, 1], across)[:, None]
+
+    def tests(self, X: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return the other test functions of the orbit: where one of them is zero, two things happen at once."""
+        x, both = self.split(X, p)
+        others = (test for i, test in enumerate(self.base.tests(x, both)) if i != self._index)
+        alike = ("gr", "v0")  # of one touch that happens in each of several periods
+        return tuple(
+            Test(f"{self.type}+{test.type}", test.value, test.where)
+            for test in others
+            if not (self.type == "gr" and test.type in alike and abs(test.value) <= ZERO * float(self.base.scale.max()))
+        )
+
+    def broken(self, X: Floats, p: Floats) -> str:
+        """Say whether the first parameter has left its range, or the orbit is none any more."""
+        x, both = self.split(X, p)
+        low, high = self.bounds
+        if not low <= both[0] <= high:
+            return "bounds"
+        return self.base.broken(x, both)
+
+    def orbit(self, X: Floats, p: Floats) -> Orbit:
+        """Return the orbit."""
+        return self.base.orbit(*self.split(X, p))
+
+
+class Meeting(NamedTuple):
+    """A point of codimension two: its type such as *gr+lp* or *cusp*, both parameters, the orbit, and its trust."""
+
+    type: str
+    values: tuple[float, float]
+    orbit: Orbit
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Locus:
+    """Where a special point lies in the plane of two parameters; see :func:`locus`.
+
+    Parameters
+    ----------
+    type : str
+        Of the special point.
+    parameters : (str, str)
+    bounds : ((low, high), (low, high))
+    values : ndarray, shape (n, 2)
+    orbits : tuple of Orbit
+    meetings : tuple of Meeting
+    ends : (str, str)
+        Why it ends at either end.
+    """
+
+    type: str
+    parameters: tuple[str, str]
+    bounds: tuple[tuple[float, float], tuple[float, float]]
+    values: Floats
+    orbits: tuple[Orbit, ...]
+    meetings: tuple[Meeting, ...]
+    ends: tuple[str, str]
+
+    def __repr__(self) -> str:
+        met = ", ".join(f"{one.type} ({one.values[0]:.6g}, {one.values[1]:.6g})" for one in self.meetings) or "none"
+        return f"<Locus of {self.type} of {self.orbits[0].word} in {', '.join(self.parameters)}; meetings: {met}>"
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The locus as a labelled table: dimensions ``point`` and ``meeting``."""
+        import xarray as xr
+
+        P = self.orbits[0].map
+        columns: dict[str, Any] = {}
+        for j, name in enumerate(self.parameters):
+            about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
+            attrs = {"long_name": about.meaning, "symbol": about.symbol, "units": "1"}
+            columns[name] = "point", self.values[:, j], attrs
+            columns[f"meeting_{name}"] = (
+                "meeting",
+                np.array([one.values[j] for one in self.meetings], np.float64),
+                attrs,
+            )
+        columns["admissible"] = (
+            "point",
+            np.array([int(edge(o)) for o in self.orbits], np.int8),
+            {"long_name": "admissible"},
+        )
+        kinds = np.array([one.type for one in self.meetings], dtype=object)
+        columns["meeting_type"] = "meeting", kinds, {"long_name": "what happens at once"}
+        attributes = {
+            "title": f"{SPECIAL[self.type].split(':')[0]} of {self.orbits[0].word} in {' and '.join(self.parameters)}",
+            "type": self.type, "word": self.orbits[0].word, "period": self.orbits[0].period,
+            "parameters": json.dumps(list(self.parameters)), "bounds": json.dumps([list(b) for b in self.bounds]),
+            "map": P.name or "map", "map_parameters": json.dumps(dict(P.params)), "ends": json.dumps(list(self.ends)),
+        }  # fmt: skip
+        return xr.Dataset(columns, attrs=attributes)
+
+
+def edge(orbit: Orbit) -> bool:
+    """Whether an orbit is admissible, or only just not: on a locus of grazes it is on the edge."""
+    clearance = getattr(orbit, "clearance", None)
+    if clearance is None:
+        return orbit.admissible
+    fast = getattr(orbit, "incoming", np.empty(0))
+    return bool(clearance > -1e-9 and (fast < 1e-9).all())
+
+
+def locus(
+    special: Special,
+    names: tuple[str, str],
+    bounds: tuple[tuple[float, float], tuple[float, float]],
+    *,
+    step: float = 0.03,
+    limit: int = 1000,
+) -> Locus:
+    """Follow a special point of a branch in two parameters.
+
+    Parameters
+    ----------
+    special : Special
+        Of type lp, pd, ns, gr, bcb, v0 or law.
+    names : (str, str)
+        Two different parameters of its map.
+    bounds : ((low, high), (low, high))
+        Their ranges; the values at the special point lie inside.
+    step : float
+        Longest step, as in :func:`continuation`.
+    limit : int
+        Most points in each direction.
+
+    Returns
+    -------
+    Locus
+        With its meetings, the points of codimension two where another test function is zero as well (*gr+pd*, ...) or
+        a fold turns round in both parameters (*cusp*).
+
+    Raises
+    ------
+    InputError
+        For a special point of another type, unknown or equal parameters, or ranges that do not hold it.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
+    >>> branch = gz.continuation(orbit.map, orbit, "d", (0.09, 0.13))
+    >>> graze = branch.special[0]
+    >>> curve = gz.locus(graze, ("d", "V"), ((0.0, 0.14), (0.2, 0.6)))
+    >>> curve.type, bool((abs(curve.orbits[-1].clearance) < 1e-12))
+    ('gr', True)
+    """
+    if not isinstance(special, Special) or special.type not in FOLLOWED:
+        got = special.type if isinstance(special, Special) else type(special).__name__
+        raise InputError(
+            f"{got} cannot be followed in two parameters; allowed are special points {', '.join(FOLLOWED)}"
+        )
+    try:
+        (one, other), (first, second) = names, bounds
+    except (TypeError, ValueError):
+        raise InputError(f"names {names!r}, bounds {bounds!r}; give two names and two pairs (low, high)") from None
+    if one == other:
+        raise InputError(f"both parameters are {one!r}; give two different ones")
+    P = special.orbit.map
+    ranges = checked_bounds(P, one, first), checked_bounds(P, other, second)
+    p = np.array([P.params[one], P.params[other]])
+    for name, value, (low, high) in zip(names, p, ranges, strict=True):
+        if not low <= value <= high:
+            raise InputError(
+                f"the special point has {name} = {value:g}, outside of [{low:g}, {high:g}]; widen the range"
+            )
+    spans = np.array([high - low for low, high in ranges])
+    base, x = equations_of(special.orbit, (one, other), spans)
+    equations = LocusEquations(base, special.type, special.where, ranges[0], x, p)
+    X = closed(equations, np.append(x, p[0]), p[1:])
+    if X is None:
+        raise InputError(f"{special!r} is not regular in {one}: vary other parameters, or begin at another point")
+    z = np.concatenate([X / equations.scale, p[1:] / equations.spans])
+    _F, wide = linearised(equations, z)
+    ahead = np.zeros(len(z))
+    ahead[-1] = 1.0
+    start = Point(z, tangent_of(wide, ahead), equations.tests(X, p[1:]))
+    most = whole(limit, "limit", 2)
+    forward = follow(equations, start, ranges[1], step=step, limit=most)
+    back = start._replace(tangent=-start.tangent)
+    path = (
+        forward
+        if forward.ended == "closed"
+        else joined(follow(equations, back, ranges[1], step=step, limit=most), forward)
+    )
+    low, high = ranges[0]
+    inside = [q for q in path.points if low <= q.z[-2] * equations.scale[-1] <= high]
+    solutions = [path.unscaled(q.z) for q in inside]
+    met = []
+    for _index, event in path.events:
+        X, q = path.unscaled(event.point.z)
+        kind = event.type
+        if kind in ("lp", "bp"):  # the second parameter turns round: a cusp if the first one stands still too
+            if special.type != "lp" or abs(event.point.tangent[-2]) > STANDS:
+                continue
+            kind = "cusp"
+        orbit = equations.orbit(X, q)
+        if kind.endswith("+ns") and abs(orbit.multipliers[0].imag) == 0.0 and not kind.startswith(("lp", "pd")):
+            continue
+        if low <= X[-1] <= high:
+            met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
+    values = np.array([[X[-1], q[-1]] for X, q in solutions])
+    orbits = tuple(equations.orbit(X, q) for X, q in solutions)
+    return Locus(special.type, (one, other), ranges, values, orbits, tuple(met), (path.began, path.ended))

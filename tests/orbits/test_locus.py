@@ -1,0 +1,182 @@
+"""Loci of special points in two parameters: closed forms, published curves, and where they meet."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.orbits.branch import continuation
+from grazing.orbits.locus import locus
+from tests.orbits.test_branch import admissible, free_orbit
+
+
+def test_the_graze_of_the_steady_response_in_two_parameters():
+    """Without impacts the graze is F = sqrt((k^2 - omega^2)^2 + (alpha omega)^2) times the distance of the wall."""
+    alpha, k, sigma = 0.3, 1.2, -0.7
+    model = gz.Oscillator(
+        alpha=alpha, k=k, forcing=gz.Forcing(omega=1.7, cos=(0.6,)), sigma=sigma, reset=gz.newton(r=0.8)
+    )
+    orbit = free_orbit(model)
+    (graze,) = admissible(continuation(orbit.map, orbit, "cos1", (0.1, 3.0)), "gr")
+    found = locus(graze, ("cos1", "omega"), ((0.01, 10.0), (0.8, 3.0)))
+    F, omega = found.values.T
+    np.testing.assert_allclose(F, -sigma * np.hypot(k * k - omega**2, alpha * omega), rtol=1e-11)
+    assert omega.min() == pytest.approx(0.8) and omega.max() == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("type", ["gr", "pd", "v0"])
+def test_each_point_of_a_locus_is_such_a_point_of_a_branch(type):
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    special = next(one for one in continuation(orbit.map, orbit, "d", (0.09, 0.13)).special if one.type == type)
+    found = locus(special, ("d", "V"), ((0.0, 0.14), (0.1, 0.7)))
+    assert found.ends == ("bounds", "bounds")
+    for i in (3, len(found.orbits) // 3, -4):
+        here = found.orbits[i]
+        branch = continuation(here.map, here, "d", (found.values[i, 0] - 0.01, found.values[i, 0] + 0.01))
+        near = [one.value for one in branch.special if one.type == type]
+        assert min(abs(np.array(near) - found.values[i, 0])) < 1e-10
+
+
+def test_the_edges_of_windows_move_along_loci():
+    model = gz.pinball(V=0.4, r=0.8)
+    table = gz.windows(model, "d", 4).isel(window=0)
+    orbit = next(o for o in gz.one_impact_orbits(model.replace(d=float(table.low + table.high) / 2), 4) if o.stable)
+    branch = continuation(orbit.map, orbit, "d", (0.12, 0.13))
+    for type, side in (("gr", "low"), ("pd", "high")):
+        found = locus(admissible(branch, type)[0], ("d", "r"), ((0.1, 0.14), (0.5, 1.0)))
+        for d, r in found.values[:: len(found.values) // 5]:
+            exact = gz.windows(model.replace(r=float(r)), "d", 4, span=(0.1, 0.14))
+            edges = exact[side].values[exact[f"{side}_type"].values == type]
+            assert np.abs(edges - d).min() < 1e-10
+
+
+# F at which the 2-periodic orbit with one impact has the multiplier -1 or 1, at a few frequencies: from the data that
+# Ghosh and Simpson published with arXiv:2510.16218 (alpha = 0.04, k = 1, r = 0.9, wall at -1; multipliers to 1e-5)
+PUBLISHED = {
+    "pd": {0.81: 0.3475333988945534, 0.80979: 0.3477866775793365, 0.80089: 0.3600268471434961},
+    "lp": {0.799: 0.3628362019762544, 0.799011: 0.3628232155151501, 0.799741: 0.3618288199776485},
+}
+
+
+def resonant(type):
+    """The branch of the 2-periodic orbit with one impact, and its special point next to the resonant graze."""
+    omega, F = {"pd": (0.81, 0.348), "lp": (0.799, 0.3629)}[type]
+    forcing = gz.Forcing(omega=omega, cos=(F,))
+    model = gz.Oscillator(alpha=0.04, k=1.0, forcing=forcing, sigma=-1.0, reset=gz.newton(r=0.9))
+    wanted = next(iter(PUBLISHED[type].values()))
+    special = [
+        one
+        for orbit in gz.one_impact_orbits(model, 2)
+        for one in continuation(orbit.map, orbit, "cos1", (0.3, 0.4)).special
+    ]
+    return next(one for one in special if one.type == type and abs(one.value - wanted) < 1e-4)
+
+
+@pytest.mark.parametrize("type", ["pd", "lp"])
+def test_published_curves_next_to_a_resonant_graze(type):
+    special = resonant(type)
+    for value, F in PUBLISHED[type].items():
+        start = special.orbit.model.params["omega"]
+        if value == start:
+            assert special.value == pytest.approx(F, abs=2e-7)
+            continue
+        found = locus(special, ("cos1", "omega"), ((0.3, 0.4), (min(value, start), max(value, start))), step=0.01)
+        end = min((0, -1), key=lambda i: abs(found.values[i, 1] - value))
+        assert found.values[end] == pytest.approx((F, value), abs=2e-7)
+
+
+@pytest.mark.parametrize("type", ["pd", "lp"])
+def test_the_curves_of_a_resonant_graze_are_tangent_to_the_curve_of_grazes(type):
+    """Simpson and Ghosh, arXiv:2602.22797: both are quadratically tangent to F = sqrt((1 - omega^2)^2 + (b omega)^2).
+
+    The resonance is that of two periods with five half-turns of the damped free ball.
+    """
+    special = resonant(type)
+    found = locus(special, ("cos1", "omega"), ((0.3, 0.4), (0.79, 0.82)), step=0.005)
+    F, omega = found.values.T
+    damped = np.sqrt(1.0 - 0.02**2)
+    star = 4.0 * damped / 5.0
+    graze = np.hypot(1.0 - omega**2, 0.04 * omega)
+    side = (omega - star) * (special.orbit.model.params["omega"] - star) > 0.0
+    away, gap = np.abs(omega - star)[side], np.abs(F - graze)[side]
+    order = np.argsort(away)
+    away, gap = away[order], gap[order]
+    kept = (away > 2e-5) & (away < 2e-3)
+    assert kept.sum() >= 4
+    slope = np.polyfit(np.log(away[kept]), np.log(gap[kept]), 1)[0]
+    assert slope == pytest.approx(2.0, abs=0.1)
+    assert any(set(meeting.type.split("+")) & {"v0", "gr"} for meeting in found.meetings)
+    near = [m for m in found.meetings if abs(m.values[1] - star) < 1e-6]
+    assert near and abs(near[0].values[0] - np.hypot(1.0 - star**2, 0.04 * star)) < 1e-6
+
+
+def test_loci_of_the_gap_map_are_the_formulas_of_theory():
+    lam, l, N = 0.5, 0.1, 3
+    mu = 0.5 * (gz.theory.mu_pd(N, lam, l) + gz.theory.mu_bc(N, lam, l))
+    G = gz.gap_map(lam=lam, mu=mu, l=l)
+    points = np.array(gz.theory.maximal_orbit(N, lam, mu, l)).reshape(-1, 1)
+    orbit = gz.Orbit(
+        map=G, points=points, word="LLR", period=N, multipliers=np.array([0j]), admissible=True, condition=1.0,
+        residual=0.0,
+    )  # fmt: skip
+    branch = continuation(G, orbit, "mu", (0.0, 0.3))
+    (pd,) = [one for one in branch.special if one.type == "pd"]
+    bc = next(one for one in branch.special if one.type == "bcb" and one.admissible and one.value > mu)
+    for special, formula in ((pd, gz.theory.mu_pd), (bc, gz.theory.mu_bc)):
+        for name, low, high in (("l", 0.01, 0.5), ("lam", 0.2, 0.9)):
+            found = locus(special, ("mu", name), ((0.0, 2.0), (low, high)))
+            for value, other in found.values:
+                arguments = {"lam": lam, "l": l, name: float(other)}
+                assert value == pytest.approx(formula(N, arguments["lam"], arguments["l"]), abs=1e-12)
+
+
+def test_a_cusp_of_folds():
+    """x -> x + a + b x - x^3 has folds on 27 a^2 = 4 b^3, with a cusp at the origin."""
+
+    def cubic(state, p):
+        (x,) = state
+        return (x + p.a + p.b * x - x * x * x,)
+
+    P = gz.Map(cubic, params={"a": 0.0, "b": 0.5}, coordinates=("x",), box=((-2.0, 2.0),))
+    x = np.sqrt(0.5)
+    orbit = gz.Orbit(
+        map=P, points=np.array([[x]]), word="0", period=1, multipliers=np.array([1.5 - 3.0 * x * x + 0j]),
+        admissible=True, condition=1.0, residual=0.0,
+    )  # fmt: skip
+    folds = [one for one in continuation(P, orbit, "a", (-0.5, 0.5)).special if one.type == "lp"]
+    found = locus(folds[0], ("a", "b"), ((-0.5, 0.5), (-0.2, 0.8)))
+    a, b = found.values.T
+    np.testing.assert_allclose(27.0 * a**2, 4.0 * b**3, atol=1e-9)
+    (cusp,) = found.meetings
+    assert cusp.type == "cusp" and cusp.values == pytest.approx((0.0, 0.0), abs=1e-6)
+
+
+def test_a_table_and_a_figure(tmp_path):
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    special = [one for one in continuation(orbit.map, orbit, "d", (0.09, 0.13)).special if one.type in ("gr", "pd")]
+    found = [locus(one, ("d", "V"), ((0.0, 0.14), (0.1, 0.7))) for one in special[:2]]
+    gz.save(found[0].dataset, tmp_path / "gr.nc")
+    back = gz.load(tmp_path / "gr.nc")
+    np.testing.assert_array_equal(back["d"].values, found[0].values[:, 0])
+    drawn = gz.plot.locus([back, found[1]])
+    assert len(drawn["lines"]) == 4 and "Locus of gr" in repr(found[0])
+
+
+def test_what_a_wrong_call_is_told():
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    special = continuation(orbit.map, orbit, "d", (0.09, 0.13)).special[0]
+    ranges = ((0.0, 0.14), (0.1, 0.7))
+    with pytest.raises(gz.InputError, match="cannot be followed"):
+        locus(orbit, ("d", "V"), ranges)
+    with pytest.raises(gz.InputError, match="two different ones"):
+        locus(special, ("d", "d"), ranges)
+    with pytest.raises(gz.InputError, match="two names and two pairs"):
+        locus(special, "d", 3)
+    with pytest.raises(gz.InputError, match="unknown parameter"):
+        locus(special, ("d", "W"), ranges)
+    with pytest.raises(gz.InputError, match="outside of"):
+        locus(special, ("d", "V"), ((0.0, 0.14), (0.5, 0.7)))
+    with pytest.raises(gz.InputError, match="no locus can be drawn"):
+        gz.plot.locus(special)
