@@ -41,7 +41,14 @@ _PUBLIC = {
     "Branch": "orbits.branch",
     "boundaries": "orbits.boundaries",
     "continuation": "orbits.branch",
+    "ladder": "compare.ladder",
+    "linearised_map": "maps.linearised",
     "Locus": "orbits.locus",
+    "adding_tree": "orbits.adding_tree",
+    "manifolds": "orbits.manifold",
+    "sensitivity": "orbits.sensitivity",
+    "validity": "compare.validity",
+    "words": "orbits.word",
     "locus": "orbits.locus",
     "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
@@ -79,6 +86,8 @@ if TYPE_CHECKING:
     from grazing import theory as theory
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+    from grazing.compare.ladder import ladder as ladder
+    from grazing.compare.validity import validity as validity
     from grazing.export import to_csv as to_csv
     from grazing.io import load as load
     from grazing.io import save as save
@@ -87,9 +96,11 @@ if TYPE_CHECKING:
     from grazing.maps.discontinuity import zdm_points as zdm_points
     from grazing.maps.gap import gap_map as gap_map
     from grazing.maps.impact import impact_map as impact_map
+    from grazing.maps.linearised import linearised_map as linearised_map
     from grazing.maps.map import Map as Map
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
+    from grazing.orbits.adding_tree import adding_tree as adding_tree
     from grazing.orbits.boundaries import boundaries as boundaries
     from grazing.orbits.branch import Branch as Branch
     from grazing.orbits.branch import continuation as continuation
@@ -97,9 +108,12 @@ if TYPE_CHECKING:
     from grazing.orbits.impact_orbit import ImpactOrbit as ImpactOrbit
     from grazing.orbits.locus import Locus as Locus
     from grazing.orbits.locus import locus as locus
+    from grazing.orbits.manifold import manifolds as manifolds
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
     from grazing.orbits.orbit import Orbit as Orbit
+    from grazing.orbits.sensitivity import sensitivity as sensitivity
     from grazing.orbits.windows import windows as windows
+    from grazing.orbits.word import words as words
     from grazing.oscillator.model import Forcing as Forcing
     from grazing.oscillator.model import Oscillator as Oscillator
     from grazing.oscillator.model import pinball as pinball

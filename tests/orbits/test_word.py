@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import pytest
@@ -6,7 +7,7 @@ from hypothesis import strategies as st
 
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.orbits.word import impacts_and_periods, least_rotation, letters_of, primitive, word
+from grazing.orbits.word import impacts_and_periods, least_rotation, letters_of, primitive, word, words
 
 SEQUENCES = st.lists(st.integers(-2, 3), min_size=1, max_size=12)
 COUNTS = st.lists(st.integers(-2, 25), min_size=1, max_size=12)
@@ -84,6 +85,37 @@ def test_impacts_and_periods():
     assert impacts_and_periods((2, 0)) == impacts_and_periods((1, 1))
 
 
+def moebius(n):
+    primes = [p for p in range(2, n + 1) if n % p == 0 and all(p % q for q in range(2, p))]
+    return 0 if any(n % (p * p) == 0 for p in primes) else (-1) ** len(primes)
+
+
+@pytest.mark.parametrize("letters", ["L", "LR", "LRC", 0, 1, 3])
+def test_as_many_words_as_moebius_counts(letters):
+    k = len(letters) if isinstance(letters, str) else letters + 1
+    symbols = letters if isinstance(letters, str) else None
+    found = words(letters, 9)
+    assert len(set(found)) == len(found)
+    for n in range(1, 10):
+        expected = sum(moebius(n // d) * k**d for d in range(1, n + 1) if n % d == 0) // n
+        assert sum(len(letters_of(one, symbols)) == n for one in found) == expected
+
+
+@pytest.mark.parametrize(("most", "length", "impacts"), [(1, 7, None), (2, 6, None), (2, 6, 3), (12, 3, 12), (3, 5, 0)])
+def test_words_are_all_that_cycles_of_letters_give(most, length, impacts):
+    cycles = (c for n in range(1, length + 1) for c in itertools.product(range(most + 1), repeat=n))
+    every = {word(c) for c in cycles if len(primitive(c)) == len(c) and (impacts is None or sum(c) <= impacts)}
+    found = words(most, length, impacts)
+    assert set(found) == every and len(found) == len(every)
+    assert list(found) == sorted(found, key=lambda one: (len(letters_of(one)), letters_of(one)))
+    assert all(word(letters_of(one)) == one for one in found)
+
+
+def test_a_bound_on_impacts_keeps_long_words_few():
+    # one impact in up to 60 periods: the bound prunes, or 2^60 cycles would be gone through
+    assert words(1, 60, impacts=1) == ("0", *("0" * n + "1" for n in range(60)))
+
+
 def test_long_words_take_linear_time():
     s = [0] * 200_000
     s[-1] = 1
@@ -101,6 +133,12 @@ def test_long_words_take_linear_time():
         (lambda: word((-3,)), r"letter -3 has no symbol; allowed are counts >= 0, -1 \(C\) and -2 \(S\)"),
         (lambda: letters_of("00x"), r"word '00x' has 'x' at position 2; allowed are 0 to 9, \(10\) and above, C, S"),
         (lambda: letters_of("(3)"), r"word '\(3\)' has '\(3\)' at position 0"),
+        (lambda: words("", 3), "letters = ''; give different symbols, such as 'LR'"),
+        (lambda: words("LRL", 3), "letters = 'LRL'; give different symbols"),
+        (lambda: words("LR", 0), "length = 0; allowed is a whole number >= 1"),
+        (lambda: words(-1, 2), "letters = -1; allowed is a whole number >= 0"),
+        (lambda: words(1, 2, -1), "impacts = -1; allowed is a whole number >= 0"),
+        (lambda: words("LR", 2, 1), "impacts = 1 for the symbols 'LR'; it bounds letters that are counts"),
         (lambda: letters_of("LS", "LR"), "word 'LS' has 'S' at position 1; allowed are L, R"),
     ],
 )

@@ -31,6 +31,7 @@ def test_it_rests_on_numpy_and_the_outcomes_alone():
         "collections.abc",
         "dataclasses",
         "enum",
+        "itertools",
         "math",
         "numpy",
         "numpy.typing",

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.outcome import InputError
+from grazing.parameter import whole
 
 _SPECIAL = {CHATTER_LETTER: "C", STUCK_LETTER: "S"}
 _COUNTS = {"C": CHATTER_LETTER, "S": STUCK_LETTER}
@@ -151,6 +152,76 @@ def letters_of(text: str, symbols: str | None = None) -> tuple[int, ...]:
             allowed = "0 to 9, (10) and above, C, S" if symbols is None else ", ".join(symbols)
             raise InputError(f"word {text!r} has {text[position:]!r} at position {position}; allowed are {allowed}")
     return _sequence(letters)
+
+
+def words(letters: str | int, length: int, impacts: int | None = None) -> tuple[str, ...]:
+    """Return every word up to a length: one for each class of primitive cycles of letters.
+
+    Parameters
+    ----------
+    letters : str or int
+        The symbols of letter 0, 1, ..., such as ``"LR"`` for the gap map (:attr:`grazing.Map.letters`); or, for
+        the oscillator, the greatest number of impacts in one period of the forcing.
+    length : int
+        Greatest number of letters, >= 1.
+    impacts : int, optional
+        Greatest number of impacts in the whole word, for letters that are counts.
+
+    Returns
+    -------
+    tuple of str
+        As :func:`word` writes them, by length and then in the order of the letters' codes.
+
+    Raises
+    ------
+    InputError
+        For no letters, repeated ones, or a number out of range.
+
+    Notes
+    -----
+    Words in their least rotation are Lyndon words. They are read off the prefixes of necklaces, which the algorithm
+    of Fredricksen, Kessler and Maiorana visits in constant mean time each (Ruskey, Savage and Wang, J. Algorithms 13
+    (1992) 414-430); there are ``(1/n) sum_(d|n) moebius(n/d) k^d`` of length n on k letters.
+
+    Examples
+    --------
+    >>> words("LR", 4)
+    ('L', 'R', 'LR', 'LLR', 'LRR', 'LLLR', 'LLRR', 'LRRR')
+    >>> words(2, 3, impacts=2)
+    ('0', '1', '2', '01', '02', '001', '002', '011')
+    """
+    longest = whole(length, "length", 1)
+    if isinstance(letters, str):
+        if not letters or len(set(letters)) < len(letters):
+            raise InputError(f"letters = {letters!r}; give different symbols, such as 'LR', or the most impacts")
+        if impacts is not None:
+            raise InputError(f"impacts = {impacts!r} for the symbols {letters!r}; it bounds letters that are counts")
+        symbols, count, most = letters, len(letters), None
+    else:
+        symbols, count = None, whole(letters, "letters", 0) + 1
+        most = None if impacts is None else whole(impacts, "impacts", 0)
+    found = (one for n in range(1, longest + 1) for one in _lyndon(n, count, most))
+    return tuple("".join(_symbol(letter, symbols) for letter in one) for one in found)
+
+
+def _lyndon(n: int, count: int, most: int | None) -> Iterator[tuple[int, ...]]:
+    """Yield the Lyndon words of length n on the letters below `count`, with a sum of at most `most`, in order."""
+    a = [0] * (n + 1)  # a[0] is a sentinel before the first letter
+    last = count - 1 if most is None else min(count - 1, most)
+
+    def extend(t: int, p: int, total: int) -> Iterator[tuple[int, ...]]:
+        """Go through the prefixes of necklaces whose first t - 1 letters are set; p: their longest Lyndon prefix."""
+        if t > n:
+            if p == n:
+                yield tuple(a[1:])
+            return
+        for letter in range(a[t - p], last + 1):
+            if most is not None and total + letter > most:
+                break
+            a[t] = letter
+            yield from extend(t + 1, p if letter == a[t - p] else t, total + letter)
+
+    yield from extend(1, 1, 0)
 
 
 def impacts_and_periods(letters: Sequence[int]) -> tuple[float, int]:

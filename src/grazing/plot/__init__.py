@@ -7,13 +7,17 @@ from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
 from grazing.plot.coexistence import coexistence
 from grazing.plot.density import density
+from grazing.plot.ladder import ladder
 from grazing.plot.locus import locus
 from grazing.plot.lyapunov import lyapunov
+from grazing.plot.manifold import manifolds
 from grazing.plot.map_graph import graph_of, map_graph
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance, provenance_of
 from grazing.plot.style import figure, panels, period_colour, rendered, save, styled
 from grazing.plot.trajectory import trajectory
+from grazing.plot.tree import tree
+from grazing.plot.validity import validity
 from grazing.plot.windows import windows
 from grazing.plot.zdm import zdm
 
@@ -27,8 +31,10 @@ __all__ = [
     "density",
     "figure",
     "graph_of",
+    "ladder",
     "locus",
     "lyapunov",
+    "manifolds",
     "map_graph",
     "orbit_diagram",
     "panels",
@@ -39,6 +45,8 @@ __all__ = [
     "save",
     "styled",
     "trajectory",
+    "tree",
+    "validity",
     "windows",
     "zdm",
 ]

@@ -1,10 +1,12 @@
 """Closed forms of the gap map (2.6), ``x -> lam x + mu`` for x < 0 and ``x -> mu - l - sqrt(x)`` for x >= 0.
 
 Arguments always come in the order (N, lam, mu, l), less those that a formula does not need. The maximal orbit
-of period N has the word L^(N-1) R: N - 1 points below zero, then one above.
+of period N has the word L^(N-1) R: N - 1 points below zero, then one above. Words other than these, and signs of
+lam and l other than 0 < lam < 1 and l >= 0, are solved exactly by the ``word_`` functions.
 """
 
 from grazing.theory.asymptotics import mu_bc_leading, mu_pd_leading, width_ratio
+from grazing.theory.changes import WordEdges, WordWindow, word_edges, word_windows
 from grazing.theory.doubled import doubled_interval, doubled_multiplier, doubled_orbit
 from grazing.theory.edges import geometric_sum, mu_bc, mu_gr, mu_pd
 from grazing.theory.interval import Interval
@@ -20,11 +22,15 @@ from grazing.theory.windows import (
     window,
     windows_overlap,
 )
+from grazing.theory.words import WordOrbit, word_orbits
 
 __all__ = [
     "Interval",
     "Regime",
     "Window",
+    "WordEdges",
+    "WordOrbit",
+    "WordWindow",
     "WorstWindow",
     "doubled_interval",
     "doubled_multiplier",
@@ -52,4 +58,7 @@ __all__ = [
     "width_ratio",
     "window",
     "windows_overlap",
+    "word_edges",
+    "word_orbits",
+    "word_windows",
 ]

@@ -178,12 +178,11 @@ def robust_chaos(lam: float) -> Interval:
 
     Notes
     -----
-    Pring & Budd, after Proposition 3.1: a continuous jump to robust chaos for lam > 2/3. The
-    formulas prove that no orbit L^(N-1) R is stable in the interval, and no orbit whatever that is made of
-    blocks L^(n-1) R with ``K_n >= 3`` only: as ``c s = K_n mu - x'`` and ``x' <= mu``, the size of its
-    multiplier is the product of ``(K_n mu/x' - 1)/2 > 1``, where x' >= 0 is the end of the block that starts
-    at s^2. For orbits with shorter blocks the paper quotes robust chaos for small mu; up to the end of the
-    interval it rests on computed Lyapunov exponents, which are positive.
+    Pring & Budd, after Proposition 3.1: a continuous jump to robust chaos for lam > 2/3, quoted there for small
+    mu. In the whole interval no periodic orbit attracts: a block L^(n-1) R takes ``s = sqrt(x)`` to ``s'^2 = C - c
+    s`` and stretches the weighted length ``sqrt(s) ds`` by ``c/(2 sqrt(s s')) >= (3 c^2/(4 C))^(3/4)``, because ``s'
+    (C - s'^2) <= 2 (C/3)^(3/2)``. This exceeds 1 for ``mu < mu_pd(n, lam, 0)``, and a block with an empty window does
+    not occur for greater mu. The same holds between any two windows, for every l >= 0.
 
     Examples
     --------

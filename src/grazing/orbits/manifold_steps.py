@@ -1,0 +1,288 @@
+"""Steps along a manifold: starts near a saddle taken n steps of the map forwards, or backwards through its inverse.
+
+Each kind has ``trace(t, seed, order) -> Leaves``: the points that come in so many steps from starts on a straight line
+through the saddle, at distances ``seed``. Forwards there is one for each start, or none. Backwards an oscillator is
+flown back from contact to contact, through every branch of the inverse reset law; of any other map the preimage is
+solved for by Newton's method along the curve.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.map import Map
+from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before
+from grazing.oscillator.model import Oscillator
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Codes = NDArray[np.uint64]
+
+#: Steps forwards whose letters are held at once.
+CHUNK = 64
+#: Impacts in one period beyond which a state is not followed back: a ball close to chatter.
+MAX_IMPACTS = 20
+#: A point k steps back must come to the one k - 1 steps back by one step of the map, to this relative error.
+TOLERANCE = 1e-8
+#: States this large are not followed back any more: the ball gains energy on the way.
+HUGE = 1e12
+#: Newton steps for one preimage, and parts of the way from a known one at which it is tried again.
+NEWTON, PARTS = 12, 16
+#: Relative step of the differences that stand for the derivative in Newton's method.
+DIFFERENCE = 1e-6
+
+
+class Leaves:
+    """Points found: for each the parameter ``t`` of its start, a ``code`` of its history, its state, its letters.
+
+    ``state`` is (n, 2), ``letters`` (n, order): those that the map writes on the way, in the order of time. Points of
+    one code that are neighbours in t lie on one curve.
+    """
+
+    def __init__(self, t: Floats, code: Codes, state: Floats, letters: NDArray[np.int16]) -> None:
+        self.t, self.code, self.state, self.letters = t, code, state, letters
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def at(self, rows: Any) -> Leaves:
+        """Return some of the rows."""
+        return Leaves(self.t[rows], self.code[rows], self.state[rows], self.letters[rows])
+
+    def with_more(self, other: Leaves) -> Leaves:
+        """Return the rows of both."""
+        return Leaves(
+            np.concatenate([self.t, other.t]),
+            np.concatenate([self.code, other.code]),
+            np.concatenate([self.state, other.state]),
+            np.concatenate([self.letters, other.letters]),
+        )
+
+
+class Ray(NamedTuple):
+    """A straight line from a saddle: where it begins, its unit direction."""
+
+    start: Floats
+    direction: Floats
+
+    def at(self, seed: Floats) -> Floats:
+        """Return the states (n, 2) at distances (n,)."""
+        return np.asarray(self.start + seed[:, None] * self.direction)
+
+
+class Steps(Protocol):
+    """What a manifold is grown by."""
+
+    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
+        """Return what becomes of starts at distances ``seed`` (n,), of parameters ``t`` (n,), in ``order`` steps."""
+
+
+def swift(P: Map) -> Map:
+    """Return the map without its exact arithmetic for steps that double precision cannot decide.
+
+    At a cut, bisected to rounding, all steps are of that kind, and either decision is right to within the cut's error.
+    """
+    return P if P.settle is None else dataclasses.replace(P, settle=None)
+
+
+def mixed(code: Codes, letter: Any) -> Codes:
+    """Return a number that stands for a history with one letter more (a multiplicative hash)."""
+    new = (code + np.asarray(letter).astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    return np.asarray(new ^ (new >> np.uint64(29)), np.uint64)
+
+
+def stepped(P: Map, state: Floats, n: int) -> tuple[Floats, NDArray[np.int16]]:
+    """Return states (m, 2) n steps later, NaN where an orbit ended, and their letters (m, n)."""
+    if len(state) == 0:
+        return state, np.empty((0, n), np.int16)
+    lanes, letters = np.array(state.T, np.float64, order="C"), [np.empty((0, len(state)), np.int64)]
+    while n > 0:
+        _points, some, _outcomes = P.run(lanes, 0, min(n, CHUNK))
+        letters.append(some)
+        n -= CHUNK
+    return lanes.T.copy(), np.concatenate(letters).T.astype(np.int16)
+
+
+class Forwards:
+    """The map itself."""
+
+    def __init__(self, P: Map, ray: Ray) -> None:
+        self.map, self.ray = swift(P), ray
+
+    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
+        """Return what becomes of starts in ``order`` steps."""
+        state, letters = stepped(self.map, self.ray.at(seed), order)
+        code = np.zeros(len(t), np.uint64)
+        for k in range(letters.shape[1]):
+            code = mixed(code, letters[:, k])
+        return Leaves(t, code, state, letters).at(np.isfinite(state).all(axis=1))
+
+
+class Flown(NamedTuple):
+    """States flown back one period: which state before each comes from, its code, the state, the impacts between."""
+
+    origin: Ints
+    code: Codes
+    state: Floats
+    letter: Ints
+
+
+class Backwards:
+    """The inverse of the stroboscopic map of an oscillator, with all its branches."""
+
+    def __init__(self, P: Map, ray: Ray, size: float) -> None:
+        assert isinstance(P.model, Oscillator)
+        self.map, self.model, self.ray, self.size = swift(P), P.model, ray, size
+
+    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
+        """Return every state from which ``order`` steps of the map lead to a start."""
+        back = [Flown(np.arange(len(t)), np.zeros(len(t), np.uint64), self.ray.at(seed), np.zeros(len(t), np.int64))]
+        for _ in range(order):
+            back.append(self.before(back[-1]))
+        good = self.returning(back)
+        rows = np.flatnonzero(good[-1])
+        code, state = back[-1].code[rows], back[-1].state[rows]
+        letters = np.empty((len(rows), order), np.int16)
+        for k in range(order, 0, -1):  # the last step back is the first letter
+            letters[:, order - k] = back[k].letter[rows]
+            rows = back[k].origin[rows]
+        return Leaves(t[rows], code, state, letters)
+
+    def returning(self, back: list[Flown]) -> list[NDArray[np.bool_]]:
+        """Return which states, step by step, the map takes back to where they came from."""
+        every = np.concatenate([one.state for one in back])
+        later, letters = stepped(self.map, every, 1)
+        good, done = [np.ones(len(back[0].state), bool)], len(back[0].state)
+        for before, one in itertools.pairwise(back):
+            here = slice(done, done + len(one.state))
+            aim = before.state[one.origin]
+            error = np.abs(later[here] - aim).max(axis=1, initial=0.0)
+            comes = error <= TOLERANCE * (self.size + np.abs(aim).max(axis=1, initial=0.0))
+            good.append(comes & (letters[here, 0] == one.letter) & good[-1][one.origin])
+            done += len(one.state)
+        return good
+
+    def before(self, one: Flown) -> Flown:
+        """Fly back one period."""
+        phase, sigma = self.map.params["phase"], self.model.sigma
+        lines = np.zeros((len(one.state), 4))
+        lines[:, HEIGHT], lines[:, CLIMB] = one.state[:, 0] - sigma, -one.state[:, 1]
+        lines[:, BACK] = 0.0
+        origin, code = np.arange(len(one.state)), one.code
+        done = []
+        for count in range(MAX_IMPACTS + 1):
+            flown_back(self.model, phase, lines)
+            hit = lines[:, HIT] > 0.0
+            ended = lines[~hit]
+            state = np.column_stack([ended[:, HEIGHT] + sigma, -ended[:, CLIMB]])
+            done.append(Flown(origin[~hit], code[~hit], state, np.full(len(ended), count)))
+            lines, origin, code = lines[hit], origin[hit], code[hit]
+            speeds = impacts_before(self.model, phase, -lines[:, CLIMB])
+            i, branch = np.nonzero(speeds > 0.0)
+            if len(i) == 0:
+                break
+            lines, origin, code = lines[i], origin[i], mixed(code[i], branch)
+            lines[:, CLIMB] = speeds[i, branch]
+        found = Flown(*(np.concatenate(column) for column in zip(*done, strict=True)))
+        good = (np.abs(found.state) < HUGE).all(axis=1)
+        return Flown(found.origin[good], mixed(found.code[good], 1_000_003), found.state[good], found.letter[good])
+
+
+class Solved:
+    """Preimages of any map by Newton's method, each from the nearest one known on the curve.
+
+    ``known[k]`` holds the curve k steps back so far: distances of the starts, increasing, states, and their images.
+    It begins at ``anchor(k)``, a state on it, or next to it, before anything is known; None where there is none.
+    """
+
+    def __init__(self, P: Map, ray: Ray, size: float, anchor: Callable[[int], Floats | None]) -> None:
+        self.map, self.ray, self.size, self.anchor = swift(P), ray, size, anchor
+        self.known: dict[int, tuple[Floats, Floats, Floats]] = {}
+
+    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
+        """Return the states that come to the starts in ``order`` steps and are connected to what is known."""
+        state, letters = self.ray.at(seed), np.empty((len(t), 0), np.int16)
+        for k in range(1, order + 1):
+            state = self.before(seed, state, k)
+            good = np.isfinite(state).all(axis=1)
+            t, seed, state, letters = t[good], seed[good], state[good], letters[good]
+            letters = np.column_stack([stepped(self.map, state, 1)[1], letters])
+        code = np.zeros(len(t), np.uint64)
+        for column in range(order):
+            code = mixed(code, letters[:, order - 1 - column])
+        return Leaves(t, code, state, letters)
+
+    def before(self, seed: Floats, target: Floats, k: int) -> Floats:
+        """Return a preimage of each target (n, 2) on the curve k steps back, NaN where none is connected to it."""
+        found = np.full_like(target, np.nan)
+        if len(seed) == 0:
+            return found
+        if k in self.known:
+            seeds, states, images = self.known[k]
+            if len(seeds):
+                right = np.clip(np.searchsorted(seeds, np.abs(seed)), 0, len(seeds) - 1)
+                left = np.maximum(right - 1, 0)
+                near = np.where(np.abs(seeds[left] - np.abs(seed)) < np.abs(seeds[right] - np.abs(seed)), left, right)
+                found = self.led(states[near], images[near], target)
+                self.keep(k, seed, found, target)
+            return found
+        first = self.anchor(k)
+        if first is not None:
+            state, image = first[None], stepped(self.map, first[None], 1)[0]
+            for i in range(len(seed)):  # from one to the next
+                found[i] = self.led(state, image, target[i : i + 1])[0]
+                if np.isfinite(found[i]).all():
+                    state, image = found[i : i + 1], target[i : i + 1]
+        self.keep(k, seed, found, target)
+        return found
+
+    def keep(self, k: int, seed: Floats, state: Floats, image: Floats) -> None:
+        """Add what was found k steps back."""
+        old = self.known.get(k, (np.empty(0), np.empty((0, 2)), np.empty((0, 2))))
+        good = np.isfinite(state).all(axis=1)
+        every = [np.concatenate([a, b[good]]) for a, b in zip(old, (np.abs(seed), state, image), strict=True)]
+        _unique, rows = np.unique(every[0], return_index=True)
+        self.known[k] = every[0][rows], every[1][rows], every[2][rows]
+
+    def led(self, state: Floats, image: Floats, target: Floats) -> Floats:
+        """Return preimages of targets from those of images: at once, or where that fails step by step."""
+        found = self.newton(state, target)
+        for i in np.flatnonzero(~np.isfinite(found).all(axis=1)):
+            here = state[i : i + 1]
+            for part in range(1, PARTS + 1):
+                share = part / PARTS
+                here = self.newton(here, (1.0 - share) * image[i : i + 1] + share * target[i : i + 1])
+            found[i] = here[0]
+        return found
+
+    def newton(self, guess: Floats, target: Floats) -> Floats:
+        """Return states whose image is the target, from guesses; NaN where Newton's method does not get there."""
+        state, n = guess.copy(), len(guess)
+        h = DIFFERENCE * self.size
+        shifts = np.array([[0.0, 0.0], [h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]])
+        best, least = state.copy(), np.full(n, np.inf)
+        for _ in range(NEWTON):
+            beside = (state[None] + shifts[:, None]).reshape(-1, 2)
+            images = stepped(self.map, beside, 1)[0].reshape(5, n, 2)
+            defect = images[0] - target
+            error = np.abs(defect).max(axis=1)
+            better = error < least
+            best[better], least[better] = state[better], error[better]
+            a, b = (images[1] - images[2]) / (2.0 * h), (images[3] - images[4]) / (2.0 * h)
+            det = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = np.column_stack(
+                    [defect[:, 0] * b[:, 1] - defect[:, 1] * b[:, 0], a[:, 0] * defect[:, 1] - a[:, 1] * defect[:, 0]]
+                )
+                state = state - step / det[:, None]
+            if not (least > 1e-15 * self.size).any():
+                break
+        scale = self.size + np.abs(target).max(axis=1)
+        best[~(least <= TOLERANCE * 1e-3 * scale)] = np.nan
+        return best

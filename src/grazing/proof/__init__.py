@@ -1,0 +1,1 @@
+"""Proofs: certificates in ball arithmetic, and checkers that verify them without the finder."""

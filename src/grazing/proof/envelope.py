@@ -1,0 +1,147 @@
+"""The envelope of a certificate: what it says, what that rests on, and a hash over all of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from grazing.outcome import InputError
+
+FORMAT, VERSION = "grazing certificate", 1
+#: The fields of an envelope, all of them hashed but the last.
+FIELDS = ("format", "version", "kind", "statement", "trusted_base", "data", "inequalities", "sha256")
+
+
+def seal(
+    kind: str,
+    statement: str,
+    trusted_base: Sequence[str],
+    data: Mapping[str, Any],
+    inequalities: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
+    """Return a certificate as a JSON document.
+
+    Parameters
+    ----------
+    kind : str
+        What it certifies, such as ``"periodic orbit"``; each kind has its checker.
+    statement : str
+        One sentence: exactly what is proven.
+    trusted_base : sequence of str
+        What a reader has to trust, such as the ball arithmetic.
+    data : mapping
+        What the proof is about and what the checker needs: JSON values only, no NaN; numbers that must be exact as
+        text.
+    inequalities : sequence of mapping
+        What was checked: name and both sides of each.
+
+    Returns
+    -------
+    dict
+        With ``sha256``, the hash of the canonical JSON of everything else. The hash finds accidents; against a forger
+        stands the checker, which proves the statement again.
+
+    Examples
+    --------
+    >>> document = seal("sum", "1 + 1 = 2.", ["addition"], {"terms": ["1", "1"]}, [])
+    >>> document["version"], open_envelope(document)["statement"]
+    (1, '1 + 1 = 2.')
+    """
+    body = {
+        "format": FORMAT,
+        "version": VERSION,
+        "kind": kind,
+        "statement": statement,
+        "trusted_base": list(trusted_base),
+        "data": dict(data),
+        "inequalities": [dict(one) for one in inequalities],
+    }
+    return {**body, "sha256": digest_of(body)}
+
+
+def open_envelope(document: Any) -> dict[str, Any]:
+    """Return a certificate whose format, version, fields and hash are right.
+
+    Parameters
+    ----------
+    document : dict
+        As :func:`seal` made it, or as read from its file.
+
+    Raises
+    ------
+    InputError
+        If it is no certificate, or of another version, or was changed after it was sealed.
+    """
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        got = document.get("format") if isinstance(document, dict) else type(document).__name__
+        raise InputError(f"this is no certificate: its format is {got!r}; allowed is {FORMAT!r}")
+    version = document.get("version")
+    if type(version) is not int or version != VERSION:
+        raise InputError(
+            f"the certificate has version {version!r} of the format, this program reads {VERSION}; "
+            "make it anew with this version of grazing"
+        )
+    if set(document) != set(FIELDS):
+        wrong = sorted(set(document) ^ set(FIELDS))
+        raise InputError(f"the certificate lacks or adds fields: {', '.join(wrong)}; allowed are {', '.join(FIELDS)}")
+    types = {"kind": str, "statement": str, "trusted_base": list, "data": dict, "inequalities": list, "sha256": str}
+    for name, kind in types.items():
+        if not isinstance(document[name], kind):
+            raise InputError(f"{name} of the certificate is {document[name]!r}; allowed is a {kind.__name__}")
+    try:
+        expected = digest_of({name: value for name, value in document.items() if name != "sha256"})
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the certificate holds what JSON cannot: {error}; make it anew") from None
+    if document["sha256"] != expected:
+        raise InputError(
+            f"the certificate was changed after it was sealed: its contents have the SHA-256 {expected[:12]}..., "
+            f"but it says {document['sha256'][:12]}...; get it again from where it was made"
+        )
+    return document
+
+
+def digest_of(body: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of the canonical JSON of a document: sorted keys, no blanks, ASCII."""
+    canonical = json.dumps(body, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return sha256(canonical.encode("ascii")).hexdigest()
+
+
+def write_envelope(document: Mapping[str, Any], path: str | Path) -> Path:
+    """Write a certificate to a file, readable by eye, and return the path."""
+    target = Path(path)
+    target.write_text(json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n", encoding="ascii")
+    return target
+
+
+def read_envelope(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
+    """Return the certificate in a file, or a document itself, opened; see :func:`open_envelope`."""
+    if isinstance(source, Mapping):
+        return open_envelope(dict(source))
+    try:
+        text = Path(source).read_text(encoding="utf-8")
+    except (OSError, TypeError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"no certificate can be read from {source!r}: {error}; give its path or the document"
+        ) from None
+    try:
+        document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
+    except ValueError as error:
+        raise InputError(
+            f"{source} is not the JSON of a certificate: {error}; get it again from where it was made"
+        ) from None
+    return open_envelope(document)
+
+
+def _no_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Refuse a key that appears twice: readers differ in which of the values they take."""
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise ValueError("a key appears twice")
+    return found
+
+
+def _no_constant(name: str) -> Any:
+    raise ValueError(f"{name} is not a number of JSON")
