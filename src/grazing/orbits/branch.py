@@ -16,6 +16,7 @@ from grazing.orbits.equations import Equations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Event, Path, Point, closed, follow, joined, located, unscaled
+from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Relabelling, Special
 from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
+
+#: Part of a period that accumulation and release may be apart at an onset of chatter.
+MET = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,10 +180,28 @@ def continuation(
         seeds = [begun(P, orbit, name, (low, high))]
     else:
         raise InputError(f"orbit is {orbit!r}; give an Orbit, or a special point of a branch")
+    if len(seeds) == 1 and isinstance(seeds[0].equations, RestEquations):
+        return resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
     search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds)
     while search.waiting:
         search.advance()
     return Branch(P, name, (low, high), tuple(search.pieces), tuple(search.special), tuple(search.relabellings))
+
+
+def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: RestEquations, value: float) -> Branch:
+    """Return the branch of an orbit that rests on the wall, with the onset of chatter at its ends."""
+    found = stretch(equations, value, bounds)
+    special, events = [], []
+    for onset, place in zip(found.onsets, (0, len(found.values) - 1), strict=True):
+        if onset is not None:
+            converged = onset.left < MET * equations.model.period
+            low, high = sorted((onset.inside, onset.outside))
+            special.append(Special("ch", onset.inside, low, high, converged, found.orbits[place], True, -1, 0))
+            events.append(place)
+    begins, ends = (onset.reason if onset is not None else "bounds" for onset in found.onsets)
+    unknowns = np.zeros((len(found.values), 1))
+    piece = Piece(equations, unknowns, found.values, found.orbits, tuple(events), (begins, ends))
+    return Branch(P, name, bounds, (piece,), tuple(special), ())
 
 
 def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
@@ -211,6 +233,8 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
         raise InputError(f"the orbit is known at {name} = {value:g}, outside of [{low:g}, {high:g}]; widen the range")
     equations, x = equations_of(orbit, (name,), np.array([high - low]))
     p = np.array([value])
+    if isinstance(equations, RestEquations):
+        return Seed(equations, Point(np.zeros(2), np.zeros(2), ()))
     solved = closed(equations, x, p)
     if solved is None or np.abs((solved - x) / equations.scale).max(initial=0.0) > 1e-3:
         raise InputError(

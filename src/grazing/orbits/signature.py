@@ -16,10 +16,11 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
+from grazing.orbits.resting import resting_equations
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import triggered_law
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import InputError
+from grazing.outcome import CHATTER, STUCK, InputError
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +56,8 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
             return equations, orbit.points[0] - np.array([orbit.model.sigma, 0.0])
         return equations, np.concatenate([orbit.times, orbit.outgoing])
     if P.model is not None and P.section is not None:
+        if P.section == "strobe" and P.params.get("phase") == 0.0 and rests(orbit):
+            return resting_equations(P, names, orbit.points, spans), np.zeros(1)
         return equations_of(flown(orbit), names, spans)
     letters = tuple(P.orbit(point, 1).letters[0] for point in orbit.points)
     if P.step is gap_step:
@@ -73,6 +76,11 @@ def virtual_letters(orbit: Orbit) -> tuple[int, ...]:
     left = np.abs(lam * x + mu - after)
     right = np.where(x >= 0.0, np.abs((mu - l - after) ** 2 - x), np.inf)
     return tuple(int(b < a) for a, b in zip(left, right, strict=True))
+
+
+def rests(orbit: Orbit) -> bool:
+    """Whether an orbit comes to rest on the wall."""
+    return bool(np.any(orbit.map.orbit(orbit.points[0], orbit.period).outcomes & (CHATTER | STUCK)))
 
 
 def flown(orbit: Orbit) -> ImpactOrbit:
@@ -96,8 +104,8 @@ def flown(orbit: Orbit) -> ImpactOrbit:
             orbit.period,
         )
     path = trajectory(model, state, start=start, until=start + N * model.period, samples=2)
-    if path.attrs["chatter"]:
-        raise InputError(f"{orbit!r} comes to rest on the wall; its equations are those of the release")
+    if path.attrs["grazing_outcome"] & (CHATTER | STUCK):
+        raise InputError(f"{orbit!r} comes to rest on the wall; give it as one of gz.stroboscopic_map(model), phase 0")
     times, incoming, outgoing = path.impact_time.values, path.v_minus.values, path.v_plus.values
     shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
     equations = impact_equations(model, (), N if len(times) else 1, incoming)

@@ -1,0 +1,264 @@
+"""Orbits that come to rest: released by the forcing, they hop, chatter to rest and wait for the next release.
+
+A ball at rest is released at a zero of the forcing where F rises, whatever brought it there. So the orbit is a function
+of the parameters alone and superstable; it lasts while the impacts accumulate before the next release (numerics:
+``docs/chatter.md``). Where the time of accumulation meets the release, chatter is complete no longer: the onset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.kernel.primitives import called
+from grazing.maps.map import Map
+from grazing.maps.pointed import flight_fields
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.equations import Equations, Test
+from grazing.orbits.impact_equations import addresses
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD, constants_of, forcing
+from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError
+from grazing.parameter import parameter_tuple
+
+Floats = NDArray[np.float64]
+
+#: Speed, in units of that of the forced motion, below which the rest of a chatter is a geometric series.
+SLOW = 1e-9
+#: Impacts and periods after which a ball counts as never at rest.
+IMPACTS, PERIODS = 10_000, 64
+#: Parts into which a range is cut to look for the onset of chatter.
+PARTS = 100
+
+
+class Rest(NamedTuple):
+    """From one release to the next: when the impacts accumulate, the next release, how many impacts were followed."""
+
+    release: float
+    accumulation: float
+    next: float
+    impacts: int
+
+
+@lru_cache(maxsize=64)
+def settler(harmonics: int) -> Callable[..., None]:
+    """Compile ``settle(row, release, laws, out)``: fly a ball from its release until it rests.
+
+    ``laws`` (3,): address of the law, of its slope, of their numbers. ``out`` (4,): time of accumulation, end of the
+    window in which F presses the ball down, number of impacts, and 1 if it comes to rest, else 0.
+    """
+    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
+
+    def settle(row: Any, release: float, laws: Any, out: Any) -> None:
+        c = constants(unpack(row))
+        ball = placed(release, 0.0, 0.0, window_of(release, 0, c))
+        out[3], impacts, period = 0.0, 0, 0
+        while impacts < IMPACTS and period < PERIODS:
+            hit, ball, _flags, _near = next_contact(ball, c)
+            if not hit:
+                ball = placed(0.0, ball.y, ball.v, 0)
+                period += 1
+                continue
+            impacts += 1
+            w = called(laws[0], ball.v, laws[2])
+            F, _dF = forcing(ball.t, c)
+            i = window_of(ball.t, ball.i, c)
+            if F < 0.0 and w <= SLOW * c.size * c.rate:
+                ratio = -called(laws[1], 0.0, laws[2])
+                end = c.edges[i + 1]
+                if end >= c.T and window_sign(0, c) < 0.0:
+                    end = c.T + c.edges[1]
+                at = ball.t + (2.0 * w / (-F * (1.0 - ratio)) if w > 0.0 else 0.0)
+                if window_sign(i, c) < 0.0 and at <= end:
+                    out[0], out[1], out[2], out[3] = period * c.T + at, period * c.T + end, impacts, 1.0
+                    return
+            ball = placed(ball.t, 0.0, w, i)
+            if ball.t >= c.T:
+                ball = placed(0.0, 0.0, w, 0)
+                period += 1
+
+    return compiled(settle)
+
+
+class RestEquations(Equations):
+    """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
+
+    def __init__(self, model: Oscillator, names: tuple[str, ...], release: int, spans: Any = None) -> None:
+        self.model, self.names, self.release = model, names, release
+        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
+        self.scale = np.array([model.period])
+        self._index = [list(model.params).index(name) for name in names]
+        self._base = np.array(list(model.params.values()))
+        found = self.rest(self._base[self._index])
+        self.N = 0 if found is None else round((found.next - found.release) / model.period)
+
+    @property
+    def size(self) -> float:
+        """How far the forcing moves the ball."""
+        return float(self.model.period**2 * sum(np.hypot(self.model.forcing.cos, self.model.forcing.sin)))
+
+    def model_at(self, p: Floats) -> Oscillator:
+        """Return the model with these values of the parameters that vary."""
+        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+
+    def rest(self, p: Floats) -> Rest | None:
+        """Return what happens from one release to the next; None where the ball does not come to rest."""
+        values = self._base.copy()
+        values[self._index] = p
+        row = np.zeros(len(flight_fields(self.model.harmonics)))
+        head = len(HEAD) + 2 * self.model.harmonics + 1
+        row[:head] = values[:head]
+        c = constants_of(self.model.harmonics)(parameter_tuple(flight_fields(self.model.harmonics))(*row.tolist()))
+        times = releases(c)
+        if self.release >= len(times):
+            return None
+        start = times[self.release]
+        (at,), (slope,) = addresses(self.model, (0,))
+        laws, out = np.array([at, slope, float(values.ctypes.data)]), np.zeros(4)
+        call(settler(self.model.harmonics), row, start, laws, out, who="the chatter")
+        if out[3] == 0.0:
+            return None
+        return Rest(start, float(out[0]), float(out[1]), int(out[2]))
+
+    def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return by how much the time of accumulation differs."""
+        found = self.rest(p)
+        return np.array([np.nan if found is None else found.accumulation - x[0]]), np.array([[-1.0]])
+
+    def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return how long the ball rests before its release."""
+        found = self.rest(p)
+        return (Test("ch", float("nan") if found is None else found.next - found.accumulation),)
+
+    def broken(self, x: Floats, p: Floats) -> str:
+        """Say whether the ball comes to rest no longer, or is released elsewhere."""
+        found = self.rest(p)
+        if found is None:
+            return "the impacts do not accumulate before the release"
+        if round((found.next - found.release) / self.model_at(p).period) != self.N:
+            return "the ball comes to rest in another period"
+        return ""
+
+    def orbit(self, x: Floats, p: Floats) -> Orbit:
+        """Return the orbit as the stroboscopic map sees it; its multipliers are 0."""
+        model = self.model_at(p)
+        found = self.rest(p)
+        if found is None:
+            raise InputError("the ball does not come to rest")
+        P = stroboscopic_map(model)
+        flown = trajectory(model, (model.sigma, 0.0), start=found.release, until=model.period)
+        first = np.array([float(flown.u.values[-1]), float(flown.v.values[-1])])
+        path = P.orbit(np.maximum(first, [model.sigma, -np.inf]), max(self.N, 1))
+        return Orbit(
+            map=P,
+            points=path.points[:-1],
+            word=word(path.letters.tolist()),
+            period=max(self.N, 1),
+            multipliers=np.zeros(2, np.complex128),
+            admissible=True,
+            condition=1.0,
+            residual=float(np.abs(path.points[-1] - path.points[0]).max()),
+        )
+
+
+def releases(c: Any) -> list[float]:
+    """Return the times in [0, T) at which the forcing lifts a ball off the wall."""
+    edges = [edge for edge in c.edges if edge < c.T]
+    signs = [window_sign(i, c) for i in range(len(edges))]
+    inner = [edges[i] for i in range(1, len(edges)) if signs[i - 1] < 0.0 < signs[i]]
+    around = [0.0] if signs and signs[-1] < 0.0 < signs[0] else []
+    return around + inner
+
+
+def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any = None) -> RestEquations:
+    """Return the equations of an orbit that rests on the wall, from its points in the stroboscopic map at phase 0.
+
+    Raises
+    ------
+    InputError
+        For an orbit that is not released where it was released before: with several windows in which the forcing
+        presses the ball down it can go from one to another.
+    """
+    model = P.model
+    assert model is not None
+    p = np.array([model.params[name] for name in names])
+    for release in range(2 * model.harmonics + 1):
+        equations = RestEquations(model, names, release, spans)
+        if equations.rest(p) is None:
+            continue
+        orbit = equations.orbit(np.zeros(1), p)
+        apart = np.abs(orbit.points[:, None] - points[None]).max(axis=2).min(axis=0)
+        if apart.max() < 1e-6 * equations.size:
+            return equations
+    raise InputError(
+        "the orbit rests on the wall and is not released where it was released before: it cannot be followed; "
+        "scan the parameter with gz.orbit_diagram"
+    )
+
+
+class Stretch(NamedTuple):
+    """Where an orbit rests along a parameter: its orbits, and the onset of chatter at either end, or None."""
+
+    values: Floats
+    orbits: tuple[Orbit, ...]
+    onsets: tuple[Onset | None, Onset | None]
+
+
+class Onset(NamedTuple):
+    """Where chatter is complete no longer: the last value at which it is, the first at which it is not, the reason.
+
+    ``left`` is the time between accumulation and release at ``inside``: 0 at a true onset.
+    """
+
+    inside: float
+    outside: float
+    left: float
+    reason: str
+
+
+def stretch(equations: RestEquations, value: float, bounds: tuple[float, float]) -> Stretch:
+    """Follow an orbit that rests from one value of the parameter to both ends of a range, or of its existence."""
+    step = (bounds[1] - bounds[0]) / PARTS
+    nothing = np.zeros(1)
+    values, onsets = [value], []
+    for bound, sign in ((bounds[0], -1.0), (bounds[1], 1.0)):
+        onset, here = None, value
+        while here != bound and onset is None:
+            there = here + sign * step
+            there = bound if (bound - there) * sign <= 0.0 else there
+            if equations.broken(nothing, np.array([there])):
+                onset = bisected(equations, here, there, 1e-15 * (bounds[1] - bounds[0]))
+                there = onset.inside
+            here = there
+            values.append(here)
+        onsets.append(onset)
+    ordered = np.unique(values)
+    orbits = tuple(equations.orbit(nothing, np.array([v])) for v in ordered)
+    return Stretch(ordered, orbits, (onsets[0], onsets[1]))
+
+
+def bisected(equations: RestEquations, inside: float, outside: float, width: float) -> Onset:
+    """Return the onset between a value at which the orbit rests and one at which it does not."""
+    nothing = np.zeros(1)
+    while abs(outside - inside) > width:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        if equations.broken(nothing, np.array([middle])):
+            outside = middle
+        else:
+            inside = middle
+    found = equations.rest(np.array([inside]))
+    assert found is not None
+    left = found.next - found.accumulation
+    return Onset(inside, outside, left, equations.broken(nothing, np.array([outside])))
