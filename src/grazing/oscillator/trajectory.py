@@ -89,10 +89,10 @@ def recorder_of(
                     rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
                     count += 1
             leg[7] = flags
-            if ball.t >= c.T:
+            grounded = ball.t >= c.T  # only at a strobe can the ball be on the wall with its contact still to come
+            if grounded:
                 n, fastest = n + 1, 0.0
                 ball = placed(0.0, ball.y, ball.v, 0)
-            grounded = ball.t == 0.0  # only at a strobe can the ball be on the wall with its contact still to come
         state[0], state[1], state[2], state[3], state[4] = n, ball.t, ball.y, ball.v, ball.i
         state[5], state[6] = fastest, 0.0 if grounded else 1.0
         return count

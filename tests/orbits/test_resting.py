@@ -1,0 +1,90 @@
+"""Orbits that rest on the wall: released, chattering to rest, and the onset of complete chatter."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.orbits.branch import continuation
+from grazing.orbits.resting import RestEquations
+from grazing.outcome import CHATTER
+
+TWO = gz.Oscillator(
+    alpha=0.4, k=0.8, forcing=gz.Forcing(omega=1.3, offset=-0.5, cos=(1.0, 0.2), sin=(0.1,)), sigma=0.2,
+    reset=gz.newton(r=0.4),
+)  # fmt: skip
+MODELS = {
+    "standard": (gz.pinball(V=0.0, r=0.3, d=-0.2), "d", (-0.9, 0.3)),
+    "in r": (gz.pinball(V=0.0, r=0.3, d=-0.2), "r", (0.0, 0.9)),
+    "two harmonics, shifted wall": (TWO, "r", (0.0, 0.95)),
+    "trigger": (
+        gz.Oscillator(
+            alpha=3.0, k=1.0, forcing=gz.Forcing(omega=2.2, offset=-0.2), reset=gz.triggered(r=0.3, V=0.4, trigger=2.0)
+        ), "offset", (-0.6, 0.2),
+    ),
+}  # fmt: skip
+
+
+def resting(model):
+    P = gz.stroboscopic_map(model)
+    state = P.iterate((model.sigma + 0.1, 0.0), 80)[-1]
+    path = P.orbit(state, 1)
+    assert path.outcomes[0] & CHATTER
+    return gz.Orbit(
+        map=P, points=path.points[:1], word="C", period=1, multipliers=np.zeros(2, complex), admissible=True,
+        condition=1.0, residual=0.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MODELS)
+def test_the_onset_of_chatter_is_where_the_map_completes_it_no_longer(case):
+    model, name, bounds = MODELS[case]
+    orbit = resting(model)
+    branch = continuation(orbit.map, orbit, name, bounds)
+    onsets = [one for one in branch.special if one.type == "ch"]
+    for one in branch:
+        assert one.stable and one.admissible and one.residual < 1e-9
+    assert onsets
+    for onset in onsets:
+        assert onset.converged and onset.high - onset.low < 1e-12
+        equations = branch.pieces[0].equations
+        found = equations.rest(np.array([onset.value]))
+        assert abs(found.next - found.accumulation) < 1e-3 * model.period
+        inside = onset.value + np.sign(branch.pieces[0].values.mean() - onset.value) * 1e-5
+        outside = 2.0 * onset.value - inside
+        seen = []
+        for value in (inside, outside):  # brute force: the exact map, from anywhere
+            P = orbit.map.replace(**{name: value})
+            state = P.iterate((model.sigma + 0.1, 0.0), 200)[-1]
+            seen.append(bool(np.any(P.orbit(state, 8).outcomes & CHATTER)))
+        assert seen == [True, False]
+
+
+@pytest.mark.parametrize("case", MODELS)
+def test_the_accumulation_of_impacts_against_their_times(case):
+    """Times of impacts converge geometrically: three of them extrapolate to where they accumulate (Aitken)."""
+    model, _name, _bounds = MODELS[case]
+    found = next(rest for rest in (RestEquations(model, (), i).rest(np.empty(0)) for i in range(3)) if rest is not None)
+    path = gz.trajectory(model, (model.sigma, 0.0), start=found.release, until=found.next)
+    a, b, c = path.impact_time.values[-4:-1]
+    assert found.accumulation == pytest.approx(c - (c - b) ** 2 / ((c - b) - (b - a)), abs=1e-8 * model.period)
+    assert found.impacts >= path.impact_time.size
+
+
+def test_a_ball_that_begins_at_its_release_flies():
+    """At the zero of the forcing where F rises the ball leaves the wall with no speed; this must not take for ever."""
+    model = gz.pinball(V=0.0, r=0.3, d=-0.2)
+    release = RestEquations(model, (), 0).rest(np.empty(0)).release
+    for start in (release, np.nextafter(release, 0.0), np.nextafter(release, 9.0)):
+        path = gz.trajectory(model, (0.0, 0.0), start=start, until=start + 2.0 * model.period)
+        assert path.impact_time.size > 3 and float(path.u.max()) > 1e-3
+
+
+def test_an_orbit_that_is_released_elsewhere_is_refused():
+    model, _name, _bounds = MODELS["standard"]
+    orbit = resting(model)
+    moved = gz.Orbit(
+        map=orbit.map, points=orbit.points + 0.01, word="C", period=1, multipliers=orbit.multipliers, admissible=True,
+        condition=1.0, residual=0.0,
+    )  # fmt: skip
+    with pytest.raises(gz.InputError, match="it cannot be followed"):
+        continuation(orbit.map, moved, "d", (-0.5, 0.0))
