@@ -42,6 +42,10 @@ _PUBLIC = {
     "boundaries": "orbits.boundaries",
     "continuation": "orbits.branch",
     "ladder": "compare.ladder",
+    "Certificate": "proof.certify",
+    "certify": "proof.certify",
+    "check_certificate": "proof.checker",
+    "enclose": "proof.enclose",
     "linearised_map": "maps.linearised",
     "Locus": "orbits.locus",
     "adding_tree": "orbits.adding_tree",
@@ -129,6 +133,10 @@ if TYPE_CHECKING:
     from grazing.outcome import Trust as Trust
     from grazing.outcome import UserCodeError as UserCodeError
     from grazing.outcome import describe as describe
+    from grazing.proof.certify import Certificate as Certificate
+    from grazing.proof.certify import certify as certify
+    from grazing.proof.checker import check_certificate as check_certificate
+    from grazing.proof.enclose import enclose as enclose
     from grazing.studies.attractors import Attractor as Attractor
     from grazing.studies.attractors import attractors as attractors
     from grazing.studies.basins import basins as basins

@@ -180,7 +180,7 @@ def continuation(
         seeds = [begun(P, orbit, name, (low, high))]
     else:
         raise InputError(f"orbit is {orbit!r}; give an Orbit, or a special point of a branch")
-    if len(seeds) == 1 and isinstance(seeds[0].equations, RestEquations):
+    if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
         return resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
     search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds)
     while search.waiting:

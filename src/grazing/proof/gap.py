@@ -59,6 +59,11 @@ class GapProof:
     document: dict[str, Any] | None
 
     @property
+    def reason(self) -> str:
+        """Why nothing is proven; empty if something is."""
+        return "" if self.proven else self.statement
+
+    @property
     def value(self) -> tuple[float, float] | None:
         """Doubles around the mu of a proven edge; None for anything else."""
         if self.document is None or self.document["kind"] != EDGE:

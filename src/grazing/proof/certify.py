@@ -1,0 +1,412 @@
+"""Proofs that a periodic orbit of the oscillator exists, is admissible, and is stable or unstable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, inf, nextafter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grazing.maps.gap import gap_step
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.signature import flown
+from grazing.oscillator.exact import LOCK, Undecided
+from grazing.outcome import InputError
+from grazing.proof.clearance import Clear, Through, clear
+from grazing.proof.envelope import seal, write_envelope
+from grazing.proof.equations import Equations, Flight, Matrix
+from grazing.proof.flow import Flow, TooLong
+from grazing.proof.gap import GapProof, certify_gap_orbit
+from grazing.proof.krawczyk import NoConvergence, contraction, inverse, newton, remainder, residual_of
+from grazing.proof.law import BreaksPromise, NotInBalls
+from grazing.proof.report import (
+    bound,
+    clear_rows,
+    described,
+    existence_rows,
+    impact_rows,
+    jury,
+    loose,
+    multiplier_text,
+    stability_of,
+    stability_rows,
+)
+from grazing.proof.sentence import TRUSTED_BASE, orbit_sentence, signature
+from grazing.proof.text import below, enclosed, exact_text, short
+
+if TYPE_CHECKING:
+    from flint import arb
+
+#: Bits of the midpoints, tried one after the other.
+PRECISIONS = (256, 512, 1024)
+#: Half-widths of the box of uniqueness, as powers of two of the natural scales, and the contraction rate asked for.
+WIDEST, NARROWEST, RATE = -3, -90, 0.5
+
+
+class NotProven(Exception):
+    """Why there is no proof, and what to try."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Certificate:
+    """What was proven, or why nothing was.
+
+    Parameters
+    ----------
+    proven : bool
+        Whether there is a proof.
+    statement : str
+        One sentence: exactly what is proven; without a proof it says so.
+    reason : str
+        Why there is no proof, or why a part of it is missing, and what to try; empty if nothing is missing.
+    document : dict or None
+        The certificate, as JSON values; None without a proof.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.proof.certify import certify
+    >>> orbit = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1]
+    >>> certify(orbit)
+    <Certificate: periodic orbit with 1 impact in 3 periods, proven stable>
+    """
+
+    proven: bool
+    statement: str
+    reason: str
+    document: dict[str, Any] | None
+    title: str
+
+    def save(self, path: str | Path) -> Path:
+        """Write the certificate as JSON and return the path.
+
+        Raises
+        ------
+        InputError
+            If nothing is proven.
+        """
+        if self.document is None:
+            raise InputError(f"there is nothing to save: {self.reason}")
+        return write_envelope(self.document, path)
+
+    @property
+    def claims(self) -> dict[str, Any]:
+        """What is claimed, with its bounds as decimals rounded to the safe side; empty without a proof."""
+        return {} if self.document is None else dict(self.document["data"]["claims"])
+
+    @property
+    def value(self) -> tuple[float, float] | None:
+        """The enclosure of a bifurcation value, rounded outwards to doubles; None if there is none."""
+        if "value" not in self.claims:
+            return None
+        low, high = (Fraction(x) for x in self.claims["value"])
+        below, above = float(low), float(high)
+        return (below if below <= low else nextafter(below, -inf)), (above if above >= high else nextafter(above, inf))
+
+    def __repr__(self) -> str:
+        return f"<Certificate: {self.title}>"
+
+
+def certify(orbit: Orbit) -> Certificate | GapProof:
+    """Prove that a periodic orbit of the oscillator or the gap map exists, is admissible, and is stable or unstable.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Of the oscillator: any number of impacts, none included, in any number of periods. Its times and velocities
+        are a guess only. An orbit of the gap map is proven by :func:`grazing.proof.gap.certify_gap_orbit`.
+
+    Returns
+    -------
+    Certificate
+        ``proven`` says whether existence, local uniqueness and admissibility over the whole orbit are proven; then
+        ``statement`` says of its stability what is proven. Otherwise ``reason`` says why not: a virtual
+        orbit, a reset law that ball arithmetic cannot evaluate, a decision that 1024 bits leave open.
+
+    Raises
+    ------
+    InputError
+        For anything but an orbit of the oscillator or the gap map.
+
+    Notes
+    -----
+    Krawczyk's test in ball arithmetic for the times of the impacts and the velocities after them
+    (:mod:`grazing.proof.krawczyk`); the whole flights are enclosed to show that they meet the wall nowhere else
+    (:mod:`grazing.proof.clearance`); the multipliers follow from flights and saltation matrices. The parameters of the
+    model are taken as exact. :func:`check_certificate` verifies the result by other means.
+
+    References
+    ----------
+    R. Krawczyk, Computing 4 (1969) 187-201; A. Neumaier, Interval Methods for Systems of Equations, Cambridge 1990,
+    section 5.2.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.proof.certify import certify
+    >>> certificate = certify(gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1])
+    >>> certificate.proven, certificate.claims["stability"]
+    (True, 'stable')
+    """
+    if isinstance(orbit, Orbit) and orbit.map.step is gap_step:
+        return certify_gap_orbit(orbit)
+    orbit = with_impacts(orbit)
+    n, N = orbit.impacts, orbit.period
+    name = f"periodic orbit {signature(n, N)}"
+    try:
+        data, inequalities = at_some_precision(lambda bits: _proof(orbit, bits))
+    except NotProven as error:
+        return not_proven(name, error)
+    stability = data["claims"]["stability"]
+    statement = orbit_sentence(data)
+    document = seal("periodic orbit", statement, TRUSTED_BASE, data, inequalities)
+    missing = "" if stability != "undecided" else _undecided_stability(data)
+    said = "proven, stability undecided" if missing else f"proven {stability}"
+    return Certificate(True, statement, missing, document, f"{name}, {said}")
+
+
+def with_impacts(orbit: object) -> ImpactOrbit:
+    """Return an orbit of the oscillator with its impacts, or raise InputError."""
+    if isinstance(orbit, ImpactOrbit):
+        return orbit
+    if isinstance(orbit, Orbit) and orbit.map.model is not None and orbit.map.section is not None:
+        return flown(orbit)
+    raise InputError(
+        f"orbit is {orbit!r}; give a periodic orbit of the oscillator, such as one of gz.one_impact_orbits(model, N)"
+    )
+
+
+def not_proven(name: str, error: NotProven) -> Certificate:
+    """Return the certificate that says why there is none."""
+    return Certificate(False, f"Nothing is proven: {error}.", str(error), None, f"{name}, not proven")
+
+
+def at_some_precision(prove: Callable[[int], tuple[dict[str, Any], list[dict[str, Any]]]]) -> Any:
+    """Return the first proof that a precision allows, or raise NotProven."""
+    from flint import ctx
+
+    said = ""
+    for bits in PRECISIONS:
+        try:
+            with LOCK, ctx.workprec(bits):
+                return prove(bits)
+        except Open as error:
+            said = str(error)
+        except TooLong:
+            raise NotProven(
+                "a flight has too many time scales to be enclosed step by step; raise omega, lower alpha or k, or "
+                "prove an orbit of fewer periods"
+            ) from None
+        except NotInBalls as error:
+            raise NotProven(
+                f"the reset law cannot be evaluated in ball arithmetic ({error}); write it with arithmetic, "
+                "comparisons and abs only"
+            ) from None
+        except BreaksPromise:
+            raise NotProven("the reset law returns a velocity that is not finite or into the wall") from None
+    raise NotProven(f"{said}, to {PRECISIONS[-1]} bits")
+
+
+class Open(Exception):
+    """What the precision at hand does not decide."""
+
+
+class Stage:
+    """Says what was being decided when a ball was too wide."""
+
+    def __init__(self, said: str) -> None:
+        self.said = said
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        if isinstance(error, Undecided):
+            raise Open(self.said) from None
+
+
+def _undecided_stability(data: dict[str, Any]) -> str:
+    trace, det = (" to ".join(data["claims"][key]) for key in ("trace", "det"))
+    return (
+        f"stability is not decided: a multiplier is on the unit circle or too close to it (trace {trace}, determinant "
+        f"{det}); vary a parameter, or enclose the bifurcation instead"
+    )
+
+
+def guess_of(orbit: ImpactOrbit) -> list[arb]:
+    """Return the coordinates of an orbit of floats: times and velocities after, or (u - sigma, v) at t = 0."""
+    from flint import arb
+
+    if orbit.impacts:
+        return [arb(float(x)) for x in (*orbit.times, *orbit.outgoing)]
+    u, v = orbit.points[0]
+    return [arb(float(u)) - arb(orbit.model.sigma), arb(float(v))]
+
+
+def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Return data and inequalities of a certificate, or raise NotProven or Open."""
+    model, n, N = orbit.model, orbit.impacts, orbit.period
+    equations = Equations(model, n, N)
+    guess = guess_of(orbit)
+    with Stage("the equations of the orbit are singular: two orbits meet, or it is one of a family"):
+        try:
+            centre = [short(x, bits // 2) for x in newton(equations, guess)]
+        except NoConvergence:
+            raise NotProven(
+                "Newton's method does not converge from the times and velocities given "
+                f"(residual {orbit.residual:.1e}); give an orbit of a smaller residual"
+            ) from None
+        _same(guess, centre)
+        flights = equations.flights(centre)
+        C = inverse(equations.jacobian(flights))
+        rows, unique = uniqueness(equations, centre, C, scales(equations, flights, centre))
+        radius = existence(residual_of(C, equations, centre, flights), rows, C, unique, bits)
+    box = balls(centre, radius)
+    with Stage("the reset law or the velocity of an impact is not decided over the box"):
+        flights = equations.flights(box)
+        check_impacts(flights, n)
+    flow = equations.flow(box)
+    cleared = [cleared_flight(flow, flights, i, box, n) for i in range(len(flights))]
+    trace, det = equations.trace_and_det(flights, flow)
+    margins = jury(trace, det)
+    stability = stability_of(margins)
+    apart = shift_margins(box, n, N, flow.T)
+    data = {
+        **described(model, n, N, bits),
+        "centre": [exact_text(x) for x in centre],
+        "radius": [exact_text(x) for x in radius],
+        "unique": [exact_text(x) for x in unique],
+        "preconditioner": [[x.hex() for x in row] for row in C],
+        "cuts": [[exact_text(one.start), exact_text(one.end)] for one in cleared] if n else [],
+        "claims": {
+            "box": [enclosed(x) for x in box],
+            "apart": [below(u - r, 3) for u, r in zip(unique, radius, strict=True)],
+            "least_period": n > 0 and all(margin > 0 for margin in apart.values()),
+            "incoming": [loose(f.v) for f in flights] if n else [],
+            "trace": loose(trace),
+            "det": loose(det),
+            "multipliers": multiplier_text(trace, det),
+            "stability": stability,
+        },
+    }
+    inequalities = [
+        *existence_rows(residual_of(C, equations, centre, equations.flights(centre)), rows, C, radius, unique),
+        *impact_rows(flights, n),
+        *clear_rows(cleared, n, flights),
+        *stability_rows(margins, stability),
+        *[bound(f"least period, divisor {q}", margin, ">", 0) for q, margin in apart.items() if margin > 0],
+    ]
+    return data, inequalities
+
+
+def balls(centre: list[arb], radius: list[arb]) -> list[arb]:
+    """Return a box as balls."""
+    from flint import arb
+
+    return [c + arb(0, 1) * r for c, r in zip(centre, radius, strict=True)]
+
+
+def _same(guess: list[arb], centre: list[arb]) -> None:
+    """Raise NotProven if Newton's method has gone to another orbit."""
+    size = 1.0 + max(float(abs(x)) for x in centre)
+    if any(float(abs(a - b)) > 1e-4 * size for a, b in zip(guess, centre, strict=True)):
+        raise NotProven(
+            "Newton's method went from the times and velocities given to another orbit; give an orbit of a "
+            "smaller residual"
+        )
+
+
+def scales(equations: Equations, flights: list[Flight], centre: list[arb]) -> list[arb]:
+    """Return the natural scale of each coordinate."""
+    from flint import arb
+
+    flow = equations.flow(centre)
+    speed = arb(max(max(float(abs(f.w)), float(abs(f.v))) for f in flights) or 1.0)
+    if equations.n == 0:
+        speed = max(speed, abs(centre[0]) * flow.scale, key=float)
+        return [speed / flow.scale, speed]
+    return [1 / flow.scale] * equations.n + [speed] * equations.n
+
+
+def uniqueness(
+    equations: Equations, centre: list[arb], C: list[list[float]], natural: list[arb]
+) -> tuple[Matrix, list[arb]]:
+    """Return the derivative over the widest box on which the test of uniqueness succeeds, and its half-widths."""
+    from flint import arb
+
+    for power in range(WIDEST, NARROWEST, -3):
+        unique = [short(arb(2) ** power * x, 24) for x in natural]
+        try:
+            rows = equations.jacobian(equations.wide_flights(centre, balls(centre, unique)))
+        except Undecided:
+            continue
+        if contraction(C, rows, unique) < RATE:
+            return rows, unique
+    raise Undecided
+
+
+def existence(residual: list[arb], rows: Matrix, C: list[list[float]], unique: list[arb], bits: int) -> list[arb]:
+    """Return half-widths of a box around the centre that holds the orbit, by Krawczyk's test."""
+    from flint import arb
+
+    factor = max([arb(2) ** (-9 * bits // 20), *(4 * a / u for a, u in zip(residual, unique, strict=True))], key=float)
+    radius = [short(factor.upper() * u, 24) for u in unique]
+    if not all(a + b < r for a, b, r in zip(residual, remainder(C, rows, radius), radius, strict=True)):
+        raise Undecided
+    if not all(r <= u for r, u in zip(radius, unique, strict=True)):
+        raise Undecided
+    return radius
+
+
+def check_impacts(flights: list[Flight], n: int) -> None:
+    """Raise unless every impact arrives with v < 0 and leaves with w >= 0."""
+    for i, f in enumerate(flights if n else []):
+        if f.v >= 0:
+            raise NotProven(
+                f"the orbit is virtual: flight {i + 1} arrives at the wall with a velocity of {float(f.v):.3g}, not < 0"
+            )
+        if f.g < 0:
+            raise NotProven(
+                f"the reset law returns {float(f.g):.3g} after impact {(i + 1) % n + 1}, a velocity into the wall"
+            )
+        if not (f.L > 0 and f.v < 0 and (f.g > 0 or f.g.is_zero())):
+            raise Undecided
+
+
+def cleared_flight(flow: Flow, flights: list[Flight], i: int, box: list[arb], n: int, touch: bool = False) -> Clear:
+    """Return the proof that a flight is above the wall, or raise NotProven or Open."""
+    f = flights[i]
+    if n:
+        w = flights[i - 1].g if flights[i - 1].g.is_zero() else f.w
+        start, label = flow.start(f.t, 0 * f.t, w), f"flight {i + 1}"
+    else:
+        start, label = flow.start(f.t, box[0], box[1]), "the orbit"
+    with Stage(f"{label} comes closer to the wall than can be told from a touch, or leaves it too slowly"):
+        try:
+            return clear(flow, start, f.t, f.L, bound=n > 0, touch=touch)
+        except Through as dip:
+            raise Virtual(
+                f"the orbit is virtual: {label} passes through the wall, u - sigma = {dip.height:.3g} at "
+                f"t = {float(f.t) + dip.time:.9g}; it satisfies its equations but is no motion of the oscillator"
+            ) from None
+
+
+class Virtual(NotProven):
+    """The orbit passes through the wall."""
+
+
+def shift_margins(box: list[arb], n: int, N: int, T: arb) -> dict[int, arb]:
+    """Return for every prime q that divides n and N how far the orbit is from one of period N T/q."""
+    common = gcd(n, N)
+    found: dict[int, arb] = {}
+    for q in range(2, common + 1):
+        if common % q or any(q % p == 0 for p in found):
+            continue
+        m = n // q
+        apart = [abs(box[(i + m) % n] + (i + m) // n * N * T - box[i] - N * T / q) for i in range(n)]
+        apart += [abs(box[n + (i + m) % n] - box[n + i]) for i in range(n)]
+        found[q] = max((x.lower() for x in apart), key=float)
+    return found

@@ -1,0 +1,134 @@
+"""How a checker reads a certificate: exact numbers, decimals, and inequalities that must hold as stated."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flint import arb
+
+EXACT = re.compile(r"(-?)0x([0-9a-f]{1,2000})p(-?[0-9]{1,6})")
+DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,5})?")
+
+
+#: Widest interval that a claim may give for a number, relative to its size, as a power of two.
+BLUNT = -30
+
+
+class Rejected(ValueError):
+    """A certificate that does not prove its statement, with the first thing that is wrong."""
+
+
+def demand(holds: object, said: str) -> None:
+    """Raise Rejected unless something holds."""
+    if not holds:
+        raise Rejected(said)
+
+
+def exact(text: Any) -> arb:
+    """Return the number that an exact text such as ``-0x2bp-7`` means."""
+    from flint import arb, fmpz
+
+    found = EXACT.fullmatch(text) if isinstance(text, str) else None
+    if found is None:
+        raise Rejected(f"{text!r} is no exact number")
+    mantissa = int(found[2], 16) * (-1 if found[1] else 1)
+    return arb((fmpz(mantissa), fmpz(int(found[3]))))
+
+
+def double(text: Any) -> float:
+    """Return the double that a text as of ``float.hex`` means."""
+    try:
+        number = float.fromhex(text)
+    except (TypeError, ValueError, OverflowError):
+        raise Rejected(f"{text!r} is no double in hexadecimal") from None
+    demand(number.hex() == text and abs(number) < float("inf"), f"{text!r} is no finite double as float.hex writes it")
+    return number
+
+
+def decimal(text: Any) -> arb:
+    """Return a ball around the number that a decimal means."""
+    from flint import arb, fmpq
+
+    if not (isinstance(text, str) and DECIMAL.fullmatch(text)):
+        raise Rejected(f"{text!r} is no decimal number")
+    number = Fraction(text)
+    return arb(fmpq(number.numerator, number.denominator))
+
+
+def keys(document: Any, names: Sequence[str], where: str) -> None:
+    """Demand that a mapping has these keys and no others."""
+    demand(isinstance(document, Mapping), f"{where} is no mapping")
+    wrong = sorted(set(document) ^ set(names))
+    demand(not wrong, f"{where} lacks or adds {', '.join(map(str, wrong))}")
+
+
+def numbers(texts: Any, count: int, where: str) -> list[arb]:
+    """Return a list of exact numbers of the right length."""
+    demand(isinstance(texts, list) and len(texts) == count, f"{where} is no list of {count} numbers")
+    return [exact(text) for text in texts]
+
+
+def whole(number: Any, low: int, where: str) -> int:
+    """Return an int that is at least ``low``."""
+    demand(type(number) is int and number >= low, f"{where} is {number!r}, not a whole number >= {low}")
+    return int(number)
+
+
+def within(x: arb, texts: Any, where: str) -> None:
+    """Demand that a ball lies between two decimals, which are close to it."""
+    from flint import arb
+
+    demand(isinstance(texts, list) and len(texts) == 2, f"{where} is no pair of decimals")
+    low, high = (decimal(text) for text in texts)
+    demand(low <= x and x <= high, f"{where} is claimed to lie in [{texts[0]}, {texts[1]}], which does not hold")
+    room = abs(x).upper() * arb(2) ** BLUNT + 2**16 * x.rad()
+    demand(high - low <= room, f"{where} is claimed with far too wide an interval")
+
+
+class Inequalities:
+    """The inequalities of a certificate, taken one after the other and verified.
+
+    Each says that a quantity x is > left >= right, or < left <= right; x and right come from the checker.
+    """
+
+    def __init__(self, rows: Any) -> None:
+        self.rows, self.at = rows, 0
+
+    @property
+    def name(self) -> str:
+        """Name of the next inequality, empty at the end."""
+        row = self.rows[self.at] if self.at < len(self.rows) else {}
+        return str(row.get("name", "")) if isinstance(row, Mapping) else ""
+
+    def left(self, name: str, relation: str, right: str = "0") -> arb:
+        """Return the left side of the next inequality, which must have this name and be true as it stands."""
+        demand(self.at < len(self.rows), f"the inequality {name!r} is missing")
+        row = self.rows[self.at]
+        self.at += 1
+        keys(row, ("name", "left", "relation", "right"), f"inequality {self.at}")
+        demand(row["name"] == name, f"inequality {self.at} is {row['name']!r}; expected is {name!r}")
+        demand(
+            row["relation"] == relation, f"the relation of {name!r} is {row['relation']!r}; expected is {relation!r}"
+        )
+        demand(row["right"] == right, f"the right side of {name!r} is {row['right']!r}; expected is {right!r}")
+        left = decimal(row["left"])
+        limit = exact(right) if "x" in right else decimal(right)
+        held = left >= limit if relation == ">" else left <= limit
+        demand(held, f"the inequality {name!r} is false: {row['left']} {relation} {right}")
+        return left
+
+    def more(self, name: str, x: arb) -> None:
+        """Verify x > left >= 0."""
+        demand(x > self.left(name, ">"), f"the inequality {name!r} does not hold")
+
+    def less(self, name: str, x: arb, right: str = "0") -> None:
+        """Verify x < left <= right."""
+        demand(x < self.left(name, "<", right), f"the inequality {name!r} does not hold")
+
+    def finish(self) -> None:
+        """Demand that there is no further inequality."""
+        demand(self.at == len(self.rows), f"the inequality {self.name!r} is not one of this proof")

@@ -1,0 +1,340 @@
+"""Proven enclosures of the parameter values at which a periodic orbit of the oscillator bifurcates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from grazing.maps.gap import gap_step
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.orbit import Orbit
+from grazing.oscillator.exact import Undecided
+from grazing.outcome import InputError
+from grazing.parameter import unknown
+from grazing.proof.certify import (
+    Certificate,
+    NotProven,
+    Stage,
+    at_some_precision,
+    balls,
+    check_impacts,
+    cleared_flight,
+    guess_of,
+    not_proven,
+    with_impacts,
+)
+from grazing.proof.clearance import Clear
+from grazing.proof.envelope import seal
+from grazing.proof.equations import Equations, Flight
+from grazing.proof.gap import GapProof, certify_gap_edge
+from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
+from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
+from grazing.proof.search import Search, dips_of
+from grazing.proof.sentence import EVENTS, TRUSTED_BASE, parameter_name, signature, value_sentence
+from grazing.proof.text import enclosed, exact_text, short
+
+if TYPE_CHECKING:
+    from flint import arb
+
+    Point = list[arb]
+
+#: Half-width of the pinned coordinate, as a power of 1/2, tried before a very small one.
+WIDTH = 44
+
+
+class End(NamedTuple):
+    """An orbit at one end of the curve: a box that holds it, trace and determinant there, and Krawczyk's test."""
+
+    centre: Point
+    radius: Point
+    flights: list[Flight]
+    trace: arb
+    det: arb
+    test: list[tuple[arb, arb]]
+
+
+def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
+    """Prove that a periodic orbit bifurcates at a value of a parameter, and enclose that value.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        An orbit near the bifurcation, of the oscillator or of the gap map; from it the search starts.
+    kind : str
+        ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map
+        ``"pd"``, ``"lp"``, ``"gr"`` or ``"bcb"``, the border collision.
+    name : str
+        The parameter that varies, for the gap map mu; the others keep their values, taken as exact.
+
+    Returns
+    -------
+    Certificate
+        ``value`` is the enclosure, at most some 1e-13 (1 + its size) wide. The proof shows a curve of orbits
+        through a small box, alone in it, on which the test function of the bifurcation changes its sign.
+
+    Raises
+    ------
+    InputError
+        For what is no orbit of the oscillator or the gap map, or an unknown kind or parameter.
+
+    Notes
+    -----
+    The test functions are 1 + tr + det (pd), 1 - tr + det (lp), det - 1 with complex multipliers (ns), the height of
+    the dip (gr). The curve is parametrised by ``name``, a fold by one of the other coordinates; along it Krawczyk's
+    test holds for all of the box at once, so that orbits depend continuously on it and the intermediate value
+    theorem gives the zero. That there is one zero only is not claimed.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.proof.enclose import enclose
+    >>> orbit = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1]
+    >>> certificate = enclose(orbit, "pd", "d")
+    >>> certificate
+    <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 6.4e-14>
+    """
+    if isinstance(orbit, Orbit) and orbit.map.step is gap_step:
+        return _gap_edge(orbit, kind, name)
+    orbit = with_impacts(orbit)
+    if kind not in EVENTS:
+        raise InputError(f"kind is {kind!r}; allowed are {', '.join(EVENTS)}")
+    model = orbit.model
+    if name not in model.params:
+        raise unknown(name, model.params, "the model")
+    title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
+    try:
+        if kind != "gr" and orbit.impacts == 0:
+            raise NotProven(
+                "the multipliers of an orbit without impacts are those of the free ball; it has a graze only"
+            )
+        data, inequalities = at_some_precision(lambda bits: _proof(orbit, kind, name, bits))
+    except NotProven as error:
+        return not_proven(title, error)
+    statement = value_sentence(data)
+    document = seal("bifurcation value", statement, TRUSTED_BASE, data, inequalities)
+    low, high = (float(x) for x in data["claims"]["value"])
+    said = f"{parameter_name(data)} = {(low + high) / 2:.15g} to within {(high - low) / 2:.1e}"
+    return Certificate(True, statement, "", document, f"{title}, {said}")
+
+
+def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
+    """Return the proof of that edge of a word of the gap map which is nearest to the orbit's own mu."""
+    kinds = {"pd": "pd", "lp": "lp", "gr": "gr", "bcb": "bc"}
+    if kind not in kinds:
+        raise InputError(f"kind is {kind!r}; allowed for the gap map are {', '.join(kinds)}")
+    if name != "mu":
+        raise InputError(f"name is {name!r}; edges of the gap map are enclosed in mu only")
+    lam, mu, l = (orbit.map.params[key] for key in ("lam", "mu", "l"))
+    proofs = [one for one in certify_gap_edge(orbit.word, kinds[kind], lam, l) if one.value is not None]
+    if not proofs:
+        return GapProof(False, f"Nothing is proven: {orbit.word} has no {kind} at lam = {lam:g}, l = {l:g}.", None)
+    return min(proofs, key=lambda one: abs(one.value[0] - mu) if one.value is not None else 0.0)
+
+
+def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Return data and inequalities of a certificate, or raise NotProven or Open."""
+    from flint import arb
+
+    model, n, N = orbit.model, orbit.impacts, orbit.period
+    equations = Equations(model, n, N, name)
+    size = equations.size
+    with Stage("the orbit near the bifurcation is singular"):
+        start = [*guess_of(orbit), arb(model.params[name])]
+        search = Search(equations, kind, start)
+        centre = search.zero()
+    centre = [short(x, bits // 2) for x in centre]
+    pinned = search.pinned
+    with Stage("the curve of orbits through the bifurcation is not enclosed"):
+        C, radius, rows = enclosed_curve(equations, centre, pinned, bits)
+        ends = [end_of(equations, centre, radius, C, rows, pinned, sign, bits) for sign in (-1, 1)]
+    box = balls(centre, radius)
+    with Stage("the reset law or the velocity of an impact is not decided over the box"):
+        flights = equations.flights(box)
+        check_impacts(flights, n)
+    flow = equations.flow(box)
+    dip = search.dip.flight if search.dip else -1
+    cleared = [cleared_flight(flow, flights, i, box, n, touch=i == dip) for i in range(len(flights))]
+    trace, det = equations.trace_and_det(flights, flow)
+    with Stage("the test function of the bifurcation does not surely change its sign"):
+        tests, time = sign_rows(equations, kind, ends, cleared, dip)
+        if kind == "ns":
+            tests.append(bound("trace^2/4 - det", trace**2 / 4 - det, "<", 0))
+            if not trace**2 / 4 - det < 0:
+                raise Undecided
+    data = {
+        **unknown_parameter(described(model, n, N, bits), name, model.offset_name),
+        "type": kind,
+        "pinned": pinned,
+        "centre": [exact_text(x) for x in centre],
+        "radius": [exact_text(x) for x in radius],
+        "preconditioner": [[x.hex() for x in row] for row in C],
+        "cuts": [[exact_text(one.start), exact_text(one.end)] for one in cleared] if n else [],
+        "dip": dip_text(dip, cleared, time),
+        "ends": [
+            {"centre": [exact_text(x) for x in end.centre], "radius": [exact_text(x) for x in end.radius]}
+            for end in ends
+        ],
+        "claims": {
+            "value": enclosed(box[size], 24),
+            "box": [enclosed(x) for x in box[:size]],
+            "ends": [stability_of(jury(end.trace, end.det)) for end in ends],
+        },
+    }
+    image = curve_image(equations, centre, radius, C, rows, pinned)
+    inequalities = [
+        *(bound(f"curve, coordinate {i + 1}", a, "<", r) for i, (a, r) in enumerate(zip(*image, strict=True))),
+        *impact_rows(flights, n),
+        *clear_rows(cleared, n, flights),
+        *(
+            bound(f"end {i + 1}, coordinate {m + 1}", a, "<", r)
+            for i, end in enumerate(ends)
+            for m, (a, r) in enumerate(end.test)
+        ),
+        *tests,
+    ]
+    return data, inequalities
+
+
+def enclosed_curve(
+    equations: Equations, centre: Point, pinned: int, bits: int
+) -> tuple[list[list[float]], Point, list[list[arb]]]:
+    """Return preconditioner, half-widths of a box and the derivative over it, for which Krawczyk's test holds.
+
+    For every value of the pinned coordinate in the box there is then exactly one orbit in it.
+    """
+    from flint import arb
+
+    thin = equations.jacobian(equations.flights(centre, True))
+    C = inverse([without(row, pinned) for row in thin])
+    for power in (WIDTH, bits // 4):
+        try:
+            return C, *_curve_of_width(equations, centre, C, pinned, arb(2) ** -power)
+        except Undecided:
+            if power != WIDTH:
+                raise
+    raise Undecided
+
+
+def _curve_of_width(
+    equations: Equations, centre: Point, C: list[list[float]], pinned: int, share: arb
+) -> tuple[Point, list[list[arb]]]:
+    """Return half-widths and derivative of :func:`enclosed_curve` for one width of the pinned coordinate."""
+    from flint import arb
+
+    width = short(share * (abs(centre[pinned]) + 1), 24)
+    radius = [width if i == pinned else arb(0) for i in range(len(centre))]
+    rows = equations.jacobian(equations.flights(balls(centre, radius), True))
+    moved, _u = curve_image(equations, centre, radius, C, rows, pinned)
+    floors = [share / 8 * (1 + abs(x)) for x in without(centre, pinned)]
+    radius = replaced(radius, pinned, [short((2 * a + b).upper(), 24) for a, b in zip(moved, floors, strict=True)])
+    rows = equations.jacobian(equations.flights(balls(centre, radius), True))
+    image = curve_image(equations, centre, radius, C, rows, pinned)
+    if not all(a < b for a, b in zip(*image, strict=True)):
+        raise Undecided
+    return radius, rows
+
+
+def curve_image(
+    equations: Equations, centre: Point, radius: Point, C: list[list[float]], rows: list[list[arb]], pinned: int
+) -> tuple[Point, Point]:
+    """Return what Krawczyk's operator makes of the half-widths of the free coordinates, and these.
+
+    ``rows`` is the derivative over the box by all coordinates: the pinned one moves the free ones by C times its
+    column.
+    """
+    u = without(radius, pinned)
+    moved = residual_of(C, equations, centre, equations.flights(centre))
+    turned = columns(C, [row[pinned] for row in rows])
+    rest = remainder(C, [without(row, pinned) for row in rows], u)
+    image = [a + abs(b).abs_upper() * radius[pinned] + c for a, b, c in zip(moved, turned, rest, strict=True)]
+    return image, u
+
+
+def end_of(
+    equations: Equations, centre: Point, radius: Point, C: list[list[float]], rows: list[list[arb]], pinned: int,
+    sign: int, bits: int,
+) -> End:  # fmt: skip
+    """Return the orbit at one end of the curve, in a much smaller box inside the other."""
+    from flint import arb
+
+    guess = list(centre)
+    guess[pinned] = centre[pinned] + sign * radius[pinned]
+    x = [short(a, 3 * bits // 4) if i != pinned else a for i, a in enumerate(newton(equations, guess, pinned))]
+    u = without(radius, pinned)
+    residual = residual_of(C, equations, x, equations.flights(x))
+    factor = max([arb(2) ** -(bits // 4), *(4 * a / b for a, b in zip(residual, u, strict=True))], key=float)
+    r = [short(factor.upper() * b, 24) for b in u]
+    rest = remainder(C, [without(row, pinned) for row in rows], r)
+    image = [a + b for a, b in zip(residual, rest, strict=True)]
+    if not all(a < b for a, b in zip(image, r, strict=True)):
+        raise Undecided
+    free, middle = without(x, pinned), without(centre, pinned)
+    if not all(abs(a - b) + c < d for a, b, c, d in zip(free, middle, r, u, strict=True)):
+        raise Undecided
+    full = replaced([arb(0)] * len(x), pinned, r)
+    box = balls(x, full)
+    flights = equations.flights(box)
+    trace, det = equations.trace_and_det(flights, equations.flow(box))
+    return End(x, full, flights, trace, det, list(zip(image, r, strict=True)))
+
+
+def sign_rows(
+    equations: Equations, kind: str, ends: list[End], cleared: list[Clear], dip: int
+) -> tuple[list[dict[str, str]], arb | None]:
+    """Return the inequalities that show the change of sign, and for a graze the time at which heights are taken."""
+    if kind != "gr":
+        column = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}[kind]
+        values = [jury(end.trace, end.det)[column] for end in ends]
+        return [_signed(f"{column} at end {i + 1}", x) for i, x in enumerate(_opposite(values))], None
+    found = cleared[dip]
+    if found.dip is None or found.bend is None:
+        raise NotProven("the orbit has no dip at the wall where one was found by numbers")
+    times = [
+        min(dips_of(equations, end.flights, dip, end.centre), key=lambda one: float(one.height)).time for end in ends
+    ]
+    time = short((times[0] + times[1]) / 2, 128)
+    heights = []
+    for end in ends:
+        f = end.flights[dip]
+        x = balls(end.centre, end.radius)
+        flow = equations.flow(x)
+        y0 = 0 * time if equations.n else x[0]
+        moment = flow.read(flow.fly(flow.start(f.t, y0, f.w), f.t, time))
+        least = moment.y - moment.v**2 / (2 * found.bend)
+        heights.append(least if least > 0 else moment.y)
+    rows = [_signed(f"height of the dip at end {i + 1}", x) for i, x in enumerate(_opposite(heights))]
+    return [bound("acceleration in the dip", found.bend, ">", 0), *rows], time
+
+
+def _opposite(values: list[arb]) -> list[arb]:
+    """Return two balls of surely opposite signs, or raise Undecided."""
+    one, two = values
+    if not ((one > 0 and two < 0) or (one < 0 and two > 0)):
+        raise Undecided
+    return values
+
+
+def _signed(name: str, x: arb) -> dict[str, str]:
+    return bound(name, x, ">" if x > 0 else "<", 0)
+
+
+def dip_text(dip: int, cleared: list[Clear], time: arb | None) -> dict[str, Any]:
+    """Return the dip that touches, as text; empty if none does."""
+    if dip < 0 or time is None:
+        return {}
+    one = cleared[dip].dip
+    assert one is not None
+    return {"flight": dip + 1, "from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
+
+
+def unknown_parameter(data: dict[str, Any], name: str, offset_name: str) -> dict[str, Any]:
+    """Return the description of a model without the value of the parameter that is unknown."""
+    model, law = dict(data["model"]), dict(data["law"])
+    known = "offset" if name == offset_name else name
+    if known in model:
+        model[known] = ""
+    elif known in law["params"]:
+        law["params"] = {**law["params"], known: ""}
+    else:
+        row, j = known[:3], int(known[3:]) - 1
+        model[row] = [*model[row][:j], "", *model[row][j + 1 :]]
+    return {**data, "model": model, "law": law, "parameter": known}

@@ -1,0 +1,112 @@
+"""Newton's method in balls, and the two tests that make its answer a theorem.
+
+With C an approximate inverse of the derivative at a centre c and R = |I - C DF(X)| over a box X of half-widths u:
+if R u < u in every row, x -> x - C F(x) contracts on X in the maximum norm weighted by u, so X holds at most one zero;
+if |C F(c)| + R r < r for half-widths r <= u, it maps the box c +- r into itself, so that this box holds one (Krawczyk).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from grazing.oscillator.exact import Undecided
+from grazing.proof.equations import Equations, Flight, Matrix
+from grazing.proof.flow import TooLong
+
+if TYPE_CHECKING:
+    from flint import arb
+
+#: Most Newton steps.
+STEPS = 14
+
+
+class NoConvergence(ArithmeticError):
+    """Newton's method does not converge from the guess."""
+
+
+def inverse(rows: Matrix) -> list[list[float]]:
+    """Return an approximate inverse of the midpoints, in doubles; raise Undecided if they are singular."""
+    from flint import arb_mat
+
+    try:
+        inverted = arb_mat([[x.mid() for x in row] for row in rows]).inv()
+    except ZeroDivisionError:
+        raise Undecided from None
+    return [[float(inverted[i, j].mid()) for j in range(len(rows))] for i in range(len(rows))]
+
+
+def without(row: list[arb], pinned: int | None) -> list[arb]:
+    """Return a row of coordinates without the pinned one."""
+    return row if pinned is None else row[:pinned] + row[pinned + 1 :]
+
+
+def replaced(x: list[arb], pinned: int | None, free: list[arb]) -> list[arb]:
+    """Return a point with other free coordinates."""
+    return free if pinned is None else [*free[:pinned], x[pinned], *free[pinned:]]
+
+
+def newton(equations: Equations, x: list[arb], pinned: int | None = None) -> list[arb]:
+    """Return the zero near x to working precision, as midpoints; the pinned coordinate stays.
+
+    Raises
+    ------
+    NoConvergence
+        If the steps do not shrink, or impacts change their order.
+    """
+    from flint import arb, arb_mat, ctx
+
+    x = [a.mid() for a in x]
+    small = arb(2) ** (16 - ctx.prec // 2)  # convergence is quadratic: the next error is its square
+    for _ in range(STEPS):
+        if not all(a.is_finite() for a in x) or not equations.ordered(x):
+            break
+        try:
+            flights = equations.flights(x, derivative=equations.name is not None and pinned != equations.size)
+        except TooLong:
+            break
+        rows = [without(row, pinned) for row in equations.jacobian(flights)]
+        values = equations.residual(x, flights)
+        try:
+            step = arb_mat([[a.mid() for a in row] for row in rows]).solve(arb_mat([[-a.mid()] for a in values]))
+        except ZeroDivisionError:
+            break
+        change = [step[i, 0].mid() for i in range(len(values))]
+        x = replaced(x, pinned, [(a + b).mid() for a, b in zip(without(x, pinned), change, strict=True)])
+        size = max((abs(a) for a in change), key=float)
+        if size <= small * (1 + max(float(abs(a)) for a in x)):
+            return x
+    raise NoConvergence
+
+
+def columns(C: list[list[float]], values: list[arb]) -> list[arb]:
+    """Return C times a vector."""
+    from flint import arb
+
+    return [sum((arb(c) * x for c, x in zip(row, values, strict=True)), arb(0)) for row in C]
+
+
+def remainder(C: list[list[float]], rows: Matrix, u: list[arb]) -> list[arb]:
+    """Return |I - C DF| u, row by row."""
+    from flint import arb
+
+    size, result = len(C), []
+    for i in range(size):
+        total = arb(0)
+        for j in range(size):
+            entry = sum((arb(C[i][m]) * rows[m][j] for m in range(size)), arb(0))
+            total += abs((i == j) - entry).abs_upper() * u[j]
+        result.append(total)
+    return result
+
+
+def contraction(C: list[list[float]], rows: Matrix, u: list[arb]) -> arb:
+    """Return the contraction rate on a box of half-widths u, from the derivative over the box."""
+    return max(
+        ((a / b).abs_upper() for a, b in zip(remainder(C, rows, u), u, strict=True)),
+        key=lambda x: float(x) if x.is_finite() else float("inf"),
+    )
+
+
+def residual_of(C: list[list[float]], equations: Equations, x: list[arb], flights: list[Flight]) -> list[arb]:
+    """Return |C F| at a point, upper bounds."""
+    return [a.abs_upper() for a in columns(C, equations.residual(x, flights))]

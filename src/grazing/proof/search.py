@@ -1,0 +1,183 @@
+"""Where a bifurcation lies, by numbers: a zero of a test function along a curve of orbits. A proof comes after."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from grazing.proof.certify import NotProven
+from grazing.proof.equations import Equations, Flight
+from grazing.proof.flow import TooLong
+from grazing.proof.krawczyk import NoConvergence, newton
+
+if TYPE_CHECKING:
+    from flint import arb
+
+    Point = list[arb]
+
+#: Most steps of the secant method, and steps with a shorter and shorter way to go.
+SECANTS, TRIES = 80, 12
+#: Bits of the first, rough search.
+ROUGH = 96
+#: Longest step of the search in the coordinate that is varied, in units of its size.
+STRIDE = 0.05
+
+
+class Dip(NamedTuple):
+    """A local minimum of a flight: which flight, how long after its start, how high, and its acceleration."""
+
+    flight: int
+    time: arb
+    height: arb
+    speed: arb
+
+
+class Search:
+    """Finds a zero of a test function along a curve of orbits, by numbers without proof.
+
+    ``pinned`` is the coordinate that is varied: the parameter, or towards a fold the one that changes most.
+    """
+
+    def __init__(self, equations: Equations, kind: str, start: Point) -> None:
+        self.equations, self.kind = equations, kind
+        self.pinned = equations.size
+        self.dip: Dip | None = None
+        self.start = self.solved(start)
+        if kind == "lp":
+            self.pinned = self._steepest(self.start)
+
+    def solved(self, x: Point) -> Point:
+        """Return the orbit at the pinned coordinate of a guess."""
+        try:
+            return newton(self.equations, x, self.pinned)
+        except NoConvergence:
+            raise NotProven(
+                "Newton's method does not find the orbit near the one given; give one nearer to the bifurcation"
+            ) from None
+
+    def _steepest(self, x: Point) -> int:
+        """Return the coordinate that changes most along the curve."""
+        rows = self.equations.jacobian(self.equations.flights(x, derivative=True))
+        tangent = np.linalg.svd(np.array([[float(a) for a in row] for row in rows]))[2][-1]
+        return int(np.argmax(np.abs(tangent)))
+
+    def test(self, x: Point) -> arb:
+        """Return the test function at an orbit."""
+        flights = self.equations.flights(x)
+        flow = self.equations.flow(x)
+        if self.kind == "gr":
+            dips = [dip for i in range(len(flights)) for dip in dips_of(self.equations, flights, i, x)]
+            if not dips:
+                raise NotProven("the orbit has no dip between its impacts that could touch the wall")
+            was = self.dip
+            if was is None:
+                self.dip = min(dips, key=lambda dip: float(dip.height))
+            else:
+                here = [dip for dip in dips if dip.flight == was.flight]
+                if not here:
+                    raise NotProven("the dip that was to touch the wall vanishes; give an orbit nearer to the graze")
+                self.dip = min(here, key=lambda dip: abs(float(dip.time - was.time)))
+            return self.dip.height
+        trace, det = self.equations.trace_and_det(flights, flow)
+        return {"pd": 1 + trace + det, "lp": 1 - trace + det, "ns": det - 1}[self.kind].mid()
+
+    def zero(self) -> Point:
+        """Return the orbit at which the test function is 0: roughly, then to working precision."""
+        from flint import ctx
+
+        full, x = ctx.prec, self.start
+        for bits, step in ((ROUGH, 1e-5), (full, 2.0 ** -(ROUGH // 3))):
+            with ctx.workprec(bits):
+                x = self._secant(x, step)
+        return self.solved(x)
+
+    def _secant(self, x: Point, stride: float) -> Point:
+        """Return the zero along the curve by the secant method, with orbits extrapolated from the last two."""
+        from flint import arb, ctx
+
+        x = self.solved(x)
+        value, last, before = self.test(x), x, None
+        step = arb(stride * self._unit(x))
+        for _ in range(SECANTS):
+            new = self._advanced(last, before, step)
+            old, value = value, self.test(new)
+            before, last = last, new
+            rise = (value - old).mid()
+            if rise.is_zero():
+                return last if value.is_zero() else self._lost()
+            if self.kind == "lp":
+                self.pinned = self._steepest(last)
+            c = self.pinned
+            moved, unit = (last[c] - before[c]).mid(), self._unit(last)
+            step = (-value * moved / rise).mid()
+            if float(abs(step)) <= 2.0 ** -(2 * ctx.prec // 5) * unit:
+                return self._guess(last, before, step)
+            longest = max(STRIDE * unit, 2 * float(abs(moved)))
+            if not float(abs(step)) < longest:
+                step = arb(longest if step > 0 else -longest)
+        return self._lost()
+
+    def _unit(self, x: Point) -> float:
+        return float(abs(x[self.pinned])) or 1.0
+
+    def _lost(self) -> Point:
+        raise NotProven(
+            f"no {self.kind} was found from this orbit: the search along the parameter did not converge; "
+            "give an orbit nearer to it"
+        )
+
+    def _guess(self, x: Point, before: Point | None, step: arb) -> Point:
+        """Return a guess of the orbit a step further, from the last two."""
+        c = self.pinned
+        if before is None or before[c] == x[c]:
+            return [*x[:c], (x[c] + step).mid(), *x[c + 1 :]]
+        share = step / (x[c] - before[c])
+        return [(a + share * (a - b)).mid() for a, b in zip(x, before, strict=True)]
+
+    def _advanced(self, x: Point, before: Point | None, step: arb) -> Point:
+        """Return the orbit a step further, or less far if there is none."""
+        for _ in range(TRIES):
+            try:
+                return newton(self.equations, self._guess(x, before, step), self.pinned)
+            except (NoConvergence, TooLong):
+                step = (step / 4).mid()
+        raise NotProven("the orbit cannot be followed towards the bifurcation; give one nearer to it")
+
+
+def dips_of(equations: Equations, flights: list[Flight], i: int, x: Point) -> list[Dip]:
+    """Return the local minima of one flight, by numbers."""
+    from flint import arb
+
+    flow, f = equations.flow(x), flights[i]
+    z = flow.start(f.t, arb(0) if equations.n else x[0], f.w)
+    count = flow.count(f.L)
+    h = (f.L / count).mid()
+    step = flow.step(h)
+    found = []
+    for k in range(count):
+        after = step * z
+        if z[1, 0] < 0 and after[1, 0] > 0:
+            found.append(_lowest(flow, z, h, i, k * h))
+        z = after
+    return found
+
+
+def _lowest(flow: Any, z: Any, h: arb, i: int, before: arb) -> Dip:
+    """Return the minimum within a step in which the velocity passes from below 0 to above, by bisection and Newton."""
+    from flint import arb, ctx
+
+    lo, hi, s = arb(0), h, h / 2
+    for _ in range(2 * ctx.prec):
+        state = flow.shifted(z, s)
+        v, a = (state[1, 0] * flow.scale).mid(), ((flow.system * state)[1, 0] * flow.scale).mid()
+        lo, hi = (s, hi) if v < 0 else (lo, s)
+        new = (s - v / a).mid() if a > 0 else lo
+        if not (lo < new and new < hi):
+            new = ((lo + hi) / 2).mid()
+        done = abs(new - s) < h * arb(2) ** (16 - ctx.prec // 2)
+        s = new
+        if done:
+            break
+    state = flow.shifted(z, s)
+    return Dip(i, (before + s).mid(), state[0, 0].mid(), (state[1, 0] * flow.scale).mid())

@@ -1,0 +1,170 @@
+"""Check the certificate of a bifurcation value anew, without the code that found it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from grazing.proof.checker_orbit import (
+    Leg,
+    Problem,
+    applied,
+    box_of,
+    check_flights,
+    inside,
+    precision_of,
+    preconditioner,
+    spread,
+)
+from grazing.proof.checker_reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
+from grazing.proof.orbit_checker import margins
+from grazing.proof.sentence import EVENTS, value_sentence
+
+if TYPE_CHECKING:
+    from flint import arb
+
+    Point = list[arb]
+
+KEYS = (
+    "model", "law", "impacts", "periods", "precision", "parameter", "type", "pinned", "centre", "radius",
+    "preconditioner", "cuts", "dip", "ends", "claims",
+)  # fmt: skip
+CLAIMS = ("value", "box", "ends")
+#: The quantity that changes its sign.
+TESTED = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}
+
+
+def check_value(data: Mapping[str, Any], inequalities: Any, law: Any) -> str:
+    """Verify a certificate of a bifurcation value and return the sentence that it proves, or raise Rejected."""
+    from flint import ctx
+
+    keys(data, KEYS, "the data")
+    keys(data["claims"], CLAIMS, "the claims")
+    demand(data["type"] in EVENTS, f"the type of bifurcation is {data['type']!r}")
+    demand(isinstance(data["parameter"], str) and data["parameter"], "no parameter is unknown")
+    with ctx.workprec(precision_of(data)):
+        problem = Problem(data, law)
+        demand(problem.n > 0 or data["type"] == "gr", "an orbit without impacts has a graze only")
+        rows = Inequalities(inequalities)
+        curve = Curve(problem, data, rows)
+        dip = _dip(data)
+        check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
+        ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
+        _change_of_sign(problem, data, curve, ends, dip, rows)
+        rows.finish()
+        _claims(problem, data, curve, ends)
+    return value_sentence(data)
+
+
+class Curve:
+    """The curve of orbits through a box, one for every value of the pinned coordinate, verified when made."""
+
+    def __init__(self, problem: Problem, data: Mapping[str, Any], rows: Inequalities) -> None:
+        size = problem.size
+        self.problem, self.pinned = problem, whole(data["pinned"], 0, "the pinned coordinate")
+        demand(self.pinned <= size, "the pinned coordinate does not exist")
+        self.centre, self.radius = (numbers(data[name], size + 1, name) for name in ("centre", "radius"))
+        demand(all(r > 0 for r in self.radius), "a half-width is not positive")
+        self.C = preconditioner(data["preconditioner"], size)
+        self.box = box_of(self.centre, self.radius)
+        self.legs = problem.legs(self.box, sensitive=True)
+        D = problem.derivative(self.box, self.legs)
+        self.D = [self.free(row) for row in D]
+        u, texts = self.free(self.radius), self.free(data["radius"])
+        ahead = applied(self.C, [row[self.pinned] for row in D])
+        at = applied(self.C, problem.defect(self.centre, problem.legs(self.centre)))
+        rest = spread(self.C, self.D, u)
+        for i in range(size):
+            x = at[i] + ahead[i] * self.radius[self.pinned] + rest[i]
+            rows.less(f"curve, coordinate {i + 1}", x, texts[i])
+        demand(isinstance(data["ends"], list) and len(data["ends"]) == 2, "the curve has not two ends")
+
+    def free(self, row: list[Any]) -> list[Any]:
+        """Return a row of coordinates without the pinned one."""
+        return row[: self.pinned] + row[self.pinned + 1 :]
+
+    def end(self, described: Any, i: int, rows: Inequalities) -> tuple[Point, list[Leg]]:
+        """Verify where the curve ends: a small box in the other that holds its orbit at that end."""
+        problem = self.problem
+        keys(described, ("centre", "radius"), f"end {i + 1}")
+        centre, radius = (numbers(described[name], problem.size + 1, f"end {i + 1}") for name in ("centre", "radius"))
+        at = self.centre[self.pinned] + (2 * i - 1) * self.radius[self.pinned]
+        demand(radius[self.pinned].is_zero() and (centre[self.pinned] - at).is_zero(), f"end {i + 1} is not at the end")
+        r = self.free(radius)
+        demand(all(x > 0 for x in r), f"a half-width at end {i + 1} is not positive")
+        moved = applied(self.C, problem.defect(centre, problem.legs(centre)))
+        texts = self.free(described["radius"])
+        for m, (a, b) in enumerate(zip(moved, spread(self.C, self.D, r), strict=True)):
+            rows.less(f"end {i + 1}, coordinate {m + 1}", a + b, texts[m])
+        box = box_of(centre, radius)
+        demand(inside(self.free(box), self.free(self.box)), f"the box of end {i + 1} is not inside the other")
+        return box, problem.legs(box)
+
+
+def _dip(data: Mapping[str, Any]) -> Any:
+    """Return the dip that touches the wall; None where none should."""
+    if data["type"] != "gr":
+        demand(data["dip"] == {}, "there is a dip in a certificate that needs none")
+        return None
+    keys(data["dip"], ("flight", "from", "to", "time"), "the dip")
+    demand(1 <= whole(data["dip"]["flight"], 1, "the flight of the dip") <= max(data["impacts"], 1), "no such flight")
+    return data["dip"]
+
+
+def _change_of_sign(
+    problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Any,
+    rows: Inequalities,
+) -> None:  # fmt: skip
+    """Verify that the test function has opposite signs at the ends of the curve."""
+    if dip is not None:
+        values, name = _heights(curve, ends, dip, rows), "height of the dip"
+    else:
+        name = TESTED[data["type"]]
+        values = [margins(*problem.trace_and_det(*end))[name] for end in ends]
+    one, two = values
+    demand((one > 0 and two < 0) or (one < 0 and two > 0), f"{name} does not surely change its sign")
+    for i, x in enumerate(values):
+        (rows.more if x > 0 else rows.less)(f"{name} at end {i + 1}", x)
+    if data["type"] == "ns":
+        trace, det = problem.trace_and_det(curve.box, curve.legs)
+        rows.less("trace^2/4 - det", trace * trace / 4 - det)
+
+
+def _heights(
+    curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Mapping[str, Any], rows: Inequalities
+) -> list[arb]:
+    """Return bounds on the least height of the dip at both ends, from below where it is positive.
+
+    With y'' > b on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it.
+    """
+    from grazing.proof.checker_flight import exceeds
+
+    start, stop, time = (exact(dip[name]) for name in ("from", "to", "time"))
+    demand(start < time and time < stop, "the dip is not looked at where it is")
+    b = rows.left("acceleration in the dip", ">")
+    leg = curve.legs[dip["flight"] - 1]
+    demand(b > 0 and exceeds(leg.path, start, stop, 2, b), "the acceleration in the dip is not proven")
+    heights = []
+    for _box, legs in ends:
+        path = legs[dip["flight"] - 1].path
+        y, v = path.at(time), path.at(time, 1)
+        least = y - v * v / (2 * b)
+        heights.append(least if least > 0 else y)
+    return heights
+
+
+def _claims(problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]]) -> None:
+    """Verify the value, the box and the stability that are claimed."""
+    claims, size = data["claims"], problem.size
+    within(curve.box[size], claims["value"], "the value")
+    demand(decimal(claims["value"][0]) < decimal(claims["value"][1]), "the value is claimed without a width")
+    demand(isinstance(claims["box"], list) and len(claims["box"]) == size, "the box claimed has the wrong size")
+    for i, x in enumerate(curve.box[:size]):
+        within(x, claims["box"][i], f"coordinate {i + 1}")
+    demand(isinstance(claims["ends"], list) and len(claims["ends"]) == 2, "the stability is not claimed at two ends")
+    for i, end in enumerate(ends):
+        found = margins(*problem.trace_and_det(*end)).values()
+        held = {
+            "stable": all(x > 0 for x in found), "unstable": any(x < 0 for x in found), "undecided": True
+        }.get(claims["ends"][i], False)  # fmt: skip
+        demand(held, f"the orbit at end {i + 1} is not proven {claims['ends'][i]!r}")

@@ -1,0 +1,122 @@
+from time import perf_counter
+
+import pytest
+
+import grazing as gz
+from grazing.orbits.windows import windows
+from grazing.proof.checker import check_certificate
+from grazing.proof.enclose import enclose
+from tests.models import THREE
+from tests.proof.orbits import without_impacts
+
+HARMONICS = gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.newton(r=0.7))
+
+
+def edges(model, name, N, **more):
+    """Every edge of the windows of a model that can be enclosed, with an orbit a tenth inside the window."""
+    found = windows(model, name, N=N, **more)
+    for i in range(found.sizes["window"]):
+        row = found.isel(window=i)
+        low, high = float(row.low), float(row.high)
+        for kind, edge, other in ((row.low_type.item(), low, high), (row.high_type.item(), high, low)):
+            if kind in ("pd", "lp", "ns", "gr"):
+                inside = model.replace(**{name: edge + 0.1 * (other - edge)})
+                orbits = [o for o in gz.one_impact_orbits(inside, int(row.N)) if o.admissible and o.stable]
+                yield kind, edge, orbits
+
+
+def checked(certificate):
+    assert certificate.proven, certificate.reason
+    assert check_certificate(certificate.document) == certificate.statement
+    return certificate
+
+
+def test_the_edges_of_the_windows_of_the_standard_model_are_enclosed_in_time():
+    count = 0
+    for kind, edge, orbits in edges(gz.pinball(V=0.4), "d", range(2, 8)):
+        (orbit,) = orbits
+        start = perf_counter()
+        certificate = enclose(orbit, kind, "d")
+        assert perf_counter() - start < 2.0
+        low, high = checked(certificate).value
+        assert low <= edge <= high
+        assert high - low <= 1e-12
+        count += 1
+    assert count == 12
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "N", "kinds"),
+    [
+        (gz.pinball(alpha=0.2, omega=2.8, V=0.0, d=0.0), "d", [1, 2], {"lp", "pd"}),
+        (gz.pinball(alpha=0.05, d=-0.5), "d", [1], {"lp", "ns"}),
+        (HARMONICS, "omega", [1], {"lp", "gr"}),
+        (gz.pinball(alpha=2.0, V=0.3, r=0.9, d=-0.2), "d", [2, 3], {"gr", "pd"}),
+        (gz.pinball(d=0.1), "sigma", [2], {"gr", "pd"}),
+        (gz.pinball(d=0.12), "k", [3], {"gr", "pd"}),
+        (gz.pinball(d=0.1), "V", [2, 3], {"gr", "pd"}),
+        (gz.pinball(d=0.12), "alpha", [2, 3], {"gr", "pd"}),
+        (gz.pinball(d=0.12), "cos1", [3], {"gr", "pd"}),
+        (gz.pinball(alpha=0.05, d=0.1), "r", [1], {"ns"}),
+        (gz.pinball(d=0.1), "r", [3], {"gr"}),
+        (gz.pinball(alpha=0.05, d=0.1), "omega", [1, 2], {"ns", "lp", "pd"}),
+    ],
+)
+def test_edges_of_other_models_and_parameters_are_enclosed(model, name, N, kinds):
+    seen = set()
+    for kind, edge, orbits in edges(model, name, N):
+        for orbit in orbits:
+            low, high = checked(enclose(orbit, kind, name)).value
+            seen.add(kind)
+            assert low - 1e-13 <= edge <= high + 1e-13
+            assert high - low <= 1e-12
+    assert kinds <= seen
+
+
+def test_the_graze_of_the_steady_response_has_its_closed_form():
+    model = gz.pinball(d=0.14)
+    certificate = checked(enclose(without_impacts(model), "gr", "d"))
+    low, high = certificate.value
+    assert low <= gz.normal_form(model, "d").graze <= high
+    assert high - low <= 1e-12
+    assert "touches the wall" in certificate.statement
+
+
+def test_a_bifurcation_that_is_not_there_is_not_found():
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    for kind, name in (("ns", "omega"), ("lp", "t0"), ("pd", "t0"), ("gr", "t0")):
+        certificate = enclose(orbit, kind, name)
+        assert not certificate.proven and certificate.value is None
+        assert "give an orbit nearer" in certificate.reason or "give one nearer" in certificate.reason
+
+
+def test_a_bifurcation_of_a_virtual_orbit_is_refused():
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    certificate = enclose(orbit, "lp", "sigma")
+    assert not certificate.proven and "virtual" in certificate.reason
+
+
+def test_an_orbit_without_impacts_has_a_graze_only():
+    certificate = enclose(without_impacts(gz.pinball(d=0.14)), "pd", "d")
+    assert not certificate.proven and "it has a graze only" in certificate.reason
+
+
+def test_wrong_questions_are_refused_by_name():
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    with pytest.raises(gz.InputError, match="allowed are pd, lp, ns, gr"):
+        enclose(orbit, "hopf", "d")
+    with pytest.raises(gz.InputError, match="unknown parameter 'D'"):
+        enclose(orbit, "pd", "D")
+    with pytest.raises(gz.InputError, match="give a periodic orbit"):
+        enclose(3, "pd", "d")
+
+
+def test_the_certificate_says_what_it_encloses():
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    certificate = enclose(orbit, "pd", "d")
+    low, high = certificate.claims["value"]
+    assert f"there is a value of d in [{low}, {high}]" in certificate.statement
+    assert "d = 0.12," not in certificate.statement
+    assert "(period doubling)" in certificate.statement
+    assert "it is asymptotically stable, at the second: it is unstable" in certificate.statement
+    assert "d = 0.123281449643921 to within" in repr(certificate)

@@ -1,0 +1,95 @@
+import json
+from copy import deepcopy
+
+import pytest
+
+import grazing as gz
+from grazing.proof.envelope import FIELDS, digest_of, open_envelope, read_envelope, seal, write_envelope
+
+
+def made(**changes):
+    data = {"a": ["0x1p0", "1.5"], "n": 3, "deep": {"x": [True, None]}}
+    rows = [{"name": "one", "left": "1", "relation": "<", "right": "2"}]
+    return {**seal("test", "It is so.", ["arithmetic"], data, rows), **changes}
+
+
+def test_what_is_sealed_opens_and_holds_what_was_given():
+    document = made()
+    assert open_envelope(document) is document
+    assert tuple(document) == FIELDS
+    assert document["data"]["n"] == 3
+    assert open_envelope(json.loads(json.dumps(document))) == document
+
+
+@pytest.mark.parametrize("field", [name for name in FIELDS if name not in ("format", "version")])
+def test_a_change_of_any_field_is_found(field):
+    document = made()
+    value = document[field]
+    changed = value + "x" if isinstance(value, str) else [*value, "x"] if isinstance(value, list) else {**value, "x": 1}
+    with pytest.raises(gz.InputError, match="changed after it was sealed"):
+        open_envelope({**document, field: changed})
+
+
+def test_a_change_deep_inside_is_found():
+    document = made()
+    for change in (lambda d: d["data"]["a"].reverse(), lambda d: d["data"]["deep"]["x"].__setitem__(0, 1)):
+        other = deepcopy(document)
+        change(other)
+        with pytest.raises(gz.InputError, match="SHA-256"):
+            open_envelope(other)
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ([], "format is 'list'"),
+        ({}, "format is None"),
+        (made(format="other"), "format is 'other'"),
+        (made(version=2), "version 2 of the format"),
+        (made(version=True), "version True"),
+        (made(more=1), "lacks or adds fields: more"),
+        ({name: value for name, value in made().items() if name != "sha256"}, "lacks or adds fields: sha256"),
+        (made(kind=3), "kind of the certificate is 3"),
+        (made(data=[]), "data of the certificate"),
+        (made(data={"x": float("nan")}), "what JSON cannot"),
+        (made(data={"x": {1}}), "what JSON cannot"),
+    ],
+)
+def test_what_is_no_certificate_is_refused_by_name(document, said):
+    with pytest.raises(gz.InputError, match=said):
+        open_envelope(document)
+
+
+def test_nan_cannot_be_sealed():
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        seal("test", "", [], {"x": float("inf")}, [])
+
+
+def test_the_hash_does_not_depend_on_the_order_of_keys_or_on_blanks():
+    assert digest_of({"a": 1, "b": [2]}) == digest_of({"b": [2], "a": 1})
+    assert digest_of({"a": "é"}) == digest_of(json.loads('{ "a" : "\\u00e9" }'))
+
+
+def test_a_file_is_read_back(tmp_path):
+    document = made()
+    path = write_envelope(document, tmp_path / "c.json")
+    assert read_envelope(path) == document
+    assert read_envelope(str(path)) == document
+    assert read_envelope(document) == document
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("{", "not the JSON"), ('{"format": "grazing certificate", "format": 1}', "appears twice"), ('{"x": NaN}', "NaN")],
+)
+def test_what_is_no_json_is_refused(tmp_path, text, said):
+    path = tmp_path / "c.json"
+    path.write_text(text)
+    with pytest.raises(gz.InputError, match=said):
+        read_envelope(path)
+
+
+@pytest.mark.parametrize("source", ["no/such/file.json", 3])
+def test_what_is_no_file_is_refused(source):
+    with pytest.raises(gz.InputError, match="no certificate can be read"):
+        read_envelope(source)

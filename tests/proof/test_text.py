@@ -1,0 +1,60 @@
+from fractions import Fraction
+
+import pytest
+from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grazing.proof.checker_reading import Rejected, decimal, double, exact
+from grazing.proof.text import above, below, enclosed, exact_text, short
+
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e100, max_value=1e100)
+
+
+@given(NUMBERS, st.integers(-300, 300))
+def test_exact_texts_come_back_exactly(x, e):
+    ball = arb(x) * arb(2) ** e
+    assert (exact(exact_text(ball)) - ball).is_zero()
+
+
+@given(NUMBERS, st.integers(1, 25))
+def test_decimals_are_rounded_to_the_safe_side_and_by_no_more_than_they_must(x, digits):
+    number = Fraction(x)
+    low, high = (Fraction(text) for text in (below(arb(x), digits), above(arb(x), digits)))
+    assert low <= number <= high
+    assert high - low <= abs(number) * Fraction(10) ** (1 - digits)
+
+
+@given(NUMBERS, st.floats(0.0, 1e3))
+def test_enclosures_hold_the_ball(x, r):
+    ball = arb(x, r)
+    low, high = (decimal(text) for text in enclosed(ball))
+    assert low <= ball.lower() or low.overlaps(ball.lower())
+    assert high >= ball.upper() or high.overlaps(ball.upper())
+
+
+def test_short_numbers_have_so_many_bits():
+    with ctx.workprec(200):
+        third = short(arb(1) / 3, 24)
+        assert int(third.man_exp()[0]).bit_length() <= 24
+        assert abs(third - arb(1) / 3) < arb(2) ** -24
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1p0", "0x1", "0X1p0", "0x1p0 ", "0x1.8p0", "+0x1p0", "0x1p1e3", None, 1, "0xgp0"]
+)
+def test_what_is_no_exact_number_is_rejected(text):
+    with pytest.raises(Rejected, match="no exact number"):
+        exact(text)
+
+
+@pytest.mark.parametrize("text", ["", "nan", "1e", "0x1p0", "inf", " 1", None, 1.5, "1.", "1_0"])
+def test_what_is_no_decimal_is_rejected(text):
+    with pytest.raises(Rejected, match="no decimal"):
+        decimal(text)
+
+
+@pytest.mark.parametrize("text", ["0x1p0", "inf", "nan", "1.5", "0x1.0p+0", None, 3])
+def test_what_is_no_double_as_python_writes_it_is_rejected(text):
+    with pytest.raises(Rejected):
+        double(text)
