@@ -20,6 +20,7 @@ HEADINGS = {
     "oscillator": "Models and trajectories",
     "maps": "Maps",
     "studies": "Studies",
+    "plans": "Plans of studies, for sweeps: `gz.plans`",
     "orbits": "Orbits and windows",
     "theory": "Closed forms of the gap map: `gz.theory`",
     "plot": "Figures: `gz.plot`",
@@ -49,12 +50,14 @@ def public() -> dict[str, dict[str, Any]]:
         part = (value.__name__ if isinstance(value, ModuleType) else value.__module__).split(".")[1]
         group = groups.setdefault(HEADINGS.get(part, part), {})
         if isinstance(value, ModuleType):
-            names = getattr(value, "__all__", None) or [n for n in vars(value) if not n.startswith("_")]
+            listed_here = getattr(value, "__all__", None)  # what a module lists may come from another one
+            names = listed_here or [n for n in vars(value) if not n.startswith("_")]
             own = {n: getattr(value, n) for n in names}
+            home = "grazing." if listed_here else value.__name__
             group |= {
                 f"{name}.{n}": o
                 for n, o in own.items()
-                if callable(o) and getattr(o, "__module__", "").startswith(value.__name__)
+                if callable(o) and getattr(o, "__module__", "").startswith(home)
             }
         else:
             group[name] = value

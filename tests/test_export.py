@@ -50,6 +50,33 @@ def test_variables_on_the_same_dimensions_share_a_table(result, tmp_path):
     assert [float(row["point_v"]) for row in rows] == result.point.sel(coordinate="v").values.tolist()
 
 
+@pytest.mark.parametrize("rows", [3, 200_000])
+def test_rows_that_only_fill_up_are_left_out(tmp_path, monkeypatch, rows):
+    monkeypatch.setattr(export, "ROWS", rows)
+    period = np.array([[3, -3, -3], [2, 5, -3], [-1, -2, 0]], np.int32)
+    flags = {
+        "flag_values": np.array([0, -1, -2, -3], np.int32),
+        "flag_meanings": "undecided aperiodic ended no_further_x",
+    }
+    share = np.array([[1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.4, 0.3, 0.3]])
+    result = xr.Dataset(
+        {"period": (("d", "rank"), period, flags), "share": (("d", "rank"), share), "grazes": ("d", [-3, 0, 1])},
+    )
+    (file,) = to_csv(result, tmp_path / "out.csv")
+    found = [(row["d"], row["rank"], row["period"], row["grazes"]) for row in read(file)]
+    assert found == [
+        ("0", "0", "3", "-3"), ("1", "0", "2", "0"), ("1", "1", "5", "0"),
+        ("2", "0", "-1", "1"), ("2", "1", "-2", "1"), ("2", "2", "0", "1"),
+    ]  # fmt: skip
+
+
+def test_a_row_that_says_something_in_one_of_two_columns_stays(tmp_path):
+    flags = {"flag_values": [0, -3], "flag_meanings": "undecided no_further_attractor"}
+    result = xr.Dataset({"flow": ("rank", [2, 3, -3], flags), "map": ("rank", [2, -3, -3], flags)})
+    (file,) = to_csv(result, tmp_path / "out.csv")
+    assert [(row["flow"], row["map"]) for row in read(file)] == [("2", "2"), ("3", "-3")]
+
+
 def test_pieces_make_one_table(result, tmp_path, monkeypatch):
     to_csv(result, tmp_path / "whole.csv")
     monkeypatch.setattr(export, "ROWS", 5)

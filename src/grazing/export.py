@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Iterator
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -17,6 +18,8 @@ from grazing.outcome import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+#: How the meaning of a flag begins that says that a row only fills up its table.
+FILLER = "no_further_"
 #: Rows that are put together at a time.
 ROWS = 200_000
 
@@ -26,9 +29,10 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
 
     Variables on the same dimensions, or on some of them, share a table; the largest table gets the name given, another
     one ``name-dimension.csv``. A dimension of names, such as those of the coordinates, makes a column for each. Numbers
-    are written so that they are read back with the same bits, NaN as nothing, infinity as inf. Words may consist of
-    digits: tell the reader that they are text, as ``pandas.read_csv(file, dtype={"word": str})``. A table says nothing
-    of where it comes from: save the result as ``.nc`` too.
+    are written so that they are read back with the same bits, NaN as nothing, infinity as inf. Rows that only fill up,
+    where a cell of a chart has no further attractor, are left out. Words may consist of digits: tell the reader that
+    they are text, as ``pandas.read_csv(file, dtype={"word": str})``. A table says nothing of where it comes from: save
+    the result as ``.nc`` too.
 
     Parameters
     ----------
@@ -106,7 +110,7 @@ def _write(result: xr.Dataset, dims: tuple[str, ...], names: list[str], target: 
             rows = csv.writer(file, lineterminator="\n")
             rows.writerow([*dims, *names])
             for columns in _pieces(result, dims, names):
-                rows.writerows(zip(*columns, strict=True))
+                rows.writerows(columns)
         part.replace(target)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
@@ -115,8 +119,8 @@ def _write(result: xr.Dataset, dims: tuple[str, ...], names: list[str], target: 
     return target
 
 
-def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iterator[list[list[Any]]]:
-    """Yield the columns of a table, so many rows at a time: pieces along the first dimension."""
+def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iterator[Iterator[tuple[Any, ...]]]:
+    """Yield the rows of a table, so many at a time: pieces along the first dimension."""
     length = result.sizes[dims[0]] if dims else 1
     inner = max(1, int(np.prod([result.sizes[dim] for dim in dims[1:]], dtype=np.float64)))
     step = max(1, ROWS // inner)
@@ -129,7 +133,18 @@ def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iter
             shape = [1] * len(dims)
             shape[i] = sizes[i]
             columns.append(_cells(np.broadcast_to(along.reshape(shape), sizes)))
-        yield columns + [_cells(_spread(part[name], dims, sizes)) for name in names]
+        columns += [_cells(_spread(part[name], dims, sizes)) for name in names]
+        filling = [(name, flags) for name in names if (flags := _filling(part[name]))]
+        ends = [np.isin(_spread(part[name], dims, sizes), flags) for name, flags in filling]
+        rows = zip(*columns, strict=True)
+        yield compress(rows, np.ravel(~np.logical_and.reduce(ends)).tolist()) if ends else rows
+
+
+def _filling(variable: Any) -> list[Any]:
+    """Return the flags of a variable that say that there is nothing more."""
+    meanings = str(variable.attrs.get("flag_meanings", "")).split()
+    values = np.atleast_1d(variable.attrs.get("flag_values", ())).tolist()
+    return [value for value, meaning in zip(values, meanings, strict=False) if meaning.startswith(FILLER)]
 
 
 def _spread(variable: Any, dims: tuple[str, ...], sizes: tuple[int, ...]) -> NDArray[Any]:

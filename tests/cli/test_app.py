@@ -11,6 +11,7 @@ import pytest
 
 from grazing import InputError, OutsideForm, UserCodeError, __version__
 from grazing.cli import main
+from grazing.cli.app import _once
 from grazing.cli.paper import paper
 from grazing.paper import FIGURES
 
@@ -103,6 +104,25 @@ def test_quiet_shows_no_progress(report, capsys):
     assert main(["paper", "--quiet"]) == main(["paper", "-q"]) == 0
     out, err = capsys.readouterr()
     assert out and not err
+
+
+def test_warnings_that_differ_in_numbers_alone_are_one():
+    said = [
+        "the law f returned nan for v_minus = -0.25; 3 of 8 orbits ended there",
+        "the law f returned -1e-05 for v_minus = -7; 4 of 8 orbits ended there",
+        "the law f2 returned nan for v_minus = -0.25; 3 of 8 orbits ended there",
+        "another warning",
+        "the law f returned inf for v_minus = -2.5e+01; 8 of 8 orbits ended there",
+    ]
+    code = f"import warnings; [warnings.warn(each) for each in {said}]"
+    show = _once()
+    shown = []
+    with warnings.catch_warnings(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("builtins.print", lambda text, **_more: shown.append(text))
+        warnings.simplefilter("always")
+        warnings.showwarning = show
+        exec(code)
+    assert shown == [f"warning: {said[i]}" for i in (0, 2, 3)]
 
 
 def test_a_warning_is_one_line(report, capsys):

@@ -116,6 +116,7 @@ def on_a_terminal(*tokens, pause=0.0, interrupt=False, **changes):
     process = subprocess.Popen(
         command(*tokens, pause=pause), env=settings(**{"TERM": "xterm-256color"} | changes),
         stdout=subprocess.PIPE, stderr=theirs, stdin=theirs,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
     os.close(theirs)
     shown = b""

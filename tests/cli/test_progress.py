@@ -7,6 +7,7 @@ import select
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -74,7 +75,21 @@ def test_a_quick_study_has_one_line(clock, capsys):
 def test_quiet_says_nothing(capsys):
     with progress.counted("values", quiet=True) as show:
         show(1, 1)
+    with progress.said("following the curves", quiet=True):
+        pass
     assert lines(capsys) == []
+
+
+def test_a_step_of_unknown_length_is_said_before_it_begins(capsys):
+    with progress.said("following the curves"):
+        assert lines(capsys) == ["following the curves"]
+
+
+def test_the_line_of_the_last_cell_names_what_follows(capsys):
+    with progress.counted("cells", then="following the attractors") as show:
+        show(5, 10)
+        show(10, 10)
+    assert lines(capsys)[-1].endswith("; following the attractors")
 
 
 @pytest.mark.parametrize(
@@ -111,20 +126,27 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left():
     assert b"\x1b[2K" in shown  # the line is erased
 
 
-@pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
-@pytest.mark.parametrize("study", [["diagram", "mu=0:0.1:3000"], ["chart", "mu=0:0.1:60", "lam=0.1:0.9:60"]])
-def test_ctrl_c_stops_a_study_at_once_and_leaves_no_file(study, tmp_path):
+def study_that_takes_for_ever(folder, *study):
     given = [*study, "--map", "gap", *([] if "chart" in study else ["--lam", "0.5"]), "--l", "0.1"]
-    process = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-m", "grazing", *given, "--transient", "10000000", "-o", "a.png"],
-        env=os.environ | {"PYTHONPATH": str(SOURCE)}, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env=os.environ | {"PYTHONPATH": str(SOURCE)}, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    try:
-        process.wait(timeout=6)
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
-    assert process.returncode == 130, err
-    assert not out and "stopped: interrupted" in err and "Traceback" not in err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
+def test_ctrl_c_stops_a_study_at_once_and_leaves_no_file(tmp_path):
+    processes = [
+        study_that_takes_for_ever(tmp_path, "diagram", "mu=0:0.1:3000"),
+        study_that_takes_for_ever(tmp_path, "chart", "mu=0:0.1:60", "lam=0.1:0.9:60"),
+    ]
+    time.sleep(6.0)
+    for process in processes:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+    for process in processes:
+        out, err = process.communicate(timeout=30)
+        assert process.returncode == 130, err
+        assert not out and "stopped: interrupted" in err and "Traceback" not in err
     assert list(tmp_path.iterdir()) == []

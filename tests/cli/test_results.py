@@ -28,6 +28,33 @@ def said(capsys, code, *tokens):
     return out + err
 
 
+# ---- boundary curves on a chart
+
+
+def test_curves_are_drawn_told_and_kept(folder, capsys):
+    main([*CHART, "-o", "plain.png", "-o", "plain.nc"])
+    main([*CHART, "--curves", "2:3", "-o", "a.png", "-o", "a.nc"])
+    assert (folder / "a.png").read_bytes() != (folder / "plain.png").read_bytes()
+    assert "--curves 2,3 " in said(capsys, 0, "info", "a.png")
+    assert "curves = [2, 3]" in said(capsys, 0, "info", "a.nc", "--config")
+    main(["plot", "a.nc", "-o", "b.png"])
+    main(["plot", "plain.nc", "--curves", "2,3", "-o", "c.png"])
+    assert (folder / "a.png").read_bytes() == (folder / "b.png").read_bytes() == (folder / "c.png").read_bytes()
+    assert "a.nc is no chart" not in said(capsys, 0, "plot", "a.nc", "--curves", "4", "-o", "d.png")
+    one, other = gz.load(folder / "plain.nc"), gz.load(folder / "a.nc")
+    assert one.attrs["grazing_config_sha256"] == other.attrs["grazing_config_sha256"]  # the numbers are the same
+
+
+def test_curves_that_theory_does_not_know_are_refused_before_the_chart_is_computed(folder, capsys, monkeypatch):
+    monkeypatch.setattr("grazing.cli.study.result_of", None)
+    line = ["chart", "d=0:0.1:3", "V=0:0.2:4", "--map", "discontinuity", "--curves", "2", "-q", "-o", "a.png"]
+    assert "has no boundaries in closed form" in said(capsys, 2, *line)
+    line = ["chart", "mu=0.1,0.1", "l=0:0.2:4", "--map", "gap", "--lam", "0.5", "--curves", "2", "-q", "-o", "a.png"]
+    assert "curves need a plane, but mu is always 0.1" in said(capsys, 2, *line)
+    assert "--curves = 0; allowed is a whole number >= 1" in said(capsys, 2, *CHART, "--curves", "0")
+    assert "nknown option" in said(capsys, 2, *DIAGRAM, "--curves", "2")
+
+
 # ---- info
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 import grazing as gz
 from grazing.cli import main
 from grazing.config import load_config
-from grazing.config.parameters import parameter_names
+from grazing.config.parameters import GAP_MAP, parameter_names
 from grazing.config.settings import STUDIES, settings_of
 from grazing.oscillator.model import describe_parameter
 
@@ -42,7 +42,11 @@ def test_help_shows_every_parameter_with_its_meaning_range_and_default(study, ca
     assert main([study, "--help"]) == 0
     out = capsys.readouterr().out
     words = " ".join(out.replace("│", " ").split())
+    unknown = ("phase", *GAP_MAP) if study == "trajectory" else ()  # it is flown without a map
     for name in (*parameter_names(), *settings_of(study).model_fields):
+        if name in unknown:
+            assert f"--{name} " not in out
+            continue
         assert f"--{name.replace('_', '-')} " in out
     for name in ("alpha", "k", "omega", "r", "V", "trigger"):
         known = describe_parameter(name)
@@ -112,7 +116,7 @@ def test_words(capsys):
         (["lyapunov", "mu=0.02:0.1:4", *GAP, "--steps", "50"], {"mu": 4, "start": 10, "index": 1}),
         (["basins", "x=-1:1:9", *GAP, "mu=0.05"], {"x": 9}),
         (["coexistence", "mu=0.02:0.1:4", *GAP, "--starts", "9"], {"mu": 4}),
-        (["cobweb", "x=0.1", "mu=0.05", *GAP, "--steps", "7"], {"n": 8, "step": 7}),
+        (["cobweb", "x=0.1", "mu=0.05", *GAP, "--steps", "7"], {"n": 8, "step": 7, "place": 1202}),
         (["trajectory", "u=0.1", "v=0", "--until", "5"], {}),
     ],
     ids=lambda value: value[0] if isinstance(value, list) else "",
@@ -197,6 +201,9 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("chart d=0.1:0.2:5", "1 vary; chart varies 2 parameters"),
         ("trajectory", "--state: missing; give initial state"),
         ("trajectory u=0.1", "the initial state lacks v; give u, v"),
+        ("trajectory u=0.1 v=0 --phase 0.5", "Unknown option"),
+        ("trajectory u=0.1 v=0 phase=0.5", "a trajectory has no section; leave it out"),
+        ("trajectory u=0.1 v=0 --map impact", "Unknown option"),
         ("trajectory u=0.1 v=0 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
         ("trajectory u=-0.1 v=0", "the ball starts inside the wall"),
         ("cobweb x=0.1", "the stroboscopic map has coordinates u, v; a cobweb needs one with one"),
@@ -205,6 +212,21 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
 )
 def test_each_error_says_what_to_do(line, said, capsys):
     assert said in refused(capsys, *shlex.split(line))
+
+
+def test_errors_of_the_line_and_of_the_configuration_stand_one_a_line(capsys):
+    said = refused(capsys, "diagram", "d", "d=0.1:0.2:3", "--r", "1.2", "--strats=3").splitlines()
+    assert "Unknown option" in said[0]
+    said = refused(capsys, "diagram", "d", "d=0.1:0.2:3", "--r", "1.2", "--starts", "0").splitlines()
+    assert said[0] == "error: there are 3 errors:" and len(said) == 4
+    assert all(line.startswith("  ") for line in said[1:])
+
+
+def test_the_help_of_a_trajectory_names_what_it_has(capsys):
+    assert main(["trajectory", "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert "--until" in shown and "--model" in shown and "--law" in shown and "--omega" in shown
+    assert not any(f"{name} " in shown for name in ("--map", "--unfold", "--order", "--phase", "--lam", "--mu", "--l"))
 
 
 def test_nothing_is_computed_before_the_files_are_checked(monkeypatch, capsys):

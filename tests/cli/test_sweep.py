@@ -90,8 +90,10 @@ def test_damage_is_found_and_repaired(folder, capsys):
     said(capsys, 0, "run", "study.toml", "a.zarr", "--chunk", "10", "-q")
     file = max((folder / "a.zarr" / "x").rglob("c/*/*/*"))
     file.write_bytes(b"nonsense")
-    assert "differences" in said(capsys, 1, "verify", "a.zarr", "-q")
-    assert "differences" in said(capsys, 1, "verify", "a.zarr", "--repair", "-q")
+    found = said(capsys, 1, "verify", "a.zarr", "-q")
+    assert "differences" in found and "repaired" not in found
+    found = said(capsys, 1, "verify", "a.zarr", "--repair", "-q")
+    assert "repaired: 1 chunk marked as missing (" in found and found.rstrip().endswith("/a.zarr")
     assert "3 of 4 chunks" in said(capsys, 3, "status", "a.zarr")
     assert "4 of 4 chunks" in said(capsys, 0, "resume", "a.zarr", "-q")
     assert "no difference" in said(capsys, 0, "verify", "a.zarr", "-q", "--share", "1")

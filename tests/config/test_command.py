@@ -10,7 +10,7 @@ import xarray as xr
 import grazing as gz
 from grazing import InputError
 from grazing.cli import main
-from grazing.config import checked, command_of, plan_of, recipe_of, result_of
+from grazing.config import boundaries_of, checked, command_of, plan_of, recipe_of, result_of
 from grazing.studies.plan import run_plan
 
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
@@ -18,11 +18,12 @@ CONFIGS = [
     GAP,
     {**GAP, "parameters": {"lam": -0.5, "l": 0.1}, "settings": {"starts": [[0.1]], "keep": 4, "arithmetic": "strict"}},
     {**GAP, "settings": {"box": [[-0.5, 0.25]], "starts": 3, "seed": 5, "sweep": "down"}},
-    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {"cos": [1.0, 0.1], "t0": -0.5}},
+    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {"cos": [1.0, 0.1, 0.05], "t0": -0.5}},
     {"study": "diagram", "map": "discontinuity", "order": "full", "law": "newton", "vary": {"r": "0.5:0.9:3"}},
     {"study": "diagram", "map": "normal-form", "vary": {"mu": "0:0.1:3"}, "parameters": {"V": 0.2}},
     {"study": "diagram", "map": "impact", "law": "triggered", "vary": {"trigger": "0:0.1:3"}},
-    {"study": "chart", "map": "gap", "parameters": {"lam": 0.5}, "vary": {"mu": "0:0.1:3", "l": "0:0.2:2"}},
+    {"study": "chart", "map": "gap", "parameters": {"lam": 0.5}, "vary": {"mu": "0:0.1:3", "l": "0:0.2:2"},
+     "curves": [2, 3]},
     {"study": "density", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0}, "vary": {"mu": "0:0.1:3"},
      "settings": {"range": [-1.0, 0.5], "bins": 10}},
     {"study": "lyapunov", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": 0.1}, "settings": {"steps": 50}},
@@ -60,7 +61,8 @@ def test_the_printed_command_makes_the_same_bits(config, tmp_path, monkeypatch, 
 def _figure(result, recipe):
     from grazing.cli.output import figure
 
-    return figure(result, recipe)
+    curves = boundaries_of(recipe)
+    return figure(result) if curves is None else figure(result, curves=curves)
 
 
 def test_what_needs_quotes_is_quoted(tmp_path):
@@ -94,10 +96,10 @@ def test_values_that_are_not_even_are_taken_from_the_result():
 
 
 def test_an_oscillator_with_harmonics_and_its_own_box():
-    model = gz.Oscillator(0.1, 1.0, gz.Forcing(2.8, cos=(1.0, 0.2), sin=(0.1,)), gz.newton(0.9), sigma=-0.1)
+    model = gz.Oscillator(0.1, 1.0, gz.Forcing(2.8, cos=(1.0, 0.2, 0.1), sin=(0.1,)), gz.newton(0.9), sigma=-0.1)
     result = gz.orbit_diagram(gz.stroboscopic_map(model), "r", [0.5, 0.9], starts=2, keep=6)
     recipe = recipe_of(result.attrs)
-    assert recipe["parameters"]["cos"] == [1.0, 0.2] and recipe["parameters"]["sin"] == [0.1]
+    assert recipe["parameters"]["cos"] == [1.0, 0.2, 0.1] and recipe["parameters"]["sin"] == [0.1]
     assert recipe["law"] == "newton" and "box" not in recipe["settings"]
     assert np.array_equal(run_plan(plan_of(recipe)).u.values, result.u.values)
 

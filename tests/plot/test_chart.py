@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.colors import to_rgba_array
 
+import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
 from grazing.plot import stripes
@@ -160,6 +162,21 @@ def test_curves_are_named_where_they_are():
     at = drawn["curves"]["high"][1].get_position()
     assert at[1] == pytest.approx(0.3 + 0.05 * at[0], abs=1e-6)
     assert drawn["image"].axes.get_ylim()[1] < 0.5
+
+
+def test_curves_may_be_what_boundaries_returns():
+    found = gz.boundaries(gz.gap_map(lam=0.9, mu=0.1, l=0.1), ("mu", 0.0, 1.0), ("l", 0.01, 0.4), N=[3, 4])
+    twice = xr.concat([found, found.isel(curve=[0])], "curve")
+    drawn = plot.chart(results.chart(), curves=twice)["curves"]
+    assert set(drawn) == {"3 pd", "3 bc", "4 pd", "4 bc"} and sum(found.sizes.values()) > 4
+    x, y = found.mu.values, found.l.values
+    for k, name in enumerate(found.label.values):
+        line = np.column_stack(drawn[name][0].get_data())
+        want = np.column_stack([x[k], y[k]])
+        assert np.array_equal(line[: len(want)], want, equal_nan=True)
+        assert np.isnan(line[len(want)]).all() and (len(line) > len(want) + 1) == (k == 0)
+    with pytest.raises(InputError, match=r"curves have N, kind, label, V, .*but no mu; give gz.boundaries\(P, \('mu'"):
+        plot.chart(results.chart(), curves=found.rename(mu="V")[["N", "kind", "label", "V", "l"]])
 
 
 def test_curves_may_have_gaps_and_stand_upright():

@@ -13,6 +13,7 @@ from grazing.oscillator.model import pinball
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.plot.style import CHAOS, ENDED, PERIODS, UNDECIDED, ink_on
+from grazing.studies.cobweb import cobweb as followed
 
 
 def diagram():
@@ -55,6 +56,25 @@ def test_a_cobweb_closes():
     assert np.array_equal(path[0], [points[0], points[0]])
     assert path[-1, 1] == points[0]
     assert drawn["points"].get_xdata().tolist() == points
+
+
+def test_a_cobweb_of_a_result_is_that_of_its_points():
+    P = gap_map(0.8, 0.5, 1.0)
+    result = followed(P, [-1.0], steps=30, transient=10)
+    one = plot.cobweb(result)
+    other = plot.cobweb(P, result.x.values, closed=False)
+    for name in ("steps", "points"):
+        assert np.array_equal(one[name].get_xydata(), other[name].get_xydata())
+    for piece, twin in zip(one["graph"], other["graph"], strict=True):
+        assert np.array_equal(piece.get_xydata(), twin.get_xydata())
+    assert one["provenance"]["grazing_config"]["study"] == "cobweb"
+    assert plot.cobweb(result, closed=True)["steps"].get_xdata()[-1] == result.x.values[0]
+    with pytest.raises(InputError, match="points and a result are both given"):
+        plot.cobweb(result, [0.1])
+    with pytest.raises(InputError, match="needs points; give an orbit"):
+        plot.cobweb(P)
+    with pytest.raises(InputError, match=r"plot\.cobweb cannot draw a list"):
+        plot.cobweb([0.1, 0.2])
 
 
 def test_a_cobweb_needs_one_coordinate():

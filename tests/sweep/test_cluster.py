@@ -1,8 +1,8 @@
 import os
+import random
 import signal
 import sys
 import threading
-import time
 from contextlib import suppress
 
 import pytest
@@ -48,44 +48,95 @@ def test_a_queue_gets_its_jobs(monkeypatch):
         def __init__(self, **options):
             asked.update(options)
 
-        def scale(self, jobs):
-            asked["jobs"] = jobs
+        def adapt(self, **jobs):
+            asked.update(jobs)
             raise ZeroDivisionError
 
     monkeypatch.setattr(jobqueue, "SLURMCluster", Queue)
     with pytest.raises(ZeroDivisionError), sweep.cluster("slurm", 5, cores=8, memory="4GB", queue="long"):
         pass
-    assert asked == {"cores": 8, "memory": "4GB", "queue": "long", "jobs": 5}
+    assert asked == {"cores": 8, "memory": "4GB", "queue": "long", "minimum_jobs": 5, "maximum_jobs": 5}
+
+
+SWEEP = {"n": 400, "together": 2, "pause": 0.008}
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    """The files of an undisturbed run."""
+    folder = tmp_path_factory.mktemp("expected")
+    sweep.run(plan(n=SWEEP["n"]), folder / "a.zarr", chunk=4)
+    return files(folder / "a.zarr")
+
+
+def kill_workers(cluster, store, moments, count, killed, over):
+    """Kill so many workers of a cluster, spread over a sweep: mostly those that are up, now and then one that starts.
+
+    Their numbers come from the nannies in this process: to ask the workers would need one that answers.
+    """
+    chunks = SWEEP["n"] // 4
+    for wanted in sorted(moments.choices(range(chunks), k=count)):
+        late, before = moments.random() < 0.8, len(killed)
+        while len(list(store.glob("done/c/?*"))) < wanted and not over.wait(0.01):
+            pass
+        over.wait(moments.uniform(0.0, 0.05))
+        while len(killed) == before and not over.wait(0.01):
+            processes = [nanny.process for nanny in list(cluster.workers.values())]
+            alive = {each.pid for each in processes if each and (each.status.name == "running" or not late)}
+            victims = sorted(alive - {None, *killed})
+            if victims:
+                with suppress(ProcessLookupError):  # one that died just now
+                    os.kill(pid := moments.choice(victims), signal.SIGKILL)
+                    killed.append(pid)
+
+
+def killed_at_random_moments(executor, store, expected, seed, count):
+    """Kill so many workers during a sweep, which ends with the expected bytes; return them."""
+    killed, over = [], threading.Event()
+    killer = threading.Thread(
+        target=kill_workers,
+        args=(executor._client.cluster, store, random.Random(seed), count, killed, over),
+        daemon=True,
+    )
+    killer.start()
+    try:
+        assert sweep.run(plan(**SWEEP), store, chunk=4, executor=executor).complete
+    finally:
+        over.set()
+        killer.join()
+    assert files(store) == expected
+    return killed
+
+
+@pytest.mark.filterwarnings("default")
+def test_dask_workers_are_killed_and_the_bytes_stay(tmp_path, expected):
+    pytest.importorskip("distributed")
+    with sweep.cluster("local", 2, threads_per_worker=1) as executor:
+        assert len(killed_at_random_moments(executor, tmp_path / "a.zarr", expected, seed=0, count=5)) == 5
 
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("default")
-def test_dask_workers_are_killed_and_the_bytes_stay(tmp_path):
+def test_a_hundred_dask_workers_are_killed_and_the_bytes_stay(tmp_path, expected):
     pytest.importorskip("distributed")
-    some = plan(400, together=2, pause=0.01)
-    sweep.run(plan(400), tmp_path / "expected.zarr", chunk=4)
     with sweep.cluster("local", 2, threads_per_worker=1) as executor:
-        client = executor._client
+        killed = []
+        for i in range(10):
+            killed += killed_at_random_moments(executor, tmp_path / f"{i}.zarr", expected, seed=i, count=11)
+        assert len(set(killed)) >= 100  # the last ones of a sweep may come too late
+        executor._client.wait_for_workers(2, timeout=60)  # what was killed is replaced
 
-        store, killed = tmp_path / "a.zarr", []
 
-        def kill():
-            for count in range(3, 75, 8):
-                while len(list(store.glob("done/c/?*"))) < count:
-                    time.sleep(0.02)
-                with suppress(OSError):  # a worker that died just now
-                    pid = next(iter(client.run(os.getpid).values()))
-                    os.kill(pid, signal.SIGKILL)
-                    killed.append(pid)
-
-        killer = threading.Thread(target=kill, daemon=True)
-        killer.start()
-        found = sweep.run(some, store, chunk=4, executor=executor)
-        killer.join()
-        assert found.complete and len(set(killed)) > 3
-        assert files(store) == files(tmp_path / "expected.zarr")
-        assert client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.allowed_failures) == 1000
-
+@pytest.mark.filterwarnings("default")
+def test_the_cluster_that_was_joined_goes_on(tmp_path, expected):
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(
+            1, processes=False, protocol="tcp", threads_per_worker=1, dashboard_address=None
+        ) as here,
+        distributed.Client(here) as client,
+    ):
         with sweep.cluster(client.scheduler.address) as joined:
-            assert sweep.run(some, tmp_path / "b.zarr", chunk=40, executor=joined).complete
-        assert client.run(os.getpid)  # the cluster that was joined goes on
+            assert sweep.run(plan(n=SWEEP["n"]), tmp_path / "a.zarr", chunk=40, executor=joined).complete
+        assert client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.allowed_failures) == 1000
+        assert client.run(os.getpid)

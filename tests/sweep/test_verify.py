@@ -65,7 +65,8 @@ def test_what_is_damaged_is_repaired_by_computing_it_again(store):
     (store / "points/c/1/0/0").write_bytes(b"rubbish")
     zarr.open_array(str(store / "period"), mode="r+")[6] = 99
     found = sweep.verify(store, 1.0, plan=plan(7), repair=True)
-    assert found.repaired and {one.chunk for one in found.differences} == {1, 3}
+    assert found.repaired and {one.chunk for one in found.differences} == {1, 3} == {*found.missing}
+    assert str(found).splitlines()[-1] == f"repaired: 2 chunks marked as missing (1, 3); resume {store}"
     assert sweep.status(store).chunks_done == 2
     assert sweep.resume(store, plan(7)).complete
     assert files(store) == before
@@ -75,6 +76,8 @@ def test_coordinates_are_compared(store):
     zarr.open_array(str(store / "mu"), mode="r+")[0] = 0.0
     (one,) = sweep.verify(store, plan=plan(7)).differences
     assert str(one) == "mu: its values are not those of the plan"
+    found = sweep.verify(store, plan=plan(7), repair=True)
+    assert not found.missing and "not repaired: mu: coordinates belong to no chunk" in str(found)
 
 
 def test_a_store_that_is_not_complete(tmp_path):

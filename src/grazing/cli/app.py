@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import traceback
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
@@ -17,6 +18,7 @@ from grazing.cli.paper import paper
 from grazing.outcome import GrazingError, InputError, OutsideForm
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+_NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
 # The commands of the studies are made from the schema when they are asked for: --help needs none of it.
 STUDIES = {
@@ -82,7 +84,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
         The exit code.
     """
     with streams.prepared(), warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        warnings.showwarning = _once()
         code = _guarded(list(sys.argv[1:] if tokens is None else tokens))
         return streams.flushed(code)
 
@@ -150,6 +152,14 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
     return code
 
 
-def _show_warning(message: Warning | str, *_where: object, **_more: object) -> None:
-    """Write a warning as one line."""
-    print(f"warning: {message}", file=sys.stderr)
+def _once() -> Callable[..., None]:
+    """Return what writes a warning as one line; of those that differ in their numbers alone, the first of a command."""
+    told: set[str] = set()
+
+    def show(message: Warning | str, *_where: object, **_more: object) -> None:
+        kind = _NUMBER.sub("", str(message))
+        if kind not in told:
+            told.add(kind)
+            print(f"warning: {message}", file=sys.stderr)
+
+    return show

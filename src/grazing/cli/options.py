@@ -17,8 +17,8 @@ from grazing.config.files import read_toml
 from grazing.config.maps import names_of, parameter_defaults
 from grazing.config.own import is_own, located
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
-from grazing.config.problems import Problem, refusal
-from grazing.config.schema import config_of
+from grazing.config.problems import Problem, Refusal, refusal
+from grazing.config.schema import DRAWN, config_of
 from grazing.config.settings import SINGLE, STUDIES, settings_of, text_of
 from grazing.outcome import GrazingError
 
@@ -63,11 +63,16 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields = config_of(study).model_json_schema()["properties"]
     for key, usual in KEYS.items():
+        if key not in fields or (study == "trajectory" and key not in ("model", "law")):
+            continue
         choices = _choices(fields[key])
-        arguments.append(option(key, str(fields[key]["description"]), MAP, usual, choices, "" if choices else "NAME"))
+        group, metavar = (STUDY, "LIST") if key in DRAWN.get(study, ()) else (MAP, "" if choices else "NAME")
+        arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})
     described = config_of(study).model_json_schema()["$defs"]["Parameters"]["properties"]
     for name in parameter_names():
+        if study == "trajectory" and name in ("phase", *GAP):  # it is flown by the oscillator, not by a map
+            continue
         says = f"{described[name]['description']}{' (gap map)' if name in GAP else ''}"
         metavar = "LIST" if name in AMPLITUDES else "NUMBER"
         arguments.append(option(name, says, PARAMETERS, known.get(name), metavar=metavar))
@@ -172,7 +177,8 @@ def recipe_from(study: str, tokens: Sequence[str], options: Mapping[str, str | N
     except GrazingError as error:
         if not problems:
             raise
-        raise refusal([*problems, Problem((), str(error))], "", given.label) from None
+        further = error.problems if isinstance(error, Refusal) else [Problem((), str(error))]
+        raise refusal([*problems, *further], "", given.label) from None
     if problems:
         raise refusal(problems, "", given.label)
     return recipe

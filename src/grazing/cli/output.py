@@ -44,13 +44,13 @@ def targets(out: Sequence[str] | None, allowed: Sequence[str] = ENDINGS) -> list
     return paths
 
 
-def write(result: Any, path: Path, recipe: Mapping[str, Any] | None, **style: Any) -> list[str]:
+def write(result: Any, path: Path, **style: Any) -> list[str]:
     """Write a result to a file; return the names of all files that this made."""
     kind = path.suffix
     if kind in FIGURES:
         from grazing import plot
 
-        drawn = figure(result, recipe, **style)
+        drawn = figure(result, **style)
         return [str(plot.save(drawn, path, result.attrs.get("title", ""), plot.provenance_of(result)))]
     if kind == ".csv":
         from grazing.export import to_csv
@@ -61,7 +61,7 @@ def write(result: Any, path: Path, recipe: Mapping[str, Any] | None, **style: An
     return [str(save(result, path))]
 
 
-def figure(result: Any, recipe: Mapping[str, Any] | None, **style: Any) -> Mapping[str, Any]:
+def figure(result: Any, **style: Any) -> Mapping[str, Any]:
     """Draw a result with the function that its study has.
 
     Raises
@@ -72,11 +72,6 @@ def figure(result: Any, recipe: Mapping[str, Any] | None, **style: Any) -> Mappi
     from grazing import plot
 
     study = study_of(result.attrs)
-    if study == "cobweb" and recipe is not None:
-        from grazing.config.build import map_in
-
-        P = map_in(dict(recipe))
-        return plot.cobweb(P, result[P.coordinates[0]].values, closed=False)
     draw: Callable[..., Mapping[str, Any]] | None = getattr(plot, study, None)
     if draw is None or study not in DRAWN:
         raise InputError(

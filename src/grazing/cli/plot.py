@@ -28,6 +28,10 @@ def plot(
             metavar="NAME=VALUE",
         ),
     ] = None,
+    curves: Annotated[
+        str | None,
+        Parameter(help="Periods whose exact boundary curves are drawn on a chart: 2,3,5 or 2:7.", metavar="LIST"),
+    ] = None,
     json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
 ) -> int:
     """Draw any stored result.
@@ -41,7 +45,8 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    written = [name for path in files for name in output.write(result, path, recipe_in(result), **arguments)]
+    result, laid = with_curves(result, curves, file)
+    written = [name for path in files for name in output.write(result, path, **arguments, **laid)]
     title = str(result.attrs.get("title", ""))
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0
@@ -58,14 +63,37 @@ def loaded(file: str) -> Any:
     return load(file)
 
 
-def recipe_in(result: Any) -> dict[str, Any] | None:
-    """Return the recipe of a result, or None if it does not say enough."""
-    from grazing.config import recipe_of
+def with_curves(result: Any, curves: str | None, file: str) -> tuple[Any, dict[str, Any]]:
+    """Return a result that says which boundary curves are drawn on it, and these as an argument of its figure.
 
+    Parameters
+    ----------
+    result : xarray.Dataset
+    curves : str or None
+        Periods; None for those that its recipe names, if any.
+    file : str
+        Where the result is from, for the message.
+    """
+    from grazing.cli.study import curves_of
+    from grazing.config import checked, recipe_of
+    from grazing.config.build import RECIPE, kept
+    from grazing.config.schema import DRAWN
+
+    study = output.study_of(result.attrs)
+    if curves is not None and study not in DRAWN:
+        raise InputError(f"--curves: {file} is no chart; leave it out")
+    if study not in DRAWN or (curves is None and "curves" not in str(result.attrs.get(RECIPE, ""))):
+        return result, {}
     try:
-        return recipe_of(result.attrs, axes_of(result))
-    except GrazingError:
-        return None
+        recipe = recipe_of(result.attrs, axes_of(result))
+    except GrazingError as error:
+        if curves is None:
+            return result, {}
+        raise InputError(f"--curves: {file} does not say which map it is of: {error}") from None
+    if curves is not None:
+        recipe = checked({**recipe, "curves": curves})
+        result = result.assign_attrs({RECIPE: text.dumps(kept(recipe), sort_keys=True)})
+    return result, curves_of(recipe, quiet=False)
 
 
 def axes_of(result: Any) -> dict[str, Any]:

@@ -33,7 +33,30 @@ def shown(quiet: bool = False) -> Iterator[Progress]:
 
 
 @contextmanager
-def counted(what: str, quiet: bool = False) -> Iterator[Counted]:
+def said(what: str, quiet: bool = False) -> Iterator[None]:
+    """Say what is going on, for a step of unknown length: beside a spinner on a terminal, in a line elsewhere.
+
+    Parameters
+    ----------
+    what : str
+    quiet : bool
+        Say nothing.
+    """
+    if quiet:
+        yield
+    elif on_terminal():
+        from rich.console import Console
+        from rich.markup import escape
+
+        with Console(stderr=True).status(escape(what)):
+            yield
+    else:
+        print(what, file=sys.stderr, flush=True)
+        yield
+
+
+@contextmanager
+def counted(what: str, quiet: bool = False, then: str = "") -> Iterator[Counted]:
     """Give a function ``progress(done, total)`` that shows how far a study is, with rate and time left.
 
     Parameters
@@ -42,14 +65,16 @@ def counted(what: str, quiet: bool = False) -> Iterator[Counted]:
         What is counted, such as ``"values"``.
     quiet : bool
         Show nothing.
+    then : str
+        What follows when all are done, where that takes long.
     """
     if quiet:
         yield lambda done, total: None
     elif on_terminal():
-        with _counting_bar(what) as progress:
+        with _counting_bar(what, then) as progress:
             yield progress
     else:
-        yield _counting_lines(what)
+        yield _counting_lines(what, then)
 
 
 def on_terminal() -> bool:
@@ -68,7 +93,7 @@ def _lines() -> Progress:
     return progress
 
 
-def _counting_lines(what: str) -> Counted:
+def _counting_lines(what: str, then: str) -> Counted:
     """Return progress as a line now and then, ever more rarely, and one at the end."""
     start = last = time.monotonic()
     base: tuple[float, int] | None = None
@@ -89,7 +114,7 @@ def _counting_lines(what: str) -> Counted:
             rate = (done - base[1]) / max(now - base[0], 1e-9)
             left = "" if done >= total else f", {duration((total - done) / rate)} left"
             said += f"  {rate:.3g} {what}/s{left}"
-        print(said, file=sys.stderr, flush=True)
+        print(said + (f"; {then}" if then and done >= total else ""), file=sys.stderr, flush=True)
 
     return progress
 
@@ -130,7 +155,7 @@ def _bar() -> Iterator[Progress]:
 
 
 @contextmanager
-def _counting_bar(what: str) -> Iterator[Counted]:
+def _counting_bar(what: str, then: str) -> Iterator[Counted]:
     """Give progress as a bar with rate and time left, which goes away when the command is done."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -145,6 +170,8 @@ def _counting_bar(what: str) -> Iterator[Counted]:
 
         def progress(done: int, total: int) -> None:
             speed = bar.tasks[0].speed
-            bar.update(task, completed=done, total=total, rate=f"{speed:.3g}/s" if speed else "")
+            shown = then if then and done >= total else what
+            rate = f"{speed:.3g}/s" if speed else ""
+            bar.update(task, completed=done, total=total, description=shown, rate=rate)
 
         yield progress

@@ -15,12 +15,14 @@ from cyclopts import Parameter
 
 from grazing.cli import output, progress
 from grazing.cli.options import RUN, recipe_from, signature_of
-from grazing.config import command_of, plan_of, result_of, toml_of
+from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
 from grazing.config.settings import SINGLE, STUDIES
 from grazing.outcome import InputError
 from grazing.parameter import whole
 
 DONE, INCOMPLETE = 0, 3
+#: What follows when all cells are computed, where that takes long.
+THEN = {"basins": "following the attractors and the grazing curve", "coexistence": "following the attractors"}
 
 
 def run_arguments(study: str) -> list[Argument]:
@@ -88,7 +90,8 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
     start = time.monotonic()
     what = "values" if len(recipe["vary"]) == 1 else "cells"
     stores = [file for file in files if file.suffix == output.STORE]
-    with progress.counted(what, quiet) as show:
+    style = curves_of(recipe, quiet) if drawn else {}  # before the long computation: what is wrong is said at once
+    with progress.counted(what, quiet, THEN.get(recipe["study"], "")) as show:
         if stores:
             result = swept(plan_of(recipe), stores[0], threads, show)
         else:
@@ -97,7 +100,7 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
     written = [str(file) for file in stores]
     for file in files:
         if file not in stores:
-            written += output.write(result, file, recipe)
+            written += output.write(result, file, **style)
     summary = {
         "study": recipe["study"],
         "title": str(result.attrs.get("title", "")),
@@ -110,6 +113,14 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
     print(text.dumps(summary) if json else "\n".join(lines(summary)))
     sys.stdout.flush()
     return DONE
+
+
+def curves_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
+    """Return the boundary curves of a chart that wants some, as an argument of its figure."""
+    if not recipe.get("curves"):
+        return {}
+    with progress.said("following the boundary curves", quiet):
+        return {"curves": boundaries_of(recipe)}
 
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:

@@ -9,13 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from grazing.config.check import Recipe, checked
-from grazing.config.cobweb import cobweb
 from grazing.config.maps import map_of, model_of, parameter_defaults
 from grazing.config.settings import SINGLE, STUDIES
 from grazing.config.values import values_of
 from grazing.maps.map import Map
+from grazing.orbits.boundaries import boundaries
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
+from grazing.studies.cobweb import cobweb
 from grazing.studies.labels import own_version, versions
 from grazing.studies.plan import Plan, Progress, run_plan
 
@@ -76,6 +77,36 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     return replace(plan, recipe=kept(recipe))
 
 
+def boundaries_of(config: Mapping[str, Any]) -> xr.Dataset | None:
+    """Return the exact boundary curves that a configuration wants on its chart; None if it wants none.
+
+    Parameters
+    ----------
+    config : mapping
+        As a TOML file has it.
+
+    Raises
+    ------
+    OutsideForm
+        For a map without such a theory.
+
+    Examples
+    --------
+    >>> from grazing.config import boundaries_of
+    >>> config = {"study": "chart", "map": "gap", "parameters": {"lam": 0.9}, "curves": "3:4"}
+    >>> boundaries_of({**config, "vary": {"l": "0:1:9", "mu": "0:0.4:9"}}).label.values.tolist()
+    ['3 pd', '3 bc', '4 pd', '4 bc']
+    """
+    recipe = checked(config)
+    if not recipe.get("curves"):
+        return None
+    sides = [(name, values_of(written)) for name, written in recipe["vary"].items()]
+    for name, values in sides:
+        if values.min() == values.max():
+            raise InputError(f"curves need a plane, but {name} is always {values[0]:g}; give it a range, or no curves")
+    return boundaries(map_in(recipe), *sides, N=recipe["curves"])
+
+
 def kept(recipe: Recipe) -> Recipe:
     """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys."""
     return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
@@ -103,7 +134,7 @@ def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress
     >>> from grazing.config import result_of
     >>> config = {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "mu": 0.1, "l": 0.1}}
     >>> dict(result_of({**config, "settings": {"state": [0.0], "steps": 3}}).sizes)
-    {'n': 4, 'step': 3}
+    {'n': 4, 'step': 3, 'place': 1202}
     """
     recipe = checked(config)
     if recipe["study"] == "trajectory":

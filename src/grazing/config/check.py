@@ -21,7 +21,7 @@ from grazing.outcome import GrazingError, InputError
 
 Recipe = dict[str, Any]
 #: Of the keys in a recipe.
-ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings")
+ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves")
 
 
 def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", label: Label = dotted) -> Recipe:
@@ -155,6 +155,8 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
             ("map",),
             f"the {config['map']} map has coordinates {', '.join(coordinates)}; a cobweb needs one with one: gap",
         )
+    if config.get("study") == "trajectory":
+        yield from _in_time(config)
     config["vary"] = ranges
     ordered = {key: config[key] for key in ORDER if key in config}
     config.clear()
@@ -187,6 +189,16 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
         config.setdefault("unfold", UNFOLD)
     if oscillator and not config.get("model"):
         config.setdefault("law", LAW)
+
+
+def _in_time(config: Recipe) -> Iterator[Problem]:
+    """Yield what belongs to a map and means nothing for the oscillator itself."""
+    if config["map"] != "stroboscopic":
+        yield Problem(
+            ("map",), f"map = {config['map']!r}; a trajectory is flown by the oscillator itself: leave it out"
+        )
+    if config["parameters"].get("phase"):
+        yield Problem(("parameters", "phase"), "a trajectory has no section; leave it out, start is the initial time")
 
 
 def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]]:

@@ -20,6 +20,7 @@ KEYS = {
     "unfold": UNFOLD,
     "model": None,
     "law": LAW,
+    "curves": None,
 }
 
 

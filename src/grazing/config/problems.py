@@ -35,13 +35,25 @@ def dotted(path: Path) -> str:
     return ".".join(path)
 
 
-def refusal(problems: Sequence[Problem], source: str, label: Label = dotted) -> InputError:
+class Refusal(InputError):
+    """A configuration that is refused, with all that is wrong in it."""
+
+    problems: tuple[Problem, ...] = ()
+
+
+def refusal(problems: Sequence[Problem], source: str, label: Label = dotted) -> Refusal:
     """Return the error that lists all problems, one a line."""
+    found = Refusal(_listed(problems, source, label))
+    found.problems = tuple(problems)
+    return found
+
+
+def _listed(problems: Sequence[Problem], source: str, label: Label) -> str:
     lines = list(dict.fromkeys(problem.line(label) for problem in problems))
     if len(lines) == 1:
-        return InputError(f"{source}: {lines[0]}" if source else lines[0])
+        return f"{source}: {lines[0]}" if source else lines[0]
     of = f"{source} has" if source else "there are"
-    return InputError("\n  ".join([f"{of} {len(lines)} errors:", *lines]))
+    return "\n  ".join([f"{of} {len(lines)} errors:", *lines])
 
 
 def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> str:

@@ -27,6 +27,21 @@ _RANGES = {
 }
 
 
+#: Keys of one study's configuration alone: what the figure shows beside the result.
+DRAWN = {"chart": ("curves",)}
+
+
+def _curves(value: Any) -> list[int] | None:
+    return None if value is None else values.wholes(value, "curves")
+
+
+Curves = Annotated[
+    list[int] | None,
+    BeforeValidator(_curves),
+    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}}),
+]
+
+
 def _in_order(value: Any) -> Any:
     """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
     if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
@@ -59,12 +74,15 @@ def config_of(study: str) -> type[Config]:
     """Return the schema of one study's configuration."""
     table = settings_of(study)
     kind: Any = Literal[study]
+    says = "periods whose exact boundary curves are drawn on top, where theory knows them: 2,3,5 or 2:7"
+    extra: dict[str, Any] = {"curves": (Curves, Field(default=None, description=says))} if study in DRAWN else {}
     return create_model(
         f"{study.capitalize()}Config",
         __base__=Config,
         __doc__=STUDIES[study].says,
         study=(kind, Field(description=STUDIES[study].says)),
         settings=(table, Field(default_factory=dict, validate_default=True, description=str(table.__doc__))),
+        **extra,
     )
 
 

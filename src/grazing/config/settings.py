@@ -39,7 +39,7 @@ STUDIES = {
     "lyapunov": Study("lyapunov", "studies.lyapunov", 0, 1, ONE, "Lyapunov exponents"),
     "coexistence": Study("coexistence", "studies.coexistence", 1, 1, ONE, "all attractors and their shares"),
     "trajectory": Study("trajectory", "oscillator.trajectory", 0, 0, ONE, "one orbit in time, with every impact"),
-    "cobweb": Study("cobweb", "config.cobweb", 0, 0, ONE, "one orbit of a one-dimensional map, step by step"),
+    "cobweb": Study("cobweb", "studies.cobweb", 0, 0, ONE, "one orbit of a one-dimensional map, step by step"),
 }
 #: Studies of one orbit, which have no cells to sweep.
 SINGLE = ("trajectory", "cobweb")

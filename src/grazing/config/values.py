@@ -14,6 +14,8 @@ from grazing.parameter import real, whole
 
 #: More values along one axis than any grid has; a typing error, not a wish.
 MOST = 10**8
+#: More periods than any picture shows curves of.
+MANY = 1000
 RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
 
 
@@ -45,6 +47,27 @@ def numbers(value: Any, name: str, least: int = 1) -> list[float]:
     if not isinstance(items, (list, tuple)) or len(items) < least:
         raise InputError(f"{name} = {value!r}; give a list of numbers")
     return [number(item, f"{name}[{i}]") for i, item in enumerate(items)]
+
+
+def wholes(value: Any, name: str) -> list[int]:
+    """Return whole numbers >= 1 from a list, a number or text such as ``2,3,5`` or ``2:7``, which is 2 to 7.
+
+    Examples
+    --------
+    >>> wholes("2:5", "curves"), wholes([3, 2, 3], "curves")
+    ([2, 3, 4, 5], [2, 3])
+    """
+    if isinstance(value, str) and ":" in value:
+        low, high = (count(item, name, 1) for item in pair(value, name))
+        if high - low >= MANY:
+            raise InputError(f"{name} = {value!r}: more than {MANY} numbers; give a shorter range")
+        return list(range(low, high + 1))
+    items = value.split(",") if isinstance(value, str) else value
+    if not isinstance(items, (list, tuple)):
+        items = [items]
+    if not items:
+        raise InputError(f"{name} = {value!r}; give whole numbers >= 1, such as 2,3,5 or 2:7")
+    return sorted({count(item, name, 1) for item in items})
 
 
 def pair(value: Any, name: str) -> list[float]:

@@ -6,53 +6,53 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
 from grazing.outcome import InputError
-from grazing.plot.map_graph import graph_of, map_graph
+from grazing.plot.expected import expect
+from grazing.plot.map_graph import Graph, graph_of, map_graph
+from grazing.plot.provenance import provenance_of
 from grazing.plot.style import INK, axes, period_colour, root, styled
+from grazing.studies.cobweb import places_of
 
 
-def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = True) -> dict[str, Any]:
+def cobweb(
+    P: Any, points: ArrayLike | None = None, ax: Axes | None = None, *, closed: bool | None = None
+) -> dict[str, Any]:
     """Draw the graph of a one-dimensional map, the diagonal and the steps of an orbit between them.
 
     Parameters
     ----------
-    P : Map
-        With one coordinate.
-    points : array_like, shape (n,) or (n, 1)
-        The orbit in the order of iteration, such as ``P.iterate(x, n)`` or the points of a cycle.
+    P : Map or xarray.Dataset
+        A map with one coordinate; or a result that has the graph and the orbit, such as of ``grazing cobweb``.
+    points : array_like, shape (n,) or (n, 1), optional
+        With a map: the orbit in the order of iteration, such as ``P.iterate(x, n)`` or the points of a cycle.
     ax : matplotlib Axes, optional
         Default: a new figure one column wide.
-    closed : bool
-        Whether the last point maps to the first one.
+    closed : bool, optional
+        Whether the last point maps to the first one. Default: it does for points, not for a result.
 
     Returns
     -------
     dict
-        ``graph`` (list of lines), ``diagonal``, ``steps``, ``points``, ``figure``.
+        ``graph`` (list of lines), ``diagonal``, ``steps``, ``points``, ``provenance``, ``figure``.
 
     Raises
     ------
     InputError
-        For a map with more coordinates.
+        For a map with more coordinates, or without points; for another kind of result.
     """
-    if P.dimension != 1:
-        raise InputError(f"{P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
-    x = np.asarray(points, dtype=np.float64).reshape(-1)
-    low, high = float(x.min()), float(x.max())
-    pad = 0.12 * max(high - low, 1e-12)
-    low, high = low - pad, high + pad
-    # the borders of a map with letters usually lie at 0: take both sides of it closely
-    grid = np.union1d(np.linspace(low, high, 1200), np.array([-1e-12, 0.0]) if low < 0.0 < high else [low])
+    graph, x = _drawn(P, points) if isinstance(P, Map) else _stored(P, points)
+    closed = isinstance(P, Map) if closed is None else closed
+    low, high = float(graph.starts[0]), float(graph.starts[-1])
     path = np.append(x, x[0]) if closed else x
     corners = np.column_stack([np.repeat(path, 2)[:-1], np.repeat(path, 2)[1:]])
-    name = P.coordinates[0]
+    name = graph.coordinate
     with styled():
         ax = axes(ax, height=80.0)
         (diagonal,) = ax.plot([low, high], [low, high], color=INK, lw=0.5, ls=(0, (4, 2)))
-        graph = map_graph(graph_of(P, grid), ax, lw=1.4)["pieces"]
+        pieces = map_graph(graph, ax, lw=1.4)["pieces"]
         colour = period_colour(x.size if closed else -1)
         (steps,) = ax.plot(corners[:, 0], corners[:, 1], color=colour, lw=0.9, zorder=4)
         (dots,) = ax.plot(x, x, "o", ms=4, color=colour, zorder=5)
@@ -61,4 +61,33 @@ def cobweb(P: Map, points: ArrayLike, ax: Axes | None = None, *, closed: bool = 
         ax.set_aspect("equal")
         ax.set_xlabel(f"${name}_n$")
         ax.set_ylabel(f"${name}_{{n+1}}$")
-    return {"figure": root(ax), "graph": graph, "diagonal": diagonal, "steps": steps, "points": dots}
+    return {
+        "figure": root(ax),
+        "graph": pieces,
+        "diagonal": diagonal,
+        "steps": steps,
+        "points": dots,
+        "provenance": {} if isinstance(P, Map) else provenance_of(P),
+    }
+
+
+def _drawn(P: Map, points: ArrayLike | None) -> tuple[Graph, NDArray[np.float64]]:
+    """Return the graph of a map around given points, and the points."""
+    if P.dimension != 1:
+        raise InputError(f"{P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
+    x = np.asarray([] if points is None else points, dtype=np.float64).reshape(-1)
+    if not x.size:
+        raise InputError("a cobweb of a map needs points; give an orbit, such as P.iterate(x, n)")
+    return graph_of(P, places_of(x)), x
+
+
+def _stored(result: Any, points: ArrayLike | None) -> tuple[Graph, NDArray[np.float64]]:
+    """Return the graph and the orbit that a result has."""
+    expect(result, "cobweb", {"image": ("place",), "image_letter": ("place",)})
+    if points is not None:
+        raise InputError("points and a result are both given; the result has its own orbit")
+    name = next(str(name) for name, item in result.data_vars.items() if item.dims == ("n",))
+    starts = np.asarray(result["place"].values, np.float64)
+    images = np.asarray(result["image"].values, np.float64)[:, None]
+    graph = Graph(starts, images, np.asarray(result["image_letter"].values), name, (name,))
+    return graph, np.asarray(result[name].values, np.float64)

@@ -13,6 +13,8 @@ from grazing.parameter import whole
 
 #: Deaths of workers that one chunk may see. Dask gives up after 3, but a preempted worker is no fault of the chunk.
 PATIENCE = 1000
+#: How long a process of this machine may be away before another takes its place; Dask's 15 s are made for queues.
+AWAY = "5s"
 QUEUES = {
     "htcondor": "HTCondorCluster",
     "lsf": "LSFCluster",
@@ -34,7 +36,8 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
         ``"local"``: processes of this machine; an address such as ``"tcp://host:8786"``: a scheduler that runs
         already; or a queue: ``"slurm"``, ``"pbs"``, ``"sge"``, ``"lsf"``, ``"htcondor"``, ``"oar"``, ``"moab"``.
     workers : int, optional
-        Processes, or jobs in the queue. None for what Dask thinks right; a queue needs a number.
+        Processes, or jobs in the queue. None for what Dask thinks right; a queue needs a number. Dask replaces what
+        is lost, such as jobs at the end of their time, so that there are as many as long as the block lasts.
     **options
         To ``distributed.LocalCluster``, ``distributed.Client`` or the cluster of dask-jobqueue: ``cores``, ``memory``,
         ``walltime``, ``queue`` and so on.
@@ -63,15 +66,27 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
                 client.run_on_scheduler(_patient())
                 yield client.get_executor()
             return
-        with _started(kind, workers, options) as started, distributed.Client(started) as client:
+        local = {"distributed.deploy.lost-worker-timeout": AWAY} if kind == "local" else {}
+        with (
+            dask.config.set(local),
+            _started(kind, workers, options) as started,
+            distributed.Client(started) as client,
+        ):
             yield client.get_executor()
 
 
 def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
+    """Start a cluster that keeps its size.
+
+    One that is only scaled shrinks: a worker that dies while it starts, or is away too long, is never replaced, and
+    once none is left a sweep would wait for ever.
+    """
     if kind == "local":
-        return _imported("distributed").LocalCluster(n_workers=workers, **{"dashboard_address": None, **options})
+        here = _imported("distributed").LocalCluster(n_workers=workers, **{"dashboard_address": None, **options})
+        here.adapt(minimum=len(here.worker_spec), maximum=len(here.worker_spec))
+        return here
     queue = getattr(_imported("dask_jobqueue"), QUEUES[kind])(**options)
-    queue.scale(jobs=workers)
+    queue.adapt(minimum_jobs=workers, maximum_jobs=workers)
     return queue
 
 

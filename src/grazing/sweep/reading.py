@@ -17,6 +17,7 @@ from grazing.sweep.letters import decoded, restored_attrs
 from grazing.sweep.same import refuse_another
 from grazing.sweep.store import Store, folder_of, in_one_line, open_existing
 from grazing.sweep.task import plan_from_recipe
+from grazing.sweep.writers import wait_for_zarr
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,6 +93,7 @@ def _dataset(store: Store, done: NDArray[np.bool_]) -> xr.Dataset:
                     raise FileNotFoundError("a file is missing")
             values = np.asarray(array[...])
         except Exception as error:  # damaged bytes can fail anywhere in the reader
+            wait_for_zarr()
             said = in_one_line(error)
             raise InputError(
                 f"{store.path} is damaged: {name} cannot be read ({said}); sweep.verify finds where"

@@ -21,6 +21,7 @@ from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, LAYOUT, RECIPE, Layout
 from grazing.sweep.letters import encoded
 from grazing.sweep.template import ASIDE
+from grazing.sweep.writers import wait_for_zarr
 
 Arrays = Mapping[str, NDArray[Any]]
 #: What Zarr writes beside a chunk before the chunk gets its name.
@@ -114,6 +115,7 @@ class Store:
                 self.arrays[name][self.grid.block(number)] = values
             self.arrays[DONE][self.grid.place(number) or ...] = 1
         except OSError as error:
+            wait_for_zarr()
             raise GrazingError(
                 f"{self.path} cannot be written: {error.strerror or error}. What is done is kept: "
                 f"make room or put it right, and resume"

@@ -21,6 +21,7 @@ from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, LAYOUT, RECIPE, Spec, laid_out
 from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import process_exists
+from grazing.sweep.writers import wait_for_zarr
 
 #: Locks, times and the history: what differs between two runs, and so is no part of the result.
 ASIDE = ".grazing"
@@ -60,6 +61,8 @@ def create(path: Path, plan: Plan, grid: Grid) -> None:
 
 def _remove(half: Path) -> None:
     """Remove a half-made template; after a failure Zarr's other writers may still add to it for a moment."""
+    if half.exists():
+        wait_for_zarr()
     for _ in range(PATIENCE):
         if not half.exists():
             return

@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from math import ceil
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from grazing.sweep.lock import locked
 from grazing.sweep.same import refuse_another
 from grazing.sweep.store import Store, folder_of, in_one_line, open_existing, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
+from grazing.sweep.writers import wait_for_zarr
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,18 @@ class Verified:
     differences : tuple of Difference
     repaired : bool
         Whether the chunks with differences now count as missing.
+    missing : tuple of int
+        Those chunks.
+    path : pathlib.Path
+        The store.
     """
 
     read: int
     computed: tuple[int, ...]
     differences: tuple[Difference, ...]
     repaired: bool
+    missing: tuple[int, ...]
+    path: Path
 
     @property
     def ok(self) -> bool:
@@ -67,7 +75,18 @@ class Verified:
     def __str__(self) -> str:
         said = "no difference" if self.ok else f"{len(self.differences)} differences"
         first = f"{self.read} chunks read, {len(self.computed)} of them computed again: {said}"
-        return "\n".join([first, *map(str, self.differences)])
+        return "\n".join([first, *map(str, self.differences), *self._done_about_it()])
+
+    def _done_about_it(self) -> Iterator[str]:
+        """Yield what was repaired, and what cannot be."""
+        if not self.repaired or self.ok:
+            return
+        if self.missing:
+            which = f"{len(self.missing)} chunk{'' if len(self.missing) == 1 else 's'}"
+            yield f"repaired: {which} marked as missing ({', '.join(map(str, self.missing))}); resume {self.path}"
+        beyond = sorted({one.variable for one in self.differences if one.chunk is None})
+        if beyond:
+            yield f"not repaired: {', '.join(beyond)}: coordinates belong to no chunk; begin another store"
 
 
 def verify(
@@ -139,11 +158,13 @@ def verify(
             for number, again in zip(done, np.isin(done, chosen), strict=True)
         ]
         run_tasks(tasks, threads, progress)
-        if repair:
-            for number in {one.chunk for one in differences if one.chunk is not None}:
-                found.file(DONE, number).unlink(missing_ok=True)
+        if differences:
+            wait_for_zarr()
+        repaired = sorted({one.chunk for one in differences if one.chunk is not None}) if repair else []
+        for number in repaired:
+            found.file(DONE, number).unlink(missing_ok=True)
     differences.sort(key=lambda one: (-1 if one.chunk is None else one.chunk, one.variable))
-    return Verified(len(done), tuple(map(int, chosen)), tuple(differences), repair)
+    return Verified(len(done), tuple(map(int, chosen)), tuple(differences), repair, tuple(repaired), found.path)
 
 
 def _check(plan: Plan, store: Store, number: int, again: bool, differences: list[Difference]) -> Iterator[None]:

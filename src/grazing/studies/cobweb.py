@@ -1,0 +1,81 @@
+"""One orbit of a one-dimensional map, as a labelled result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.map import Map
+from grazing.outcome import InputError
+from grazing.parameter import whole
+from grazing.studies import labels
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Places at which the graph of the map is known, and how far it reaches beyond the orbit, as a part of its length.
+PLACES, MARGIN = 1200, 0.12
+
+
+def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0) -> xr.Dataset:
+    """Return one orbit of a one-dimensional map, and the graph of the map around it.
+
+    Parameters
+    ----------
+    P : Map
+        With one coordinate.
+    state : sequence of float
+        Where the orbit starts.
+    steps, transient : int
+        Steps that are kept, after steps that are thrown away.
+
+    Returns
+    -------
+    xarray.Dataset
+        On "n": the coordinate. On "step": ``letter`` and ``outcome`` of the step from point n to point n + 1. On
+        "place", a value of the coordinate: the graph of the map, ``image`` and ``image_letter``.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.studies.cobweb import cobweb
+    >>> cobweb(gz.gap_map(lam=0.8, mu=0.5, l=1.0), [-1.0], steps=2).x.values.round(6).tolist()
+    [-1.0, -0.3, 0.26]
+    """
+    import xarray as xr
+
+    if P.dimension != 1:
+        raise InputError(f"the {P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
+    transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
+    orbit = P.orbit(state, transient + steps)
+    name = P.coordinates[0]
+    data = {
+        name: ("n", orbit.points[transient:, 0], labels.quantity(P, name)),
+        "letter": ("step", orbit.letters[transient:], labels.letter_attributes(P)),
+        "outcome": ("step", orbit.outcomes[transient:], labels.outcome_attributes()),
+    }
+    place = places_of(orbit.points[transient:, 0])
+    images, letters, _outcomes = P.run(place[None].copy(), 0, 1)
+    data |= {
+        "image": ("place", images[0, 0], labels.quantity(P, name) | {"long_name": f"image of {name} under the map"}),
+        "image_letter": ("place", letters[0], labels.letter_attributes(P)),
+    }
+    coords = {"place": ("place", place, labels.quantity(P, name))}
+    config = {"study": "cobweb", "state": list(state), "steps": steps, "transient": transient}
+    return xr.Dataset(data, coords, labels.document(P, f"orbit of the {P.name}", config))
+
+
+def places_of(points: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """Return where the graph of a map is drawn around an orbit.
+
+    The pieces of our maps meet at 0: it and a place close below it are among them, so that a jump is upright.
+    """
+    ended = points[np.isfinite(points)]
+    low, high = (float(ended.min()), float(ended.max())) if ended.size else (0.0, 0.0)
+    pad = MARGIN * max(high - low, 1e-12)
+    low, high = low - pad, high + pad
+    return np.union1d(np.linspace(low, high, PLACES), np.array([-1e-12, 0.0]) if low < 0.0 < high else [low])
