@@ -1,4 +1,4 @@
-"""Own exp and sincos against 400-bit arithmetic, and the same bits with and without the compiler."""
+"""Own exp, sincos and log against 400-bit arithmetic, and the same bits with and without the compiler."""
 
 import math
 
@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.elementary import exp, sincos
+from grazing.kernel.elementary import exp, log, power, sincos
+from grazing.kernel.primitives import exponent_of
 
 RNG = np.random.default_rng(20111)
 
@@ -23,6 +24,55 @@ def test_exp_is_within_1_3_ulp():
             exact = mp.exp(mp.mpf(float(x)))
             worst = max(worst, float(abs(exp(float(x)) - exact)) / math.ulp(float(exact)))
     assert worst < 1.3
+
+
+def test_log_is_within_1_ulp():
+    with mp.workprec(400):
+        worst = 0.0
+        for x in np.concatenate(
+            [np.exp(RNG.uniform(-740, 709, 4000)), RNG.uniform(0.5, 2.0, 2000), 1.0 + RNG.uniform(-1e-9, 1e-9, 200)]
+        ):
+            exact = mp.log(mp.mpf(float(x)))
+            worst = max(worst, float(abs(log(float(x)) - exact)) / math.ulp(float(exact)))
+    assert worst < 1.0
+
+
+def test_ends_of_the_range_of_log():
+    assert log(1.0) == 0.0
+    assert log(0.0) == log(-0.0) == -math.inf
+    assert log(math.inf) == math.inf
+    assert math.isnan(log(-1.0)) and math.isnan(log(math.nan))
+    assert log(5e-324) == pytest.approx(math.log(5e-324), rel=1e-15)
+    assert log(1.7976931348623157e308) == pytest.approx(math.log(1.7976931348623157e308), rel=1e-15)
+
+
+@given(st.floats(5e-324, 1.7e308))
+def test_compiled_and_plain_log_have_the_same_bits(x):
+    assert compiled(log)(x) == log(x)
+
+
+def exponent(x):
+    return exponent_of(x)
+
+
+@given(st.floats(2.2250738585072014e-308, 1.7e308))
+def test_the_exponent_of_a_number(x):
+    n = exponent_of(x)
+    assert compiled(exponent)(x) == n
+    assert math.ldexp(1.0, int(n)) <= x
+    assert n == 1023 or x < math.ldexp(1.0, int(n) + 1)
+
+
+@given(st.floats(1e-3, 1e3), st.integers(-60, 60), st.floats(-20.0, 20.0))
+def test_powers(x, n, y):
+    assert power(x, float(n)) == pytest.approx(x**n, rel=1e-13)
+    assert power(x, y) == pytest.approx(x**y, rel=1e-12)
+    assert compiled(power)(x, y) == power(x, y)
+
+
+def test_powers_of_0_and_with_0():
+    assert power(0.0, 0.0) == power(3.0, 0.0) == 1.0
+    assert power(0.0, 2.5) == power(0.0, 3.0) == 0.0
 
 
 def test_sincos_is_within_1_5e_16():

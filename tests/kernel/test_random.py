@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grazing.kernel.random import mixed, uniform
+from grazing.kernel.compile import compiled
+from grazing.kernel.random import mixed, uniform, uniform_numbers
 
 GOLDEN = 0x9E3779B97F4A7C15
 #: The first outputs of SplitMix64 from the seed 1234567, as its reference implementation prints them.
@@ -102,3 +103,12 @@ def test_many_cells_are_each_their_own():
     assert uniform(9, np.empty((0, 2)), 5, 3).shape == (0, 5, 3)
     strided = np.asfortranarray(np.repeat(cells, 2, axis=0))[::2]
     assert np.array_equal(uniform(9, strided, 6, 2), every)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 2**53 - 1])
+def test_the_kernel_draws_the_same_numbers(seed):
+    names = np.array([[0.25, -3.0], [-0.0, 1e300], [0.0, 1e300]])
+    found = np.empty((3, 2, 9))
+    compiled(uniform_numbers)(float(seed), names, found)
+    np.testing.assert_array_equal(found, np.swapaxes(uniform(seed, names, 9, 2), 1, 2))
+    assert (found[1] == found[2]).all()

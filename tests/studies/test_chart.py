@@ -262,15 +262,18 @@ def test_every_stable_one_impact_orbit_is_found_from_itself():
 
 def test_ranking_breaks_ties_by_the_first_orbit_and_keeps_the_worst_trust():
     period = np.array([[3, 2, 3, 2, -1, 2, 3, 5]], np.int32)
-    key = np.array([[7, 8, 7, 8, 0, 9, 7, 1]])
+    code = np.array([[7, 8, 7, 8, 0, 9, 7, 1]])
     outcomes = np.array([[[1, 2, 4, 8, 16, 32, 64, 128]]])
     trust = np.array([[0, 0, 2, 1, 0, 0, 0, 0]], np.int8)
-    count, first, outcome, worst = (np.zeros((1, 8), np.int64) for _ in range(4))
-    compiled_ranking()(period, key, outcomes, trust, count, first, outcome, worst)
-    assert count[0].tolist() == [3, 2, 1, 1, 1, 0, 0, 0]
+    ranked, outcome, worst, word, first = (np.full((1, 8), 99) for _ in range(5))
+    share = np.full((1, 8), np.nan)
+    compiled_ranking()(period, code, outcomes, trust, ranked, share, outcome, worst, word, first)
+    assert ranked[0].tolist() == [3, 2, -1, 2, 5, UNUSED, UNUSED, UNUSED]
+    assert word[0].tolist() == [7, 8, 0, 9, 1, 0, 0, 0]
+    assert share[0].tolist() == [3 / 8, 2 / 8, 1 / 8, 1 / 8, 1 / 8, 0.0, 0.0, 0.0]
     assert first[0, :5].tolist() == [0, 1, 4, 5, 7]
-    assert outcome[0, :5].tolist() == [69, 10, 16, 32, 128]
-    assert worst[0, :5].tolist() == [2, 1, 0, 0, 0]
+    assert outcome[0].tolist() == [69, 10, 16, 32, 128, 0, 0, 0]
+    assert worst[0].tolist() == [2, 1, 0, 0, 0, 0, 0, 0]
 
 
 def test_attributes_and_configuration():

@@ -1,6 +1,7 @@
 """Lyapunov exponents: closed forms, the sum rule, section against section, and where there are none."""
 
 import json
+import math
 import sys
 
 import numpy as np
@@ -9,7 +10,7 @@ import xarray as xr
 
 import grazing as gz
 from grazing import theory
-from grazing.studies.growth import carried, orthonormal, summed
+from grazing.studies.growth import LEAST, MOST, carried, orthonormal, relieved, summed
 from grazing.studies.lyapunov import WARM, lyapunov, plan
 from grazing.studies.plan import empty_arrays, labelled
 from tests.models import MODELS
@@ -399,18 +400,31 @@ def test_labels_and_configuration():
 
 
 def test_frames():
-    frame, image, sums, sides = np.eye(3), np.empty((3, 3)), np.zeros(3), np.ones(3)
+    frame, image, sums, sides = np.empty((3, 3, 2)), np.full((3, 3, 2), 7.0), np.zeros((3, 2)), np.ones((3, 2))
+    frame[...] = np.eye(3)[:, :, None]
     A = np.random.default_rng(0).normal(size=(3, 3))
-    carried(tuple(A.ravel()), frame, image)
-    assert np.allclose(image, A)
-    orthonormal(image, frame, sums, sides)
-    summed(sums, sides)
-    assert np.allclose(frame.T @ frame, np.eye(3), atol=1e-15)
-    assert sums == pytest.approx(np.log(np.abs(np.diag(np.linalg.qr(A)[1]))), abs=1e-13)
-    carried((0.0,) * 9, frame, image)
-    assert not image.any()
-    carried((np.nan,) * 9, image, frame)  # what has fallen on one orbit stays there
-    assert not frame.any()
+    carried(3, tuple(A.ravel()), frame, image, 1)
+    assert np.allclose(image[:, :, 1], A)
+    orthonormal(3, image, frame, sides, 1)
+    summed(sums, sides, 1)
+    assert np.allclose(frame[:, :, 1].T @ frame[:, :, 1], np.eye(3), atol=1e-15)
+    assert sums[:, 1] == pytest.approx(np.log(np.abs(np.diag(np.linalg.qr(A)[1]))), abs=1e-13)
+    carried(3, (0.0,) * 9, frame, image, 1)
+    assert not image[:, :, 1].any()
+    carried(3, (np.nan,) * 9, image, frame, 1)  # what has fallen on one orbit stays there
+    assert not frame[:, :, 1].any()
+    assert (image[:, :, 0] == 7.0).all() and not sums[:, 0].any()  # the other orbit's are left alone
+
+
+def test_logarithms_are_taken_only_where_what_was_multiplied_up_leaves_its_range():
+    sums, sides = np.zeros((1, 5)), np.array([[2.0, 10.0 * MOST, 0.1 * LEAST, 0.0, np.nan]])
+    relieved(sums, sides, 5)
+    assert sides[0].tolist() == [2.0, 1.0, 1.0, 1.0, 1.0]
+    assert sums[0, :4].tolist() == [0.0, math.log(10.0 * MOST), math.log(0.1 * LEAST), -math.inf]
+    assert math.isnan(sums[0, 4])
+    sides[0, 1:] = 1e300
+    relieved(sums, sides, 1)  # only the first orbit is asked
+    assert sides[0, 1:].tolist() == [1e300] * 4
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.maps.ensemble import padded
 from grazing.maps.pieces import joined
+from grazing.oscillator.workspace import LANES
 from grazing.studies.runs import FEW, MANY, TOGETHER, Settings, checked_runs, checked_values, describe_values
 from grazing.studies.starts import random_starts
 from tests.studies.maps import FOLLOWER
@@ -136,7 +138,8 @@ def test_what_cells_are_worth_computing_together(starts, lanes):
         given = np.array(starts) if P is GAP or isinstance(starts, int) else np.full((lanes, 2), 0.5)
         runs = runs_of(P, {next(iter(P.params)): [0.5, 0.6]}, starts if isinstance(starts, int) else given)
         assert runs.settings.lanes == lanes
-        assert runs.together == max(1, many // lanes)
+        full = LANES // padded(lanes) if P is BALL else 1  # blocks of oscillators are full
+        assert runs.together == max(1, many // lanes // full * full)
         strict = runs_of(P, runs.axes, starts if isinstance(starts, int) else given, arithmetic="strict")
         assert strict.together == max(1, (MANY if P is GAP else FEW) // lanes)
         assert runs.work == lanes * 40

@@ -18,7 +18,7 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -173,11 +173,12 @@ def _is_kernel(value: object) -> bool:
     return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES
 
 
-def _names(code: CodeType) -> set[str]:
+@lru_cache(maxsize=4096)
+def _names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
     own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
-    return own.union(*(_names(const) for const in inner))
+    return frozenset(own.union(*(_names(const) for const in inner)))
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
@@ -254,11 +255,12 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
             value.shape,
             hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(),
         )
-    if value is None or isinstance(value, (int, complex, str, bytes)):
+    if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
         return (type(value).__name__, repr(value))
     return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
 
 
+@lru_cache(maxsize=4096)
 def _code_content(code: CodeType) -> Any:
     consts = [_code_content(c) if isinstance(c, CodeType) else (type(c).__name__, repr(c)) for c in code.co_consts]
     return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)

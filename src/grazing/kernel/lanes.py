@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import built, replaced
+from grazing.kernel.primitives import at, built, inlined, replaced
 
 #: Lanes advanced together; large enough to hide the latency of a square root, small enough to stay in cache.
 BLOCK = 64
@@ -46,7 +46,15 @@ def unpacker(kind: type) -> Callable[..., Any]:
 def runner(
     step: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int, arithmetic: str
 ) -> Callable[..., None]:
-    """Compile the loop around a step.
+    """Compile the loop around a step, see :func:`loop_of`."""
+    return compiled(loop_of(step, prepare, kind, dimension), arithmetic)
+
+
+@lru_cache(maxsize=256)
+def loop_of(
+    step: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int
+) -> Callable[..., None]:
+    """Return the loop around a step.
 
     Parameters
     ----------
@@ -58,8 +66,6 @@ def runner(
         The named tuple of the parameters.
     dimension : int
         Length of a state.
-    arithmetic : {"strict", "fast"}
-        See :func:`grazing.kernel.compile.compiled`.
 
     Returns
     -------
@@ -82,13 +88,32 @@ def runner(
 
     at_lane = own if packed else _shared
 
+    @inlined
+    def kept(x: Any, said: Any, which: Any, lane: Any, width: int, i: int, points: Any, letters: Any) -> None:
+        """Write states and letters of a block to place i, column by column: eight neighbours are one vector."""
+        j = 0
+        while j < width:
+            q, first = which[j], lane[j]
+            wide = min(points.shape[3] - first, width - j)
+            for h in range(0, wide - 7, 8):
+                for k in range(dimension):
+                    for g in range(8):
+                        points[at(q), at(i), k, at(first + h + g)] = x[k, at(j + h + g)]
+                for g in range(8):
+                    letters[at(q), at(i), at(first + h + g)] = said[0, at(j + h + g)]
+            for h in range(wide // 8 * 8, wide):
+                for k in range(dimension):
+                    points[at(q), at(i), k, at(first + h)] = x[k, at(j + h)]
+                letters[at(q), at(i), at(first + h)] = said[0, at(j + h)]
+            j += wide
+
     def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
         columns, n = lanes.shape[0], lanes.shape[2]
         keep = points.shape[1]
         last = outcomes.shape[1] - 1
         # a block of its own, states above parameters: in one piece, so the loops below vectorise without a question
         x = np.empty((dimension + fields, BLOCK))
-        folded = np.empty(BLOCK, np.int64)
+        said = np.empty((2, BLOCK), np.int64)  # letters above outcomes
         which, lane = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
         size = columns * n if packed else n
         for top in range(0, columns * n, size):
@@ -100,28 +125,35 @@ def runner(
                     put(x, j, column(lanes[which[j]], lane[j], zero))
                     for k in range(fields):
                         x[dimension + k, j] = rows[which[j], k]
-                    folded[j] = 0
+                    said[1, j] = 0
                 for _ in range(transient):
                     for j in range(width):
                         state, _letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
                         put(x, j, state)
-                        folded[j] |= outcome
-                for j in range(width):
-                    outcomes[which[j], 0, lane[j]] |= folded[j]
+                        said[1, j] |= outcome
+                noted(said, which, lane, width, 0, outcomes)
                 for i in range(keep):
-                    record = min(i, last)
                     for j in range(width):
                         state, letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
                         put(x, j, state)
-                        letters[which[j], i, lane[j]] = letter
-                        outcomes[which[j], record, lane[j]] |= outcome
-                    for k in range(len(zero)):
-                        for j in range(width):
-                            points[which[j], i, k, lane[j]] = x[k, j]
+                        said[0, j] = letter
+                        said[1, j] |= outcome
+                    kept(x, said, which, lane, width, i, points, letters)
+                    if last > 0:
+                        noted(said, which, lane, width, i, outcomes)
+                noted(said, which, lane, width, last, outcomes)
                 for j in range(width):
                     put(lanes[which[j]], lane[j], column(x, j, zero))
 
-    return compiled(run, arithmetic)
+    return run
+
+
+@inlined
+def noted(said: Any, which: Any, lane: Any, width: int, record: int, outcomes: Any) -> None:
+    """Add the outcomes of a block to a record, and begin anew."""
+    for j in range(width):
+        outcomes[which[j], record, lane[j]] |= said[1, j]
+        said[1, j] = 0
 
 
 @lru_cache(maxsize=256)

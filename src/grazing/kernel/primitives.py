@@ -27,6 +27,11 @@ def power_of_two(exponent: float) -> float:
     return math.ldexp(1.0, int(exponent))
 
 
+def exponent_of(x: float) -> float:
+    """Return the n for which 2**n <= x < 2**(n + 1), for x in [2**-1022, 2**1024)."""
+    return math.frexp(x)[1] - 1.0
+
+
 def at(index: int) -> int:
     """Return an index that is never negative: compiled code then need not ask whether to count from the end."""
     return index
@@ -103,6 +108,14 @@ def _register() -> None:
 
         return types.float64(exponent), code
 
+    @intrinsic  # type: ignore[untyped-decorator]
+    def biased_exponent(_context: Any, x: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            bits = builder.lshr(builder.bitcast(args[0], ir.IntType(64)), ir.Constant(ir.IntType(64), 52))
+            return builder.sitofp(builder.sub(bits, ir.Constant(ir.IntType(64), 1023)), ir.DoubleType())
+
+        return types.float64(types.float64), code
+
     @overload(replaced, strict=False)  # type: ignore[untyped-decorator]
     def _replaced(items: Any, index: Any, value: Any) -> Any:
         return lambda items, index, value: tuple_setitem(items, index, value)
@@ -110,6 +123,10 @@ def _register() -> None:
     @overload(power_of_two, strict=False)  # type: ignore[untyped-decorator]
     def _power_of_two(exponent: Any) -> Any:
         return lambda exponent: shifted_exponent(exponent)
+
+    @overload(exponent_of, strict=False)  # type: ignore[untyped-decorator]
+    def _exponent_of(x: Any) -> Any:
+        return lambda x: biased_exponent(x)
 
     def code_at(builder: Any, address: Any, kind: Any) -> Any:
         return builder.inttoptr(builder.fptosi(address, ir.IntType(64)), kind)

@@ -116,5 +116,5 @@ def step_tasks(
             yield
 
     # a task must be worth its handling; one that holds several columns is a single tile, whose arrays lie in one piece
-    together = max(1, TILE // (4 * starts * (total + 1)))
+    together = max(1, TILE // (starts * (total + 1)))
     return [partial(some, q, min(q + together, len(rows))) for q in range(0, len(rows), together)]

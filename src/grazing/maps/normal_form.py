@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.kernel.primitives import replaced
 from grazing.maps.gap import gap_map
 from grazing.maps.map import Map
-from grazing.oscillator.constants import Constants, constants_of, forcing, steady_response
-from grazing.oscillator.flight import modes
+from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
+from grazing.oscillator.constants import Constants, constants_of, steady_response
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
-from grazing.oscillator.windows import window_edges
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
 from grazing.parameter import parameters, unknown
 
@@ -39,17 +37,7 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
         raise OutsideForm("alpha = 0: without damping no steady response attracts; the graze needs alpha > 0")
     if c.k2 == 0.0 and c.F0 != 0.0:
         raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
-    # zeros of Y': the derivative is a series of its own
-    cos, sin, bend = c.hc, c.hs, 0.0
-    for j in range(len(c.hc)):
-        W = (j + 1) * c.omega
-        cos, sin = replaced(cos, j, W * c.hs[j]), replaced(sin, j, -W * c.hc[j])
-        bend += W**3 * sqrt(c.hc[j] ** 2 + c.hs[j] ** 2)
-    edges, _first = window_edges(0.0, cos, sin, c.omega, c.theta, c.T, bend, (0.0,) * len(c.edges))
-    times = [t for t in edges if t < c.T]
-    heights = [steady_response(t, c)[0] for t in times]
-    best = int(np.argmin(heights))
-    return times[best], heights[best]
+    return steady_low(c)
 
 
 def clearance_of(model: Oscillator, name: str) -> Callable[[float], float]:
@@ -71,8 +59,6 @@ def true_graze(model: Oscillator, name: str) -> float:
     OutsideForm
         If no graze is found within the parameter's range (searched outwards to 1000 times the present value).
     """
-    from scipy.optimize import brentq
-
     if name not in model.params:
         raise unknown(name, model.params, "the model")
     clearance = clearance_of(model, name)
@@ -85,26 +71,21 @@ def true_graze(model: Oscillator, name: str) -> float:
     known = describe_parameter(name)
     low = known.low if known.low > -inf else now - 1e3 * max(1.0, abs(now))
     high = known.high if known.high < inf else now + 1e3 * max(1.0, abs(now))
-    inner = [now, now]
-    width = 1e-3 * max(abs(now), 1e-2)
-    while inner[0] > low or inner[1] < high:
-        for side, edge in ((0, max(low, now - width)), (1, min(high, now + width))):
-            if edge == inner[side] or (edge == known.low and known.open == "low"):
-                continue
-            try:
-                there = clearance(edge)
-            except OutsideForm:
-                continue
-            if (there > 0.0) != (here > 0.0):
-                return float(brentq(clearance, *sorted((inner[side], edge)), xtol=1e-300, rtol=8.9e-16))
-            inner[side] = edge
-        if width > 2e3 * max(1.0, abs(now)):
-            break
-        width *= 1.3
+    found = graze_search_of(_height)((model, name), now, low, high, known.low > -inf and known.open == "low")
+    if isfinite(found):
+        return found
     raise OutsideForm(
         f"no graze of the steady response found for {name} in [{low:g}, {high:g}] around {now:g}; "
         "vary another parameter, or start nearer"
     )
+
+
+def _height(value: float, context: tuple[Oscillator, str]) -> float:
+    model, name = context
+    try:
+        return clearance_of(model, name)(value)
+    except (InputError, OutsideForm):
+        return nan
 
 
 @dataclass(frozen=True)
@@ -158,7 +139,7 @@ class NormalForm:
         This is the paper's [(d g1 - b g2) - g1]/(2 A b^2 (1+r)^2), since g = (I - exp(BT)) w at the steady state w.
         """
         clearance = clearance_of(self.model, self.name)
-        factor = -(1.0 - self.lam + self.det) / (2.0 * self.acceleration * self.b**2 * (1.0 + self.r) ** 2)
+        factor = mu_factor(self.lam, self.det, self.acceleration, self.b, self.r)
         if np.ndim(value) == 0:
             return factor * clearance(float(np.asarray(value)))
         return np.array([factor * clearance(float(x)) for x in np.asarray(value).ravel()]).reshape(np.shape(value))
@@ -294,25 +275,19 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)
-    time, _height = steady_minimum(at)
-    A, _dF = forcing(time, c)
-    A -= c.alpha * steady_response(time, c)[1]
+    found = reduction_of(at.reset.law, at.reset.slope)(c)
+    A, b, r, V = found.acceleration, found.b, found.r, found.V
     if A <= 1e-12 * c.size:
         raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
-    a, b, e21, d = modes(c.T, c)
-    r = -at.reset.slope(0.0, c.p)
-    V = at.reset.law(0.0, c.p)
     at_speed = at.reset.law(-1e-3, c.p)
     if not abs(at_speed - V - 1e-3 * r) <= 1e-4 * (1.0 + V):
         raise OutsideForm(
             f"the reset law {at.reset.name} is not linear near zero speed (v_plus = {V:g} at rest, {at_speed:g} at "
             f"v_minus = -0.001, slope {-r:g}): outside the normal form"
         )
-    stretch = 1.0 + r
     if b == 0.0:
         raise OutsideForm("b = 0: the square root drops out, outside the normal form")
     return NormalForm(
-        model=at, name=name, graze=value, time=time, acceleration=A,
-        lam=a + d, l=V / (2.0 * A * b * stretch**2), b=b, det=a * d - b * e21,
-        scale=(2.0 * A * b * stretch) ** 2, r=r, V=V, entries=(a, b, e21, d),
+        model=at, name=name, graze=value, time=found.time, acceleration=A, lam=found.lam, l=found.l, b=b,
+        det=found.det, scale=found.scale, r=r, V=V, entries=(found.a, b, found.e21, found.d),
     )  # fmt: skip

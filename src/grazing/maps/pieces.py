@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Steps of a piece, over all its orbits, each well under 0.2 s: of a map that is a formula, of one whose orbits fly as
 #: blocks, and of one that follows flight after flight.
-FORMULA, BLOCK, FLIGHT = 4_000_000, 200_000, 40_000
+FORMULA, BLOCK, FLIGHT = 6_000_000, 200_000, 40_000
 
 Floats = NDArray[np.float64]
 

@@ -82,6 +82,13 @@ def law_addresses(
     )
 
 
+@lru_cache(maxsize=64)
+def contractions(contraction: Callable[..., Any], kind: type, rows: bytes) -> Floats:
+    """Return what a law says of its contraction, (columns, 2), at rows of parameters: pieces of a run ask again."""
+    table = np.frombuffer(rows).reshape(-1, len(kind._fields))  # type: ignore[attr-defined]
+    return np.array([contraction(kind(*row)) for row in table.tolist()], np.float64).reshape(-1, 2)
+
+
 def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
     """Return the numbers of :func:`flight_fields` for rows of a map's parameters, and where each of the rows lies.
 
@@ -98,7 +105,7 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     """
     law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
     flight = len(HEAD) + 2 * harmonics + 1
-    known = np.array([law.contraction(kind(*row)) for row in rows.tolist()], np.float64).reshape(-1, 2)
+    known = contractions(law.contraction, kind, rows.tobytes())
     where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
     here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
     phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]

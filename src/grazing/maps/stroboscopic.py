@@ -75,6 +75,12 @@ def above_wall(state: Any, params: Any) -> None:
         )
 
 
+def starting_box(sigma: float, period: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where random starts are drawn: above the wall, as far as the forcing moves the ball in one period."""
+    width = max(min(1.0, 4.0 * period * period), 1e-6 * abs(sigma))
+    return (sigma + 1e-3 * width, sigma + 0.1 * width), (-0.3 * width, 0.3 * width)
+
+
 def periods_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
     """Return the time that so many periods take; ``omega`` is the place of the frequency in a row."""
     return np.broadcast_to(steps * 2.0 * np.pi / rows[:, omega, None], letters.shape)
@@ -106,7 +112,6 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     """
     checked_model(model)
     law = model.reset
-    width = max(min(1.0, 4.0 * model.period**2), 1e-6 * abs(model.sigma))  # what the forcing can do in one period
 
     def again(values: dict[str, Any]) -> Map:
         return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])
@@ -139,7 +144,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         step_of(law.law, law.slope, law.contraction),
         params={**model.params, "phase": describe_parameter("phase").check(phase)},
         coordinates=("u", "v"),
-        box=((model.sigma + 1e-3 * width, model.sigma + 0.1 * width), (-0.3 * width, 0.3 * width)),
+        box=starting_box(model.sigma, model.period),
         prepare=constants_of(model.harmonics, section_phase),
         tangent=tangent_of(law.law, law.slope, law.contraction),
         block=partial(ensemble_tasks, model.harmonics, law),

@@ -131,7 +131,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         theta = angle(p.omega, p.t0) + angle(p.omega, phase(p))
         F0 = p[head - 1] - k2 * p.sigma
         cos, sin, hc, hs = none, none, none, none
-        force, bend, moving = abs(F0), 0.0, 0.0
+        force, bend, moving, top = abs(F0), 0.0, 0.0, 1
         steady = k2 > 0.0 or F0 == 0.0
         Y0 = F0 / k2 if k2 > 0.0 else 0.0
         response = abs(Y0)
@@ -145,7 +145,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
             force += amplitude
             bend += W * W * amplitude
             if amplitude > 0.0:
-                moving = W
+                moving, top = W, j + 1
                 if det > 0.0:
                     hc = replaced(hc, j, (a * c - b * s) / det)
                     hs = replaced(hs, j, (b * c + a * s) / det)
@@ -155,7 +155,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         natural = natural_size(p.alpha, T, force)
         steady = steady and response <= max_ratio * natural
         rate = max(p.alpha, p.k, moving)
-        size = response if steady else natural * harmonics
+        size = response if steady else natural * top  # errors of phases add up to the highest harmonic
         piece = piece_of(q2, spread, T)
         edges, first = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges)
         return Constants(

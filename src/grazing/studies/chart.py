@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
+from grazing.kernel.primitives import inlined
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.outcome import InputError
@@ -18,7 +19,7 @@ from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
 from grazing.studies.growth import grower
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
-from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
+from grazing.studies.runs import checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,7 +119,9 @@ def plan(
         assert found is not None
         settled = settled_columns(P, runs.rows(cells), found)
         yield
-        rank(runs, cells, found, settled, steps, arrays)
+        first = rank(settled, found.outcomes, arrays)
+        yield
+        grow(P, runs.rows(cells), found, first, steps, arrays)
 
     names = " and ".join(runs.axes)
     return Plan(
@@ -156,72 +159,77 @@ def _variables(keep: int) -> dict[str, Variable]:
     }
 
 
-def rank(runs: Runs, cells: Ints, found: Columns, settled: Settled, steps: int, arrays: Arrays) -> None:
-    """Write the attractors of cells, the one with the greatest share first."""
+def rank(settled: Settled, outcomes: Ints, arrays: Arrays) -> Ints:
+    """Write the attractors of cells, the one with the greatest share first; return the first orbit on each."""
     shape = settled.period.shape
-    count, first = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
-    outcome, trust = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
-    states = settled.period, settled.key, found.outcomes, settled.trust
-    call(compiled_ranking(), *states, count, first, outcome, trust)
-    used = count > 0
-    period = np.where(used, np.take_along_axis(settled.period, first, 1), UNUSED)
-    arrays["period"][...] = period
-    arrays["word"][...] = np.where(used, np.take_along_axis(settled.words, first, 1), "")
-    arrays["share"][...] = count / shape[1]
-    arrays["outcome"][...], arrays["trust"][...] = outcome, np.where(used, trust, CERTIFIED)
-    exponent = np.full(shape, np.nan)
-    grows = used & (period != ENDED)
-    q, _rank = np.nonzero(grows)
-    last = found.points[q, -1, :, first[grows]], found.letters[q, :, first[grows]]
-    exponent[grows] = exponents(runs, cells[q], *last, period[grows], steps)
-    arrays["exponent"][...] = exponent
-    arrays["period"][...] = np.where((period == APERIODIC) & (exponent < 0.0), UNDECIDED, period)
+    code, first = np.empty(shape, np.int32), np.empty(shape, np.int64)
+    names = "period", "share", "outcome", "trust"
+    states = settled.period, settled.code, outcomes, settled.trust
+    call(compiled_ranking(), *states, *(arrays[name] for name in names), code, first)
+    arrays["word"][...] = settled.texts[code]
+    return first
 
 
-def exponents(runs: Runs, cells: Ints, states: Floats, seen: Ints, period: NDArray[np.int32], steps: int) -> Floats:
-    """Return the largest exponent per step of orbits on their attractors, one a row of ``states``.
+def grow(P: Map, rows: Floats, found: Columns, first: Ints, steps: int, arrays: Arrays) -> None:
+    """Write the largest exponent per step of the attractors of cells, from the first orbit on each.
 
-    ``seen`` are the latest letters of each orbit. A cycle is first reached by Newton's method; without a period the
-    exponent is the mean over ``steps`` steps.
+    A cycle is first reached by Newton's method; without a period the exponent is the mean over ``steps`` steps.
     """
-    P, derived = runs.P, runs.P.derivative(runs.rows(cells))
+    period, exponent = arrays["period"], arrays["exponent"]
+    exponent[...] = np.nan
+    q, ranks = np.nonzero(period > ENDED)
+    derived = P.derivative(rows)
     entry = grower(derived.tangent, derived.prepare, derived.kind, P.dimension)
-    cyclic, result = period > 0, np.empty(len(states))
-    many = np.where(cyclic, period, steps).astype(np.int64)
-    points, latest = np.ascontiguousarray(states), np.ascontiguousarray(seen)
-    call(entry, derived.rows, points, latest, many, cyclic, result, who=f"the step of {P.name}")
-    return result
+    which = np.column_stack([q, ranks, first[q, ranks]])
+    who = f"the step of {P.name}"
+    call(entry, derived.rows, found.points, found.letters, which, period, steps, exponent, who=who)
+    period[(period == APERIODIC) & (exponent < 0.0)] = UNDECIDED
+
+
+@inlined
+def exchanged(ranked: Any, q: int, i: int) -> None:
+    """Let the attractors of ranks i and i - 1 in column q change places."""
+    ranked[q, i], ranked[q, i - 1] = ranked[q, i - 1], ranked[q, i]
 
 
 def ranking(
-    period: Any, key: Any, outcomes: Any, trusts: Any, count: Any, first: Any, outcome: Any, trust: Any
-) -> None:
+    periods: Any, codes: Any, outcomes: Any, trusts: Any, period: Any, share: Any, outcome: Any, trust: Any,
+    code: Any, first: Any,
+) -> None:  # fmt: skip
     """Find the attractors among the orbits (columns, starts) of each column, ordered by how many orbits reach them.
 
     ``first`` becomes the number of the first orbit on each, which breaks a tie; outcomes are folded, and of trusts
     the worst one counts.
     """
-    columns, starts = period.shape
+    columns, starts = periods.shape
+    count = np.empty(starts, np.int64)
     for q in range(columns):
         found = 0
+        for k in range(starts):
+            count[k], first[q, k] = 0, 0
+            period[q, k], code[q, k], outcome[q, k], trust[q, k] = UNUSED, 0, 0, CERTIFIED
         for j in range(starts):
             k = 0
-            while k < found and not (period[q, first[q, k]] == period[q, j] and key[q, first[q, k]] == key[q, j]):
+            while k < found and not (period[q, k] == periods[q, j] and code[q, k] == codes[q, j]):
                 k += 1
             if k == found:
-                first[q, k] = j
+                period[q, k], code[q, k], first[q, k] = periods[q, j], codes[q, j], j
                 found += 1
-            count[q, k] += 1
+            count[k] += 1
             outcome[q, k] |= outcomes[q, 0, j]
             trust[q, k] = max(trust[q, k], trusts[q, j])
         for k in range(1, found):  # insertion keeps the order of equals
             i = k
-            while i > 0 and count[q, i] > count[q, i - 1]:
-                count[q, i], count[q, i - 1] = count[q, i - 1], count[q, i]
-                first[q, i], first[q, i - 1] = first[q, i - 1], first[q, i]
-                outcome[q, i], outcome[q, i - 1] = outcome[q, i - 1], outcome[q, i]
-                trust[q, i], trust[q, i - 1] = trust[q, i - 1], trust[q, i]
+            while i > 0 and count[i] > count[i - 1]:
+                count[i], count[i - 1] = count[i - 1], count[i]
+                exchanged(period, q, i)
+                exchanged(code, q, i)
+                exchanged(outcome, q, i)
+                exchanged(trust, q, i)
+                exchanged(first, q, i)
                 i -= 1
+        for k in range(starts):
+            share[q, k] = count[k] / starts
 
 
 @lru_cache(maxsize=1)

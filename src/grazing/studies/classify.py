@@ -33,7 +33,7 @@ from grazing.studies.recurrence import APERIODIC as APERIODIC
 from grazing.studies.recurrence import ENDED as ENDED
 from grazing.studies.recurrence import FLOOR as FLOOR
 from grazing.studies.recurrence import UNDECIDED as UNDECIDED
-from grazing.studies.recurrence import compiled_recurrence, compiled_spelling
+from grazing.studies.recurrence import compiled_numbering, compiled_recurrence, compiled_spelling
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -90,24 +90,24 @@ def classify(
 
 
 class Settled(NamedTuple):
-    """What the orbits of many columns are, each (columns, starts): ``period``, ``trust`` and the word's ``key``.
+    """What the orbits of many columns are, each (columns, starts): ``period``, ``trust``, ``code`` of the word.
 
-    ``table`` turns a key into a word. ``begin`` says with which of the kept letters, counted from 0, the word begins,
-    and ``length`` how many letters it has.
+    ``texts`` are the words by code, 0 for none. ``begin`` says with which of the kept letters, counted from 0, the
+    word begins, and ``length`` how many letters it has.
     """
 
     period: NDArray[np.int32]
     trust: NDArray[np.int8]
-    key: Ints
+    code: NDArray[np.int32]
     begin: NDArray[np.int32]
     length: NDArray[np.int32]
-    table: dict[int, str]
+    texts: NDArray[Any]
 
     @property
     def words(self) -> NDArray[Any]:
         """The words as Python objects, equal ones the same object."""
-        keys, which = np.unique(self.key, return_inverse=True)
-        return np.array([self.table[key] for key in keys.tolist()], object)[which].reshape(self.key.shape)
+        found: NDArray[Any] = self.texts[self.code]
+        return found
 
 
 def settle_columns(
@@ -124,43 +124,33 @@ def settle_columns(
     tolerance : float
     """
     shape = letters.shape[0], letters.shape[2]
-    period, doubtful = np.empty(shape, np.int32), np.empty(shape, np.int8)
+    period, doubtful = np.empty(shape, np.int32), np.empty(shape, np.int32)
     found = (np.ascontiguousarray(points), np.ascontiguousarray(letters, np.int64))
-    call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, period, doubtful)
+    sizes = np.empty((2, shape[0], points.shape[2], shape[1]))
+    call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, period, doubtful, *sizes)
     which = np.argwhere(doubtful)
     if which.size:
-        columns = np.unique(which[:, 0], return_inverse=True)
-        derived = P.derivative(rows[columns[0]])
+        columns, row = np.unique(which[:, 0], return_inverse=True)
+        derived = P.derivative(rows[columns])
         entry = settler(derived.tangent, derived.prepare, derived.kind, P.dimension)
-        places = np.column_stack([which, columns[1]])
-        call(entry, derived.rows, *found, tolerance, places, period, who=f"the step of {P.name}")
+        places = np.column_stack([which, row, doubtful[doubtful > 0]])
+        call(entry, derived.rows, *found, *sizes, places, period, who=f"the step of {P.name}")
     key, begin, length = np.empty(shape, np.int64), np.empty(shape, np.int32), np.empty(shape, np.int32)
     call(compiled_spelling(), found[1], period, key, begin, length)
+    code, first = np.empty(shape, np.int32), np.empty(key.size + 1, np.int64)
+    texts = np.full(call(compiled_numbering(), key, code, first), "", object)
+    for i, place in enumerate(first[1 : len(texts)].tolist(), start=1):  # one orbit spells a word for all
+        q, j = divmod(place, shape[1])
+        start = begin[q, j] - period[q, j]  # the letters repeat, and here none of the word lies beyond the end
+        texts[i] = _spelled(tuple(found[1][q, start : start + length[q, j], j].tolist()), P.letters)
     trust = np.full(shape, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)
     trust[(outcomes[:, 0] & AMBIGUOUS) != 0] = AMBIGUOUS_TRUST
-    return Settled(period, trust, key, begin, length, _table(found[1], key, begin, length, period, P.letters))
+    return Settled(period, trust, code, begin, length, texts)
 
 
 def settled_columns(P: Map, rows: Floats, found: Columns, tolerance: float = TOLERANCE) -> Settled:
     """Find period and word of all orbits that :meth:`grazing.Map.run_columns` returned."""
     return settle_columns(P, rows, found.points, found.letters, found.outcomes, tolerance)
-
-
-def _table(
-    letters: Ints, key: Ints, begin: NDArray[np.int32], length: NDArray[np.int32], period: NDArray[np.int32],
-    symbols: str | None,
-) -> dict[int, str]:  # fmt: skip
-    """Return the word of each key; one orbit spells it for all."""
-    table = {0: ""}
-    keys, first = np.unique(key, return_index=True)
-    keep = letters.shape[1]
-    for code, where in zip(keys.tolist(), first.tolist(), strict=True):
-        q, j = divmod(where, key.shape[1])
-        if code:
-            s, N = letters[q, :, j], int(length[q, j])
-            turned = np.roll(s[keep - int(period[q, j]) :][:N], -int(begin[q, j] - keep + period[q, j]))
-            table[code] = _spelled(tuple(turned.tolist()), symbols)
-    return table
 
 
 @lru_cache(maxsize=65536)

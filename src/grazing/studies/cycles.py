@@ -15,7 +15,7 @@ import numpy as np
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
-from grazing.studies.recurrence import UNDECIDED, measured, same_letters, settling, to_be_tried
+from grazing.studies.recurrence import UNDECIDED, next_cycle
 
 #: Newton steps after which a cycle counts as not found.
 STEPS = 12
@@ -148,18 +148,26 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
     return bool(distance[0] <= max(distance[turns] * (1.0 - RATE * (1.0 - radius)) ** turns, floor))
 
 
+def room_for(most: int, dimension: int) -> Any:
+    """Return arrays to search cycles of up to so many points in: taken once, because taking memory takes long."""
+    square = dimension, dimension
+    end, move, seen = np.empty((dimension, 1)), np.empty(dimension), np.empty(most, np.int64)
+    return end, move, np.empty(square), np.empty(square), seen, np.empty((most, dimension))
+
+
 @lru_cache(maxsize=256)
 def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
-    """Return ``find(x, s, j, N, c, tolerance, z, M) -> NONE, FOUND or NO_TANGENT``.
+    """Return ``find(x, s, j, N, c, tolerance, z, M, room) -> NONE, FOUND or NO_TANGENT``.
 
     Newton's method from the last of the points x (keep, dim, n) of orbit j, for a cycle of N points with the last N of
-    the letters s (keep, n). Writes the cycle's point to z (dim, 1) and the derivative of N steps from there to M.
+    the letters s (keep, n). Writes the cycle's point to z (dim, 1) and the derivative of N steps from there to M;
+    ``room`` is what :func:`room_for` returns.
     """
     zero = (0.0,) * dimension
 
-    def turn(z: Any, N: int, c: Any, end: Any, M: Any, seen: Any, points: Any) -> bool:
+    def turn(z: Any, N: int, c: Any, M: Any, room: Any) -> bool:
         """Go N steps from z: the last point, the derivative and the letters; False if something is not finite."""
-        B = np.empty((dimension, dimension))
+        end, _move, _A, B, seen, points = room
         for i in range(dimension):
             end[i, 0] = z[i, 0]
             for j in range(dimension):
@@ -186,13 +194,13 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
                     return False
         return True
 
-    def find(x: Any, s: Any, j: int, N: int, c: Any, tolerance: Any, z: Any, M: Any) -> int:
-        end, A, move = np.empty((dimension, 1)), np.empty((dimension, dimension)), np.empty(dimension)
-        seen, points = np.empty(N, np.int64), np.empty((N, dimension))
+    def find(x: Any, s: Any, j: int, N: int, c: Any, tolerance: Any, z: Any, M: Any, room: Any) -> int:
+        end, move, A, _B, seen, points = room
         for i in range(dimension):
             z[i, 0] = x[x.shape[0] - 1, i, j]
+        moved = True
         for step in range(STEPS):
-            if not turn(z, N, c, end, M, seen, points):
+            if not turn(z, N, c, M, room):
                 return NO_TANGENT if step == 0 else NONE
             for i in range(dimension):
                 move[i] = end[i, 0] - z[i, 0]
@@ -200,20 +208,21 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
                     A[i, m] = (1.0 if i == m else 0.0) - M[i, m]
             if not solved(A, move):
                 return NONE
-            small = True
+            small, moved = True, False
             for i in range(dimension):
+                moved = moved or z[i, 0] + move[i] != z[i, 0]
                 z[i, 0] += move[i]
                 small = small and abs(move[i]) <= tolerance[i, j]
             if small:
                 break
             if step == STEPS - 1:
                 return NONE
-        if not turn(z, N, c, end, M, seen, points):
+        if moved and not turn(z, N, c, M, room):
             return NONE
         for n in range(N):
             if seen[n] != s[s.shape[0] - N + n, j]:
                 return NONE
-        for n in range(1, N):  # a shorter cycle passed N/n times is no cycle of N points
+        for n in range(1, N // 2 + 1):  # a shorter cycle passed N/n times is no cycle of N points
             if N % n == 0:
                 same = True
                 for i in range(dimension):
@@ -234,33 +243,37 @@ def settler(
     Returns
     -------
     callable
-        ``run(rows, points, letters, rtol, which, period)``: for each (column, start, row) in ``which`` (n, 3) a cycle
-        with fewer points than the period by recurrence is sought, and the period replaced where the orbit approaches.
+        ``run(rows, points, letters, extents, tolerances, which, period)``: for each (column, start, row, N) in
+        ``which`` (n, 4) a cycle of N points or more, yet fewer than the period by recurrence, is sought, and the period
+        replaced where the orbit approaches it. The other arguments are those of
+        :func:`grazing.studies.recurrence.recurrence`.
     """
     unpack, find = unpacker(kind), finder(tangent, dimension)
     constants = prepare if prepare is not None else _same
 
-    def run(rows: Any, points: Any, letters: Any, rtol: float, which: Any, period: Any) -> None:
-        keep, n = points.shape[1], points.shape[3]
-        extent, tolerance, finite = np.empty((dimension, n)), np.empty((dimension, n)), np.empty(n, np.int64)
-        z, M = np.empty((dimension, 1)), np.empty((dimension, dimension))
-        before = -1
+    def run(rows: Any, points: Any, letters: Any, extents: Any, tolerances: Any, which: Any, period: Any) -> None:
+        keep = points.shape[1]
+        x, s = np.empty((keep, dimension, 1)), np.empty((keep, 1), np.int64)
+        extent, tolerance = np.empty((dimension, 1)), np.empty((dimension, 1))
+        z, M, room = np.empty((dimension, 1)), np.empty((dimension, dimension)), room_for(keep, dimension)
         for k in range(which.shape[0]):
-            q, j = which[k, 0], which[k, 1]
-            x, s = points[q], letters[q]
-            if q != before:
-                measured(x, rtol, extent, tolerance, finite)
-            before = q
+            q, j, N = which[k, 0], which[k, 1], which[k, 3]
+            for i in range(dimension):
+                extent[i, 0], tolerance[i, 0] = extents[q, i, j], tolerances[q, i, j]
+            for n in range(keep):
+                s[n, 0] = letters[q, n, j]
+                for i in range(dimension):
+                    x[n, i, 0] = points[q, n, i, j]
             c = constants(unpack(rows[which[k, 2]]))
             candidate = max(period[q, j], 0)
-            for N in range(1, keep // 3 + 1):
-                if to_be_tried(candidate, N, keep) and same_letters(s, j, N) and settling(x, j, extent, tolerance, N):
-                    found = find(x, s, j, N, c, tolerance, z, M)
-                    if found == NO_TANGENT:
-                        period[q, j] = max(period[q, j], UNDECIDED)
-                    elif found == FOUND and falling(x, j, N, z, M, tolerance):
-                        period[q, j] = N
-                        break
+            while N > 0:
+                found = find(x, s, 0, N, c, tolerance, z, M, room)
+                if found == NO_TANGENT:
+                    period[q, j] = max(period[q, j], UNDECIDED)
+                elif found == FOUND and falling(x, 0, N, z, M, tolerance):
+                    period[q, j] = N
+                    break
+                N = next_cycle(x, s, 0, extent, tolerance, candidate, 0, N + 1)
 
     return compiled(run, "strict")
 

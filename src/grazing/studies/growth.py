@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.lanes import column, put, unpacker
-from grazing.kernel.primitives import inlined
+from grazing.kernel.lanes import BLOCK, column, put, unpacker
+from grazing.kernel.primitives import built, inlined
 from grazing.maps.map import Map
-from grazing.studies.cycles import FOUND, finder, log_radius
+from grazing.studies.cycles import FOUND, finder, log_radius, room_for
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,66 +32,78 @@ LEAST, MOST = 1e-200, 1e200
 
 
 @inlined
-def carried(J: Any, frame: Any, image: Any) -> None:
-    """Write J frame to ``image``; J is a flat tuple, row by row.
+def carried(d: int, J: Any, frame: Any, image: Any, j: int) -> None:
+    """Write J frame to ``image``, both (d, d, n), for orbit j of n; J is a flat tuple, row by row.
 
     Where J is zero every orbit nearby falls on this one, and stays: what was, or would be, undefined about its
     neighbours no longer matters.
     """
-    d = frame.shape[0]
     fallen, falling = True, True
     for i in range(d):
-        for j in range(d):
-            fallen, falling = fallen and frame[i, j] == 0.0, falling and J[i * d + j] == 0.0
+        for k in range(d):
+            fallen, falling = fallen and frame[i, k, j] == 0.0, falling and J[i * d + k] == 0.0
     for i in range(d):
-        for j in range(d):
+        for k in range(d):
             total = 0.0
-            for k in range(d):
-                total += J[i * d + k] * frame[k, j]
-            image[i, j] = 0.0 if fallen or falling else total
+            for m in range(d):
+                total += J[i * d + m] * frame[m, k, j]
+            image[i, k, j] = 0.0 if fallen or falling else total
 
 
 @inlined
-def orthonormal(image: Any, frame: Any, sums: Any, sides: Any) -> None:
-    """Write the orthonormal frame of the columns of ``image``; add the logarithms of its sides to ``sums``.
+def orthonormal(d: int, image: Any, frame: Any, sides: Any, j: int) -> None:
+    """Write the orthonormal frame of the columns of ``image``, for orbit j; multiply its sides up in ``sides`` (d, n).
 
-    Sides are multiplied up in ``sides`` first, because logarithms take long; :func:`summed` adds what is left there.
     Modified Gram-Schmidt, each column twice: as good as Householder's way in so few dimensions.
     """
-    d = frame.shape[0]
-    for j in range(d):
+    for n in range(d):
         before = 0.0
         for i in range(d):
-            before += image[i, j] * image[i, j]
+            before += image[i, n, j] * image[i, n, j]
         for _twice in range(2):
-            for k in range(j):
+            for k in range(n):
                 overlap = 0.0
                 for i in range(d):
-                    overlap += frame[i, k] * image[i, j]
+                    overlap += frame[i, k, j] * image[i, n, j]
                 for i in range(d):
-                    image[i, j] -= overlap * frame[i, k]
+                    image[i, n, j] -= overlap * frame[i, k, j]
         size = 0.0
         for i in range(d):
-            size += image[i, j] * image[i, j]
-        if not size < inf:
-            size = nan
-        elif not size > 1e-30 * before:  # what is left after the overlaps is rounding: the columns are dependent
-            size = 0.0
+            size += image[i, n, j] * image[i, n, j]
+        # what is left of a column after the overlaps may be rounding: the columns are dependent
+        size = nan if not size < inf else (size if size > 1e-30 * before else 0.0)
         length = sqrt(size)
-        sides[j] *= length
-        if not LEAST < sides[j] < MOST:
-            sums[j] += log(sides[j]) if sides[j] > 0.0 else (nan if sides[j] != sides[j] else -inf)
-            sides[j] = 1.0
+        sides[n, j] *= length
         for i in range(d):
-            frame[i, j] = image[i, j] / length if length > 0.0 else 0.0
+            frame[i, n, j] = image[i, n, j] / length if length > 0.0 else 0.0
 
 
 @inlined
-def summed(sums: Any, sides: Any) -> None:
-    """Add the logarithms of what was multiplied up, and begin again."""
-    for j in range(sums.shape[0]):
-        sums[j] += log(sides[j])
-        sides[j] = 1.0
+def logarithm(side: float) -> float:
+    """Return log(side), minus infinity for 0."""
+    return log(side) if side > 0.0 else (nan if side != side else -inf)
+
+
+@inlined
+def summed(sums: Any, sides: Any, j: int) -> None:
+    """Add the logarithms of what was multiplied up for orbit j to ``sums`` (dim, n), and begin again."""
+    for i in range(sums.shape[0]):
+        sums[i, j] += logarithm(sides[i, j])
+        sides[i, j] = 1.0
+
+
+@inlined
+def relieved(sums: Any, sides: Any, width: int) -> None:
+    """Add logarithms only where what was multiplied up leaves its range, because they take long."""
+    far = 0
+    for i in range(sums.shape[0]):
+        for j in range(width):
+            far += 0 if LEAST < sides[i, j] < MOST else 1
+    for i in range(sums.shape[0] if far > 0 else 0):
+        for j in range(width):
+            if not LEAST < sides[i, j] < MOST:
+                sums[i, j] += logarithm(sides[i, j])
+                sides[i, j] = 1.0
 
 
 @lru_cache(maxsize=256)
@@ -114,45 +126,57 @@ def stretcher(
     def run(
         rows: Any, lanes: Any, steps: int, frames: Any, sums: Any, sides: Any, areas: Any, letters: Any, outcomes: Any
     ) -> None:
-        image = np.empty((dimension, dimension))
+        square = dimension, dimension, 1
+        frame, image = np.empty(square), np.empty(square)
+        total, side = np.empty((dimension, 1)), np.empty((dimension, 1))
         for q in range(lanes.shape[0]):
             c = constants(unpack(rows[q]))
             for j in range(lanes.shape[2]):
+                for i in range(dimension):
+                    total[i, 0], side[i, 0] = sums[q, j, i], sides[q, j, i]
+                    for k in range(dimension):
+                        frame[i, k, 0] = frames[q, j, i, k]
                 for _ in range(steps):
                     state, letter, outcome, J = tangent(column(lanes[q], j, zero), c)
                     put(lanes[q], j, state)
                     letters[q, j] += letter
                     outcomes[q, j] |= outcome
                     areas[q, j] += J[dimension * dimension]
-                    carried(J, frames[q, j], image)
-                    orthonormal(image, frames[q, j], sums[q, j], sides[q, j])
+                    carried(dimension, J, frame, image, 0)
+                    orthonormal(dimension, image, frame, side, 0)
+                    relieved(total, side, 1)
+                for i in range(dimension):
+                    sums[q, j, i], sides[q, j, i] = total[i, 0], side[i, 0]
+                    for k in range(dimension):
+                        frames[q, j, i, k] = frame[i, k, 0]
 
     return compiled(run, "strict")
 
 
 @lru_cache(maxsize=256)
-def reacher(tangent: Callable[..., Any], dimension: int) -> Callable[..., None]:
-    """Return ``reach(state, seen, N, c, x, M)``: go from a state (dim,) near a cycle of N points to the cycle.
+def reacher(tangent: Callable[..., Any], dimension: int) -> Callable[..., bool]:
+    """Return ``reach(points, letters, j, N, c, tolerance, x, M, room)``: go from an orbit near a cycle to the cycle.
 
-    ``seen`` (keep,) are the latest letters there. x (dim, 1) becomes the point that Newton's method reaches, or the
-    state itself where it reaches none; M is room for a matrix.
+    The cycle has N points and the last N of the letters (keep, n) of orbit j, whose last point is that of points
+    (keep, dim, n). x (dim, 1) becomes the point that Newton's method reaches, and M (dim, dim) the derivative of a
+    turn from there; without one x becomes the last point, and the answer is False. ``tolerance`` (dim, n) and ``room``
+    are for the search, see :func:`grazing.studies.cycles.finder`.
     """
     find = finder(tangent, dimension)
 
-    def reach(state: Any, seen: Any, N: int, c: Any, x: Any, M: Any) -> None:
-        point, tolerance = np.empty((1, dimension, 1)), np.empty((dimension, 1))
-        last = np.empty((seen.shape[0], 1), np.int64)
-        for k in range(seen.shape[0]):
-            last[k, 0] = seen[k]
-        size = SMALL
+    def reach(
+        points: Any, letters: Any, j: int, N: int, c: Any, tolerance: Any, x: Any, M: Any, room: Any
+    ) -> bool:  # fmt: skip
+        size, last = SMALL, points.shape[0] - 1
         for i in range(dimension):
-            point[0, i, 0] = state[i]
-            size = max(size, abs(state[i]))
+            size = max(size, abs(points[last, i, j]))
         for i in range(dimension):
-            tolerance[i, 0] = SMALL * size
-        if find(point, last, 0, N, c, tolerance, x, M) != FOUND:
-            for i in range(dimension):
-                x[i, 0] = state[i]
+            tolerance[i, j] = SMALL * size
+        if find(points, letters, j, N, c, tolerance, x, M, room) == FOUND:
+            return True
+        for i in range(dimension):
+            x[i, 0] = points[last, i, j]
+        return False
 
     return reach
 
@@ -175,39 +199,39 @@ def turner(
     constants = prepare if prepare is not None else _same
 
     def run(rows: Any, states: Any, seen: Any, steps: Any, turns: Any, logs: Any, letters: Any) -> None:
-        x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
-        M, frame, image = (
-            np.empty((dimension, dimension)),
-            np.empty((dimension, dimension)),
-            np.empty((dimension, dimension)),
-        )
+        square = dimension, dimension, 1
+        x, tolerance = np.empty((dimension, 1)), np.empty((dimension, 1))
+        sums, sides = np.empty((dimension, 1)), np.ones((dimension, 1))
+        M, frame, image = np.empty(square), np.empty(square), np.empty(square)
+        keep = seen.shape[1]
+        turn, room = np.empty((dimension, dimension)), room_for(keep, dimension)
         for n in range(states.shape[0]):
             c = constants(unpack(rows[n]))
             letters[n], area = 0, 0.0
-            reach(states[n], seen[n], steps[n], c, x, M)
+            near, latest = states[n].copy().reshape((1, dimension, 1)), seen[n].copy().reshape((keep, 1))
+            reach(near, latest, 0, steps[n], c, tolerance, x, turn, room)
             for i in range(dimension):
-                states[n, i] = x[i, 0]
-            for i in range(dimension):
-                x[i, 0], sums[i] = states[n, i], 0.0
+                states[n, i], sums[i, 0] = x[i, 0], 0.0
                 for j in range(dimension):
-                    M[i, j] = frame[i, j] = 1.0 if i == j else 0.0
+                    M[i, j, 0] = frame[i, j, 0] = 1.0 if i == j else 0.0
             for _ in range(steps[n]):
                 state, letter, _outcome, J = tangent(column(x, 0, zero), c)
                 put(x, 0, state)
                 letters[n] += letter
                 area += J[dimension * dimension]
-                carried(J, M, image)
+                carried(dimension, J, M, image, 0)
                 for i in range(dimension):
                     for j in range(dimension):
-                        M[i, j] = image[i, j]
-                carried(J, frame, image)
-                orthonormal(image, frame, sums, sides)
-            summed(sums, sides)
+                        M[i, j, 0] = image[i, j, 0]
+                carried(dimension, J, frame, image, 0)
+                orthonormal(dimension, image, frame, sides, 0)
+                relieved(sums, sides, 1)
+            summed(sums, sides, 0)
             logs[n] = area
             for i in range(dimension):
-                logs[n] += sums[i] if area != area else 0.0
+                logs[n] += sums[i, 0] if area != area else 0.0
                 for j in range(dimension):
-                    turns[n, i, j] = M[i, j]
+                    turns[n, i, j] = M[i, j, 0]
 
     return compiled(run, "strict")
 
@@ -241,47 +265,83 @@ def on_cycles(P: Map, rows: Floats, states: Floats, seen: Ints) -> Floats:
 def grower(
     tangent: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int
 ) -> Callable[..., None]:
-    """Compile the largest exponent from single points, for one map.
+    """Compile the largest exponent of orbits from their last points, for one map.
 
     Returns
     -------
     callable
-        ``run(rows, states, seen, steps, cyclic, exponents)``: from states[i] at the parameters rows[i], exponents[i]
-        becomes the largest exponent per step of steps[i] steps; where cyclic[i], these are a whole period, and the
-        exponent is that of its multipliers, on the cycle if it can be reached; seen[i] (keep,) are the latest letters.
+        ``run(rows, points, letters, which, period, steps, exponents)``: for each (column, rank, start) in ``which``
+        (n, 3), exponents[column, rank] becomes the largest exponent per step of that orbit: with period[column, rank]
+        above 0 that of the multipliers, on the cycle if it can be reached, else that of ``steps`` further steps.
+        Points and letters are those of :class:`grazing.maps.columns.Columns`, rows (columns, parameters).
     """
     unpack, zero, reach = unpacker(kind), (0.0,) * dimension, reacher(tangent, dimension)
-    constants = prepare if prepare is not None else _same
+    constants, packed = (prepare, False) if prepare is not None else (_same, True)
+    fields = len(kind._fields)  # type: ignore[attr-defined]
+    blank = (0.0,) * fields
 
-    def run(rows: Any, states: Any, seen: Any, steps: Any, cyclic: Any, exponents: Any) -> None:
-        x, sums, sides = np.empty((dimension, 1)), np.empty(dimension), np.ones(dimension)
-        frame, image = np.empty((dimension, dimension)), np.empty((dimension, dimension))
-        for n in range(states.shape[0]):
-            c = constants(unpack(rows[n]))
-            for i in range(dimension):
-                x[i, 0] = states[n, i]
-            if cyclic[n]:
-                reach(states[n], seen[n], steps[n], c, x, image)
-            for i in range(dimension):
-                sums[i] = 0.0
-                for j in range(dimension):
-                    frame[i, j] = 1.0 if i == j else 0.0
-            for _ in range(steps[n]):
-                state, _letter, _outcome, J = tangent(column(x, 0, zero), c)
-                put(x, 0, state)
-                carried(J, frame, image)
-                if cyclic[n]:
+    def own(c: Any, x: Any, j: int) -> Any:
+        return built(kind, column(x, j, blank, dimension))
+
+    at_lane = own if packed else _shared
+    together = BLOCK if packed else 1
+
+    def run(rows: Any, points: Any, letters: Any, which: Any, period: Any, steps: int, exponents: Any) -> None:
+        keep, square = points.shape[1], (dimension, dimension, BLOCK)
+        x, tolerance = np.empty((dimension + fields, BLOCK)), np.empty((dimension, points.shape[3]))
+        frame, image = np.empty(square), np.empty(square)
+        sums, sides = np.empty((dimension, BLOCK)), np.empty((dimension, BLOCK))
+        z, M, room = np.empty((dimension, 1)), np.empty((dimension, dimension)), room_for(keep, dimension)
+        free, many = np.empty(which.shape[0], np.int64), 0
+        for n in range(which.shape[0]):
+            q, rank, j = which[n, 0], which[n, 1], which[n, 2]
+            N = period[q, rank]
+            if N < 1:
+                free[many] = n
+                many += 1
+                continue
+            c = constants(unpack(rows[q]))
+            if not reach(points[q], letters[q], j, N, c, tolerance, z, M, room):
+                for i in range(dimension):
+                    for k in range(dimension):
+                        frame[i, k, 0] = 1.0 if i == k else 0.0
+                for _ in range(N):
+                    state, _letter, _outcome, J = tangent(column(z, 0, zero), c)
+                    put(z, 0, state)
+                    carried(dimension, J, frame, image, 0)
                     for i in range(dimension):
-                        for j in range(dimension):
-                            frame[i, j] = image[i, j]
-                else:
-                    orthonormal(image, frame, sums, sides)
-            summed(sums, sides)
-            exponents[n] = (log_radius(frame) if cyclic[n] else sums[0]) / max(steps[n], 1)
-            if not exponents[n] < inf:
-                exponents[n] = nan
+                        for k in range(dimension):
+                            M[i, k] = frame[i, k, 0] = image[i, k, 0]
+            growth = log_radius(M) / N
+            exponents[q, rank] = growth if growth < inf else nan
+        for top in range(0, many, together):  # side by side where a step is a formula, as in grazing.kernel.lanes
+            width = min(together, many - top)
+            c = constants(unpack(rows[which[free[top], 0]]))
+            for j in range(width):
+                q, lane = which[free[top + j], 0], which[free[top + j], 2]
+                for k in range(fields if packed else 0):
+                    x[dimension + k, j] = rows[q, k]
+                for i in range(dimension):
+                    x[i, j], sums[i, j], sides[i, j] = points[q, keep - 1, i, lane], 0.0, 1.0
+                    for k in range(dimension):
+                        frame[i, k, j] = 1.0 if i == k else 0.0
+            for _ in range(steps):
+                for j in range(width):
+                    state, _letter, _outcome, J = tangent(column(x, j, zero), at_lane(c, x, j))
+                    put(x, j, state)
+                    carried(dimension, J, frame, image, j)
+                    orthonormal(dimension, image, frame, sides, j)
+                relieved(sums, sides, width)
+            for j in range(width):
+                summed(sums, sides, j)
+                growth = sums[0, j] / max(steps, 1)
+                exponents[which[free[top + j], 0], which[free[top + j], 1]] = growth if growth < inf else nan
 
     return compiled(run, "strict")
+
+
+def _shared(c: Any, _x: Any, _j: int) -> Any:
+    return c
 
 
 def _same(p: Any) -> Any:

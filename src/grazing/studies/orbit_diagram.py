@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.kernel.compile import call, compiled
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.outcome import InputError
@@ -191,11 +193,26 @@ def _fill(runs: Runs, cells: Ints, arrays: Arrays, part: slice, states: Floats |
             yield
     assert found is not None
     for j, coordinate in enumerate(runs.P.coordinates):
-        arrays[coordinate][part] = found.points[:, :, j].transpose(0, 2, 1)
-    arrays["letter"][part] = found.letters.transpose(0, 2, 1)
+        call(compiled_turning(), found.points, j, arrays[coordinate][part])
+    call(compiled_turning(), found.letters[:, :, None], 0, arrays["letter"][part])
     arrays["outcome"][part] = found.outcomes[:, 0]
     settled = settled_columns(runs.P, runs.rows(cells), found)
     arrays["period"][part], arrays["trust"][part] = settled.period, settled.trust
     arrays["word"][part] = settled.words
     for name in NEARNESS:
         arrays[name][part] = getattr(found, name)
+
+
+def turned(values: Any, i: int, out: Any) -> None:
+    """Write coordinate i of values (columns, keep, dim, starts) to ``out`` (columns, starts, keep)."""
+    columns, keep, _dimension, starts = values.shape
+    for q in range(columns):
+        for j in range(starts):
+            for n in range(keep):
+                out[q, j, n] = values[q, n, i, j]
+
+
+@lru_cache(maxsize=1)
+def compiled_turning() -> Any:
+    """Return :func:`turned`, compiled."""
+    return compiled(turned, "strict")

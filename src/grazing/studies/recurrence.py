@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import inlined
+from grazing.kernel.lanes import BLOCK as LANES
+from grazing.kernel.primitives import at, inlined
 from grazing.outcome import FATAL
 
 UNDECIDED, APERIODIC, ENDED = 0, -1, -2
@@ -21,82 +22,137 @@ UNDECIDED, APERIODIC, ENDED = 0, -1, -2
 FLOOR = 1e-13
 #: An orbit nearly recurs within this share of its extent; others are not worth a search for a cycle.
 NEAR = 0.1
+#: Points that are compared before it is asked whether any orbit is left.
+ROWS = 8
+#: Letters of which a number holds one bit each.
+BITS = 62
 #: Distances after N steps must fall by more than rounding.
 BETTER = 1.0 - 1e-10
 # Two primes just below 2^31 with bases: a word is known by its two hashes, which products of 62 bits can hold.
 P1, B1, P2, B2 = 2147483647, 1000003, 2147483629, 998244353
 
 
+def gathered(points: Any, letters: Any, first: int, x: Any, s: Any) -> Any:
+    """Copy LANES orbits, counted through all columns from ``first`` on, to x (keep, dim, LANES) and s (keep, LANES).
+
+    Returns how many there were; they are followed by copies of the last one.
+    """
+    columns, keep, dimension, n = points.shape
+    width, j = min(LANES, columns * n - first), 0
+    while j < width:
+        q, start = (first + j) // n, (first + j) % n
+        wide = min(n - start, width - j)
+        for k in range(keep):
+            for i in range(dimension):
+                for h in range(wide):
+                    x[at(k), at(i), at(j + h)] = points[at(q), at(k), at(i), at(start + h)]
+            for h in range(wide):
+                s[at(k), at(j + h)] = letters[at(q), at(k), at(start + h)]
+        j += wide
+    for k in range(keep if width < LANES else 0):
+        for j in range(width, LANES):
+            for i in range(dimension):
+                x[k, i, j] = x[k, i, width - 1]
+            s[k, j] = s[k, width - 1]
+    return width
+
+
 def measured(x: Any, rtol: float, extent: Any, tolerance: Any, finite: Any) -> None:
-    """Fill in, for all orbits of a column, the extent and the tolerance along each coordinate (dim, n).
+    """Fill in, for LANES orbits, the extent and the tolerance along each coordinate (dim, LANES).
 
     Parameters
     ----------
-    x : ndarray, shape (keep, dim, n)
+    x : ndarray, shape (keep, dim, LANES)
     rtol : float
-    extent, tolerance : ndarray, shape (dim, n)
-    finite : ndarray, shape (n,)
+    extent, tolerance : ndarray, shape (dim, LANES)
+    finite : ndarray, shape (LANES,)
         1 where all points are numbers, else 0.
     """
-    keep, dimension, n = x.shape
-    low, high = np.empty(n), np.empty(n)
-    size = np.zeros(n)
-    for j in range(n):
-        finite[j] = 1
+    keep, dimension, _lanes = x.shape
+    ends = np.empty((3, LANES))  # low, high, and the greatest coordinate so far
+    for j in range(LANES):
+        ends[2, j], finite[j] = 0.0, 1
     for i in range(dimension):
-        for j in range(n):
-            low[j], high[j] = inf, -inf
+        for j in range(LANES):
+            ends[0, j], ends[1, j] = inf, -inf
         for k in range(keep):
-            for j in range(n):
+            for j in range(LANES):
                 value = x[k, i, j]
-                low[j] = value if value < low[j] else low[j]
-                high[j] = value if value > high[j] else high[j]
+                ends[0, j] = value if value < ends[0, j] else ends[0, j]
+                ends[1, j] = value if value > ends[1, j] else ends[1, j]
                 finite[j] = finite[j] if abs(value) < inf else 0
-        for j in range(n):
-            extent[i, j] = high[j] - low[j]
-            size[j] = max(size[j], max(high[j], -low[j]))
+        for j in range(LANES):
+            extent[i, j] = ends[1, j] - ends[0, j]
+            ends[2, j] = max(ends[2, j], max(ends[1, j], -ends[0, j]))
     for i in range(dimension):
-        for j in range(n):
-            tolerance[i, j] = rtol * extent[i, j] + FLOOR * size[j]
-            extent[i, j] = max(extent[i, j], 10.0 * FLOOR * size[j] + 1e-300)
+        for j in range(LANES):
+            tolerance[i, j] = rtol * extent[i, j] + FLOOR * ends[2, j]
+            extent[i, j] = max(extent[i, j], 10.0 * FLOOR * ends[2, j] + 1e-300)
 
 
 @inlined
-def close(x: Any, s: Any, k: int, N: int, tolerance: Any, good: Any) -> int:
-    """Keep in ``good`` the orbits whose point and letter k are those N steps earlier; return how many they are."""
-    _keep, dimension, n = x.shape
-    for i in range(dimension):
-        for j in range(n):
-            good[j] = good[j] if abs(x[k, i, j] - x[k - N, i, j]) <= tolerance[i, j] else 0
+def close(x: Any, s: Any, start: int, end: int, N: int, tolerance: Any, good: Any) -> int:
+    """Keep in ``good`` the orbits whose points and letters from start to end are those N steps earlier; count them."""
+    for k in range(start, end):
+        for i in range(x.shape[1]):
+            for j in range(LANES):
+                good[j] = good[j] if abs(x[k, i, j] - x[k - N, i, j]) <= tolerance[i, j] else 0
+        for j in range(LANES):
+            good[j] = good[j] if s[k, j] == s[k - N, j] else 0
     left = 0
-    for j in range(n):
-        good[j] = good[j] if s[k, j] == s[k - N, j] else 0
+    for j in range(LANES):
         left += good[j]
     return left
 
 
-def least_lags(x: Any, s: Any, tolerance: Any, finite: Any, good: Any, lag: Any) -> None:
-    """Find for all orbits of a column the least N <= keep/2 after which they recur throughout, 0 for none."""
-    keep, _dimension, n = x.shape
+@inlined
+def back_at(x: Any, k: int, N: int, tolerance: Any, waiting: Any, good: Any) -> int:
+    """Put into ``good`` the waiting orbits whose first coordinate at point k is that N steps earlier; count them."""
+    left = 0
+    for j in range(LANES):
+        good[j] = waiting[j] if abs(x[k, 0, j] - x[k - N, 0, j]) <= tolerance[0, j] else 0
+        left += good[j]
+    return left
+
+
+def least_lags(x: Any, s: Any, tolerance: Any, waiting: Any, good: Any, lag: Any) -> None:
+    """Find for LANES orbits the least N <= keep/2 after which they recur throughout, 0 for none.
+
+    Only for those that are 1 in ``waiting``; it becomes 0 where an N is found.
+    """
+    keep = x.shape[0]
     undecided = 0
-    for j in range(n):
+    for j in range(LANES):
         lag[j] = 0
-        undecided += finite[j]
+        undecided += waiting[j]
     N = 1
     while N <= keep // 2 and undecided > 0:
-        left = 0
-        for j in range(n):
-            good[j] = finite[j] if lag[j] == 0 else 0
-            left += good[j]
-        k = keep - 1
-        while k >= N and left > 0:
-            left = close(x, s, k, N, tolerance, good)
-            k -= 1
+        end, left = keep, back_at(x, keep - 1, N, tolerance, waiting, good)  # most lags fail at once
+        while end > N and left > 0:
+            start = max(end - ROWS, N)
+            left = close(x, s, start, end, N, tolerance, good)
+            end = start
         if left > 0:
-            for j in range(n):
+            for j in range(LANES):
                 lag[j] = N if good[j] else lag[j]
+                waiting[j] -= good[j]
         undecided -= left
         N += 1
+
+
+def spoken(s: Any, last: Any) -> None:
+    """Put the last bits of the latest letters of LANES orbits into one number each, the newest letter's bit last."""
+    for j in range(LANES):
+        last[j] = 0
+    for k in range(max(s.shape[0] - BITS, 0), s.shape[0]):
+        for j in range(LANES):
+            last[j] = 2 * last[j] + (s[k, j] & 1)
+
+
+@inlined
+def may_repeat(last: int, count: int, N: int) -> Any:
+    """Return whether so many letters, of which ``last`` holds a bit each, may be those N steps earlier."""
+    return (last ^ (last >> N)) & ((1 << max(count - N, 0)) - 1) == 0
 
 
 @inlined
@@ -111,9 +167,11 @@ def same_letters(s: Any, j: int, N: int) -> Any:
 def farthest(x: Any, j: int, extent: Any, start: int, end: int, N: int) -> float:
     """Return the greatest distance, in extents, between points of orbit j N steps apart, from start to end."""
     worst = 0.0
-    for k in range(start, end):
-        for i in range(x.shape[1]):
-            worst = max(worst, abs(x[k, i, j] - x[k - N, i, j]) / extent[i, j])
+    for i in range(x.shape[1]):
+        most = 0.0
+        for k in range(start, end):
+            most = max(most, abs(x[at(k), at(i), at(j)] - x[at(k - N), at(i), at(j)]))
+        worst = max(worst, most / extent[i, j])  # rounding keeps the order: one division does for all
     return worst
 
 
@@ -143,34 +201,57 @@ def to_be_tried(candidate: int, N: int, keep: int) -> bool:
     return (candidate > N and candidate % N == 0) or (candidate == 0 and 5 * N <= keep)
 
 
-def recurrence(points: Any, letters: Any, outcomes: Any, rtol: float, period: Any, doubtful: Any) -> None:
-    """Give each orbit the period by recurrence alone, and mark those of which a cycle nearby must be asked."""
+@inlined
+def next_cycle(x: Any, s: Any, j: int, extent: Any, tolerance: Any, candidate: int, last: int, N: int) -> int:
+    """Return the least number of points, not below N, of a cycle that must be asked about orbit j; 0 for none.
+
+    ``last`` is what :func:`spoken` says of the orbit.
+    """
+    keep = x.shape[0]
+    count = min(keep, BITS)
+    for n in range(N, min(keep // 3, candidate // 2 if candidate > 0 else keep // 5) + 1):
+        if may_repeat(last, count, n) and to_be_tried(candidate, n, keep) and same_letters(s, j, n):
+            if settling(x, j, extent, tolerance, n):
+                return n
+    return 0
+
+
+def recurrence(
+    points: Any, letters: Any, outcomes: Any, rtol: float, period: Any, doubtful: Any, extents: Any, tolerances: Any
+) -> None:
+    """Give each orbit the period by recurrence alone.
+
+    ``doubtful`` becomes the least number of points of a cycle nearby that must be asked, 0 for none; ``extents`` and
+    ``tolerances`` (columns, dim, n) those of :func:`measured`.
+    """
     columns, keep, dimension, n = points.shape
-    extent, tolerance, finite = np.empty((dimension, n)), np.empty((dimension, n)), np.empty(n, np.int64)
-    good, lag = np.empty(n, np.int64), np.empty(n, np.int64)
-    for q in range(columns):
-        x, s = points[q], letters[q]
+    x, s = np.empty((keep, dimension, LANES)), np.empty((keep, LANES), np.int64)
+    extent, tolerance = np.empty((dimension, LANES)), np.empty((dimension, LANES))
+    finite, waiting = np.empty(LANES, np.int64), np.empty(LANES, np.int64)
+    good, lag, last = np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
+    q, lane = 0, 0
+    for first in range(0, columns * n, LANES):
+        width = gathered(points, letters, first, x, s)
         measured(x, rtol, extent, tolerance, finite)
-        least_lags(x, s, tolerance, finite, good, lag)
-        for j in range(n):
-            doubtful[q, j] = 0
-            if outcomes[q, 0, j] & FATAL or not finite[j]:
-                period[q, j] = ENDED
-                continue
-            if keep < 2:
-                period[q, j] = UNDECIDED
-                continue
-            candidate = lag[j]
-            period[q, j] = candidate if candidate > 0 else APERIODIC
-            if candidate != 1:
-                for N in range(1, keep // 3 + 1):
-                    if (
-                        to_be_tried(candidate, N, keep)
-                        and same_letters(s, j, N)
-                        and settling(x, j, extent, tolerance, N)
-                    ):
-                        doubtful[q, j] = 1
-                        break
+        for j in range(LANES):
+            waiting[j] = finite[j]
+        least_lags(x, s, tolerance, waiting, good, lag)
+        spoken(s, last)
+        for j in range(width):
+            doubtful[q, lane] = 0
+            for i in range(dimension):
+                extents[q, i, lane], tolerances[q, i, lane] = extent[i, j], tolerance[i, j]
+            if outcomes[q, 0, lane] & FATAL or not finite[j]:
+                period[q, lane] = ENDED
+            elif keep < 2:
+                period[q, lane] = UNDECIDED
+            else:
+                period[q, lane] = lag[j] if lag[j] > 0 else APERIODIC
+                if lag[j] != 1:
+                    doubtful[q, lane] = next_cycle(x, s, j, extent, tolerance, lag[j], last[j], 1)
+            lane += 1
+            if lane == n:
+                q, lane = q + 1, 0
 
 
 def root_length(s: Any, first: int, N: int) -> int:
@@ -185,11 +266,17 @@ def root_length(s: Any, first: int, N: int) -> int:
     return N
 
 
+@inlined
+def wrapped(n: int, length: int) -> int:
+    """Return n modulo the length, for n below twice the length: a division takes long."""
+    return n - length if n >= length else n
+
+
 def least_start(s: Any, first: int, n: int) -> int:
     """Return where, in the cycle of n letters from ``first`` on, the least rotation begins; counted from ``first``."""
     i, j, k = 0, 1, 0  # two rotations that agree in k letters; the larger one and all between them drop out
     while i < n and j < n and k < n:
-        a, b = s[first + (i + k) % n], s[first + (j + k) % n]
+        a, b = s[first + wrapped(i + k, n)], s[first + wrapped(j + k, n)]
         if a == b:
             k += 1
             continue
@@ -213,17 +300,41 @@ def spelled(letters: Any, period: Any, key: Any, begin: Any, length: Any) -> Non
             key[q, j], begin[q, j], length[q, j] = 0, 0, 0
             if N < 1:
                 continue
-            for n in range(keep):
-                s[n] = letters[q, n, j]
             first = keep - N
+            for n in range(first, keep):
+                s[n] = letters[q, n, j]
             p = root_length(s, first, N)
             start = least_start(s, first, p)
             one, two = p, p
             for n in range(p):
-                letter = s[first + (start + n) % p] + 3  # none is below -2
+                letter = s[first + wrapped(start + n, p)] + 3  # none is below -2
                 one = (one * B1 + letter) % P1
                 two = (two * B2 + letter) % P2
             key[q, j], begin[q, j], length[q, j] = one * 2147483648 + two, first + start, p
+
+
+def numbered(key: Any, code: Any, first: Any) -> int:
+    """Give each key (columns, starts) a number, in the order in which they appear; return how many different there are.
+
+    ``first`` becomes, by number, the place of the first orbit with that key, counted through all columns. Key 0 has
+    the number 0, and the place -1, whether any orbit has it or not.
+    """
+    columns, starts = key.shape
+    size = 64
+    while size < 2 * columns * starts:
+        size *= 2
+    slots, known, count = np.full(size, -1, np.int64), np.zeros(columns * starts + 1, np.int64), 1
+    slots[0], first[0] = 0, -1
+    for q in range(columns):
+        for j in range(starts):
+            slot = key[q, j] & (size - 1)
+            while slots[slot] >= 0 and known[slots[slot]] != key[q, j]:
+                slot = (slot + 1) & (size - 1)
+            if slots[slot] < 0:
+                slots[slot], known[count], first[count] = count, key[q, j], q * starts + j
+                count += 1
+            code[q, j] = slots[slot]
+    return count
 
 
 @lru_cache(maxsize=1)
@@ -236,3 +347,9 @@ def compiled_recurrence() -> Any:
 def compiled_spelling() -> Any:
     """Return :func:`spelled`, compiled."""
     return compiled(spelled, "strict")
+
+
+@lru_cache(maxsize=1)
+def compiled_numbering() -> Any:
+    """Return :func:`numbered`, compiled."""
+    return compiled(numbered, "strict")

@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import FLAGS
 from grazing.maps.columns import Columns
+from grazing.maps.ensemble import padded
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
+from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError
 from grazing.parameter import unknown, whole
 from grazing.studies import labels
@@ -66,7 +68,9 @@ class Runs:
     @property
     def together(self) -> int:
         """How many cells are worth computing in one go."""
-        return max(1, together(self.P, self.settings.arithmetic) // self.settings.lanes)
+        cells = max(1, together(self.P, self.settings.arithmetic) // self.settings.lanes)
+        block = max(1, LANES // padded(self.settings.lanes)) if flies(self.P, self.settings.arithmetic) else 1
+        return cells // block * block if cells > block else cells  # a block that is not full takes as long
 
     @property
     def work(self) -> int:
@@ -82,7 +86,9 @@ class Runs:
 
     def rows(self, cells: Ints) -> Floats:
         """Return all parameters of the map in cells, shape (cells, parameters)."""
-        rows = np.tile(list(self.P.params.values()) or [0.0], (len(cells), 1))
+        row = list(self.P.params.values()) or [0.0]
+        rows = np.empty((len(cells), len(row)))
+        rows[:] = row
         rows[:, self._where] = self.values(cells)
         return rows
 
@@ -140,9 +146,14 @@ class Runs:
         }
 
 
+def flies(P: Map, arithmetic: str) -> bool:
+    """Return whether orbits of a map fly as blocks; only fast arithmetic does that."""
+    return P.block is not None and arithmetic == "fast"
+
+
 def together(P: Map, arithmetic: str) -> int:
-    """Return how many orbits of a map are worth computing in one go; only fast arithmetic flies blocks."""
-    if P.block is not None and arithmetic == "fast":
+    """Return how many orbits of a map are worth computing in one go."""
+    if flies(P, arithmetic):
         return TOGETHER
     return MANY if P.prepare is None else FEW
 

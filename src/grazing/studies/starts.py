@@ -7,12 +7,14 @@ computed alone, or in a finer sweep, gets the same starts.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.random import mixed as mixed
 from grazing.kernel.random import uniform as uniform
+from grazing.kernel.random import uniform_numbers
 from grazing.outcome import InputError
 from grazing.parameter import checked_box as checked_box
 from grazing.parameter import whole
@@ -41,6 +43,19 @@ def random_starts(seed: int, cell: ArrayLike, lanes: int, box: ArrayLike) -> NDA
     low, high = ends[..., 0, None], ends[..., 1, None]
     numbers = np.swapaxes(uniform(seed, cell, lanes, ends.shape[-2]), -1, -2)
     return np.ascontiguousarray(low + (high - low) * numbers)
+
+
+def drawn_starts(seed: float, names: Any, boxes: Any, lanes: Any) -> None:
+    """Fill ``lanes`` (cells, dim, n) with the states of :func:`random_starts`: a kernel, for other machines.
+
+    ``seed`` is a whole number below 2^53, ``names`` (cells, n) and ``boxes`` (cells, dim, 2) are as there.
+    """
+    uniform_numbers(seed, names, lanes)
+    for q in range(lanes.shape[0]):
+        for i in range(lanes.shape[1]):
+            low, high = boxes[q, i, 0], boxes[q, i, 1]
+            for j in range(lanes.shape[2]):
+                lanes[q, i, j] = low + (high - low) * lanes[q, i, j]
 
 
 def checked_seed(seed: object) -> int:

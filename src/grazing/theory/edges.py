@@ -7,7 +7,7 @@ maximal orbit solves ``s^2 + c s = C``; every edge below is a value of C or of s
 
 from __future__ import annotations
 
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 
@@ -88,7 +88,7 @@ def mu_gr(N: Periods, lam: Values, l: Values) -> float | FloatArray:
     1.0
     """
     n, a, gap = elements(N=N, lam=lam, l=l)
-    return plain(np.power(a, n - 1) * gap / powers_sum(n, a))
+    return plain(graze_edge(np.power(a, n - 1), powers_sum(n, a), gap))
 
 
 @overload
@@ -131,8 +131,7 @@ def mu_pd(N: Periods, lam: Values, l: Values) -> float | FloatArray:
     [1.0, 0.208333]
     """
     n, a, gap = elements(N=N, lam=lam, l=l)
-    c = np.power(a, n - 1)
-    return plain(c * (gap + 0.75 * c) / powers_sum(n, a))
+    return plain(doubling_edge(np.power(a, n - 1), powers_sum(n, a), gap))
 
 
 @overload
@@ -177,9 +176,24 @@ def mu_bc(N: Periods, lam: Values, l: Values) -> float | FloatArray:
     """
     n, a, gap = elements(N=N, lam=lam, l=l)
     before = np.maximum(n, 2.0) - 1  # N = 1 is replaced below
-    q, k = np.power(a, before - 1), powers_sum(before, a)
-    m = (q + np.sqrt(q) * np.sqrt(q + 4 * gap * k)) / (2 * k)
-    return plain(np.where(n == 1, np.inf, m * m))
+    edge = collision_edge(np.power(a, before - 1), powers_sum(before, a), gap)
+    return plain(np.where(n == 1, np.inf, edge))
+
+
+def graze_edge(c: Any, k: Any, l: Any) -> Any:
+    """Return mu_gr from c = lam^(N-1) and K_N; for arrays and, as a kernel, for single numbers."""
+    return c * l / k
+
+
+def doubling_edge(c: Any, k: Any, l: Any) -> Any:
+    """Return mu_pd from c = lam^(N-1) and K_N; for arrays and, as a kernel, for single numbers."""
+    return c * (l + 0.75 * c) / k
+
+
+def collision_edge(q: Any, k: Any, l: Any) -> Any:
+    """Return mu_bc from q = lam^(N-2) and K_(N-1), N > 1; for arrays and, as a kernel, for single numbers."""
+    m = (q + np.sqrt(q) * np.sqrt(q + 4 * l * k)) / (2 * k)
+    return m * m
 
 
 def powers_sum(n: FloatArray, lam: FloatArray) -> FloatArray:

@@ -1,0 +1,238 @@
+"""The module of the oscillator: its map, its flight, its discontinuity map and its reduction to the gap map.
+
+A reset law is a number in the row of parameters, so that one module does for all the laws that come with the package.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from grazing.explorer.composed import Module, common_entries, entries_of, orbits_entry
+from grazing.kernel.export import Argument, Entry
+from grazing.kernel.lanes import unpacker
+from grazing.maps.discontinuity import ORDERS, local_map_of
+from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low
+from grazing.maps.stroboscopic import starting_box, step_of, tangent_of
+from grazing.oscillator.constants import HEAD, constants_of, section_phase
+from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.model import describe_parameter
+from grazing.oscillator.reset import (
+    active_contraction,
+    active_law,
+    newton_contraction,
+    newton_law,
+    newton_slope,
+    triggered_contraction,
+    triggered_law,
+)
+from grazing.oscillator.trajectory import END, LEG, PERIOD, START, V, Y, recorder_of
+from grazing.parameter import Parameter, parameter_tuple
+
+#: Harmonics of the forcing that a row has; a model with fewer has zeros, and the same bits.
+HARMONICS = 3
+#: The laws, each by its place here.
+LAWS = ("newton", "active", "triggered")
+NEWTON, ACTIVE = 0.0, 1.0
+NAN = float("nan")
+
+
+WAVES = tuple(f"{name}{j}" for j in range(1, HARMONICS + 1) for name in ("cos", "sin"))
+#: The parameters in the order of a row: those of the flight, of all laws, the law, the phase of the section, and the
+#: order of the discontinuity map, which the other kernels ignore.
+FIELDS = (*HEAD, *WAVES, "sigma", "r", "V", "trigger", "law", "phase", "order")
+KIND = parameter_tuple(FIELDS)
+
+PHASE = FIELDS.index("phase")
+PREPARE = constants_of(HARMONICS, section_phase)
+UNPACK = unpacker(KIND)
+
+
+def chosen_law(v: float, p: Any) -> float:
+    """Apply the law of the row."""
+    if p.law == NEWTON:
+        return newton_law(v, p)
+    return active_law(v, p) if p.law == ACTIVE else triggered_law(v, p)
+
+
+def chosen_contraction(p: Any) -> tuple[float, float]:
+    """Return what is known of the law of the row near zero speed."""
+    if p.law == NEWTON:
+        return newton_contraction(p)
+    return active_contraction(p) if p.law == ACTIVE else triggered_contraction(p)
+
+
+LAW = chosen_law, newton_slope, chosen_contraction
+
+
+def boxes(rows: Any, boxes: Any) -> None:
+    """Write where random starts are drawn, (low, high) of u and of v for each row."""
+    for q in range(rows.shape[0]):
+        p = UNPACK(rows[q])
+        (u_low, u_high), (v_low, v_high) = starting_box(p.sigma, 2.0 * pi / p.omega)
+        boxes[q, 0, 0], boxes[q, 0, 1], boxes[q, 1, 0], boxes[q, 1, 1] = u_low, u_high, v_low, v_high
+
+
+LOWEST, FULL, CORRECTED = (local_map_of(chosen_law, newton_slope, order, True)[0] for order in ORDERS)
+
+
+def local_step(state: Any, c: Any) -> Any:
+    """Apply the discontinuity map of the row's order."""
+    if c.p.order == 0.0:
+        return LOWEST(state, c)
+    return FULL(state, c) if c.p.order == 1.0 else CORRECTED(state, c)
+
+
+def sample(row: Any, legs: Any, times: Any, u: Any, v: Any) -> None:
+    """Give the state at increasing times along the legs of a trajectory."""
+    c = PREPARE(UNPACK(row))
+    k = 0
+    for j in range(times.shape[0]):
+        while k + 1 < legs.shape[0] and times[j] >= legs[k + 1, PERIOD] * c.T + legs[k + 1, START]:
+            k += 1
+        leg = legs[k]
+        u[j], v[j] = c.sigma, 0.0
+        if leg[LEG] == 0.0:
+            s = min(max(times[j] - (leg[PERIOD] * c.T + leg[START]), 0.0), leg[END] - leg[START])
+            y, w = flight(s, anchored(leg[START], leg[Y], leg[V], c), c)
+            u[j], v[j] = max(y, 0.0) + c.sigma, w
+
+
+def at_zero(row: Any) -> Any:
+    """Return the constants of a row with time measured from t = 0, as the normal form measures it."""
+    changed = row.copy()
+    changed[PHASE] = 0.0
+    return PREPARE(UNPACK(changed))
+
+
+def height(value: float, context: Any) -> float:
+    """Return how high the steady response stays above the wall, with one parameter changed; NaN where there is none."""
+    row, which = context
+    changed = row.copy()
+    changed[which] = value
+    c = at_zero(changed)
+    return steady_low(c)[1] if has_steady_response(c) else NAN
+
+
+SEARCH = graze_search_of(height)
+REDUCTION = reduction_of(chosen_law, newton_slope)
+
+
+def clearance(row: Any, which: int, values: Any, heights: Any) -> None:
+    """Write the heights for many values of one parameter."""
+    for j in range(values.shape[0]):
+        heights[j] = height(values[j], (row, which))
+
+
+def graze(row: Any, which: int, low: float, high: float, open_low: int) -> float:
+    """Return the nearest value of a parameter at which the steady response grazes the wall."""
+    return SEARCH((row, which), row[which], low, high, open_low != 0)
+
+
+def reduce(row: Any, numbers: Any) -> None:
+    """Write the numbers of the normal form of a model that is at a graze."""
+    found = REDUCTION(at_zero(row))
+    for i in range(len(found)):
+        numbers[i] = found[i]
+    numbers[len(found)] = mu_factor(found.lam, found.det, found.acceleration, found.b, found.r)
+
+
+def described(name: str) -> Parameter | dict[str, Any]:
+    """Return what is known of a field: a parameter, or one of a few choices by number."""
+    if name == "law":
+        return {"name": name, "meaning": "reset law", "choices": list(LAWS)}
+    if name == "order":
+        return {"name": name, "meaning": "order of the discontinuity map", "choices": list(ORDERS)}
+    return describe_parameter(name)
+
+
+def oscillator_module() -> Module:
+    """Return the module."""
+    return Module(entries(), tuple(described(name) for name in FIELDS), ("u", "v"), None)
+
+
+def entries() -> list[Entry]:
+    """Return the functions of the module."""
+    fields = len(FIELDS)
+    row = Argument("row", "float64", (fields,), "parameter values, in the order of `fields`")
+    which = Argument("which", "int64", (), "which of `fields` varies")
+    return [
+        *common_entries(boxes, fields, 2),
+        *entries_of(step_of(*LAW), tangent_of(*LAW), PREPARE, KIND, 2),
+        orbits_entry(local_step, PREPARE, KIND, 2, "orbits_local", "iterate the discontinuity map"),
+        Entry(
+            "legs",
+            recorder_of(*LAW, PREPARE, KIND),
+            ("capacity",),
+            (
+                row,
+                Argument(
+                    "state", "float64", (7,), "periods, t, u - sigma, v, window, fastest, 0 at a strobe; moved on"
+                ),
+                Argument(
+                    "legs",
+                    "float64",
+                    ("capacity", 9),
+                    "period, t, u - sigma, v, t at the end, v before and after the impact there, outcome, 1 for a rest",
+                ),
+                Argument("until", "float64", (), "time at which to stop, from the section on"),
+                Argument("patience", "float64", (), "chatter is followed down to this share of its first speed"),
+            ),
+            "int64",
+            meaning="follow the ball from impact to impact; returns how many legs were filled",
+        ),
+        Entry(
+            "sample",
+            sample,
+            ("count", "samples"),
+            (
+                row,
+                Argument("legs", "float64", ("count", 9), "from `legs`"),
+                Argument("times", "float64", ("samples",), "increasing, from the section on"),
+                Argument("u", "float64", ("samples",), "position at those times"),
+                Argument("v", "float64", ("samples",), "velocity at those times"),
+            ),
+            meaning="position and velocity along the legs of a trajectory",
+        ),
+        Entry(
+            "clearance",
+            clearance,
+            ("count",),
+            (
+                row,
+                which,
+                Argument("values", "float64", ("count",), "values of that parameter"),
+                Argument("heights", "float64", ("count",), "lowest point of the steady response above the wall"),
+            ),
+            meaning="how high the response without impacts stays; mu is `factor` times this",
+        ),
+        Entry(
+            "graze",
+            graze,
+            (),
+            (
+                row,
+                which,
+                Argument("low", "float64", (), "least value allowed"),
+                Argument("high", "float64", (), "greatest value allowed"),
+                Argument("open_low", "int64", (), "1 if the least value itself is not allowed"),
+            ),
+            "float64",
+            meaning="the value of a parameter at which the steady response grazes; not a number if there is none near",
+        ),
+        Entry(
+            "reduce",
+            reduce,
+            (),
+            (
+                row,
+                Argument(
+                    "numbers",
+                    "float64",
+                    (13,),
+                    "time, acceleration, lam, l, b, det, scale, r, V, a, e21, d, factor",
+                ),
+            ),
+            meaning="the normal form of the model at a graze, with the row of the graze",
+        ),
+    ]

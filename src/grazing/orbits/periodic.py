@@ -1,0 +1,266 @@
+"""All periodic orbits of a map that a search finds, stable and unstable, and how thoroughly it searched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from grazing.maps.gap import gap_step
+from grazing.maps.map import Map
+from grazing.orbits.gap_orbits import gap_orbits
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.search_impacts import Tally
+from grazing.orbits.search_map import Cycles
+from grazing.orbits.search_rest import resting_orbits
+from grazing.orbits.search_section import Search, orbits_of, solutions_of
+from grazing.orbits.search_windows import WIDE, drawn, recurrences, region, simulated
+from grazing.orbits.search_words import checked_word
+from grazing.orbits.word import letters_of
+from grazing.outcome import InputError
+from grazing.parameter import whole
+
+#: Longest period of a search; of the gap map, whose words grow as 2^period/period.
+LONGEST, LONGEST_GAP = 64, 20
+#: Random guesses of a period of a map that is no section of an oscillator.
+GUESSES = 500
+
+
+@dataclass(frozen=True)
+class Searched:
+    """How thoroughly a search looked for orbits.
+
+    Parameters
+    ----------
+    periods : tuple of int
+        Least periods that were looked for, in steps of the map.
+    starts, steps : int
+        Random starts, and steps of the map from them, whose near-recurrences gave guesses.
+    attempts, converged : int
+        How often Newton's method was begun, and how often it arrived at a solution.
+    signatures : tuple of (int, int)
+        For an oscillator (impacts, forcing periods) that were tried; for other maps (period, period).
+    virtual : int
+        Virtual orbits that were met, whether or not they are listed.
+    complete : bool
+        Whether the list is proved to hold every orbit: by algebra, for the gap map.
+    seed : int
+        Of the random starts and guesses.
+    """
+
+    periods: tuple[int, ...]
+    starts: int
+    steps: int
+    attempts: int
+    converged: int
+    signatures: tuple[tuple[int, int], ...]
+    virtual: int
+    complete: bool
+    seed: int
+
+
+class Orbits(tuple[Orbit, ...]):
+    """The periodic orbits that :func:`periodic_orbits` found, in order, and how thoroughly it searched.
+
+    Attributes
+    ----------
+    map : Map
+    word : str or None
+        The word that was asked for.
+    searched : Searched
+    """
+
+    map: Map
+    word: str | None
+    searched: Searched
+
+    def __new__(cls, orbits: Iterable[Orbit], P: Map, word: str | None, searched: Searched) -> Orbits:
+        """Make the tuple and attach what is known of the search."""
+        self = super().__new__(cls, orbits)
+        self.map, self.word, self.searched = P, word, searched
+        return self
+
+    def __getnewargs__(self) -> Any:
+        return tuple(self), self.map, self.word, self.searched
+
+    def __repr__(self) -> str:
+        return f"<Orbits of {self.map.name}: {self.statement}>"
+
+    @property
+    def statement(self) -> str:
+        """One sentence: what was found, by what, and whether that is all."""
+        s = self.searched
+        kept = [orbit for orbit in self if orbit.admissible]
+        stable = sum(orbit.stable for orbit in kept)
+        which = f"of word {self.word}, " if self.word is not None else ""
+        virtual = len(self) - len(kept)
+        said = f"{_counted(len(kept), 'orbit')} {which}of least period {_listed(s.periods)}, {stable} stable and "
+        said += f"{len(kept) - stable} unstable" + (f", and {_counted(virtual, 'virtual one')}" if virtual else "")
+        if s.complete:
+            return f"{said}: these are all, because every word of the length is solved by algebra"
+        how = (
+            f"{said}: found by {_counted(s.attempts, 'Newton attempt')}, of which {s.converged} converged, from "
+            f"near-recurrences of {_counted(s.starts, 'random start')} in {_counted(s.steps, 'step')} and other guesses"
+        )
+        if self.map.model is not None and self.map.section is not None and s.signatures:
+            how += f", with up to {max(n for n, _N in s.signatures)} impacts"
+        if len(self) == 0:
+            return f"{how}; more starts, another seed or virtual=True may find some, and others may exist"
+        return f"{how}; this is no proof that there are no others"
+
+
+def periodic_orbits(
+    P: Map,
+    period: int | Iterable[int] | None = None,
+    *,
+    word: str | None = None,
+    virtual: bool = False,
+    starts: int = 4000,
+    seed: int = 0,
+    threads: int | None = None,
+) -> Orbits:
+    """Find the periodic orbits of a map, stable and unstable.
+
+    Parameters
+    ----------
+    P : Map
+        Any map. The stroboscopic and the impact map of an oscillator are searched in the times and velocities of
+        impacts, the gap map by algebra, others by Newton's method on the map.
+    period : int or iterable of int, optional
+        Least periods, in steps of the map; by default the length of ``word``.
+    word : str, optional
+        Only orbits of this word, such as "001". If none is admissible its virtual orbits are listed.
+    virtual : bool
+        Whether to list virtual orbits as well; they are marked, ``orbit.admissible`` is False.
+    starts : int
+        Random starts, >= 1; also how many near-recurrences of each period become guesses.
+    seed : int
+        Of starts and guesses; equal seeds give equal lists.
+    threads : int, optional
+        None for one per processor; the result does not depend on it.
+
+    Returns
+    -------
+    Orbits
+        A tuple of orbits by period, word and points; ``.statement`` and ``.searched`` say how they were found and
+        whether the list is complete.
+
+    Raises
+    ------
+    InputError
+        For another map, a period out of range, or a word that no orbit can have.
+
+    Notes
+    -----
+    Of an oscillator every flight between impacts is closed form, so that an orbit with n impacts solves 2n analytic
+    equations (:mod:`grazing.orbits.closing`). Each solution is flown once more by the exact advance, which says whether
+    it is admissible. Orbits that rest on the wall are found by flying from each instant at which the forcing lifts
+    the ball; their list is complete. Orbits that agree to 1e-7, at a fold, count as one.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.orbits.periodic import periodic_orbits
+    >>> P = gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4))
+    >>> periodic_orbits(P, 3)[0]
+    <ImpactOrbit 001, period 3, stable, admissible>
+    >>> periodic_orbits(gz.gap_map(lam=0.8, mu=0.5, l=1.0), range(1, 4)).statement
+    '2 orbits of least period 1 to 3, 1 stable and 1 unstable: these are all, because every word of the length is solved
+    by algebra'
+    """
+    if not isinstance(P, Map):
+        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
+    starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0)
+    if seed >= 2**64:
+        raise InputError(f"seed = {seed}; allowed is a whole number below 2^64")
+    asked, letters = checked_word(P, word)
+    periods = _checked_periods(P, period, letters)
+    tally, met = Tally(), 0
+    if P.step is gap_step:
+        found = [orbit for n in periods for orbit in gap_orbits(P, n)]
+        tally.signatures.update((n, n) for n in periods)
+        met = sum(not orbit.admissible for orbit in found)
+    elif P.model is not None and P.section is not None:
+        search = Search(P, P.model, periods, starts, seed, threads, letters)
+        solutions = solutions_of(search, tally)
+        found, met = orbits_of(search, solutions, virtual)
+        found += [orbit for orbit in resting_orbits(P, periods[-1]) if orbit.period in periods]
+        if asked is not None and not any(orbit.admissible and orbit.word == asked for orbit in found):
+            found, met = orbits_of(search, solutions, virtual=True)
+    else:
+        found = _mapped(P, periods, starts, seed, threads, tally)
+    signatures = tuple(sorted(tally.signatures))
+    searched = Searched(
+        periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, P.step is gap_step, seed
+    )
+    return Orbits(_listing(found, asked, virtual), P, asked, searched)
+
+
+def _listing(found: list[Orbit], asked: str | None, virtual: bool) -> list[Orbit]:
+    """Return the orbits to be listed, in order."""
+    fitting = [orbit for orbit in found if asked is None or orbit.word == asked]
+    kept = [orbit for orbit in fitting if orbit.admissible]
+    return sorted(fitting if virtual or (asked is not None and not kept) else kept, key=_order)
+
+
+def _mapped(P: Map, periods: tuple[int, ...], starts: int, seed: int, threads: int | None, tally: Tally) -> list[Orbit]:
+    """Return the orbits of a map that is no section of an oscillator."""
+    box = np.array(P.box)
+    middle, half = box.mean(axis=1, keepdims=True), 0.5 * (box[:, 1:] - box[:, :1])
+    wide = np.hstack([middle - WIDE * half, middle + WIDE * half])
+    many = starts // 2
+    states = np.hstack([drawn(seed, starts - many, box, 0.0), drawn(seed, many, wide, 1.0)])
+    runs = simulated(P, states, periods[-1], threads)
+    tally.starts, tally.steps = runs.starts, runs.steps
+    cycles, (low, high) = Cycles(P, tally), region(runs)
+    for n in periods:
+        cycles.add(recurrences(runs, n, starts).points)
+        cycles.at_random(n, low, high, GUESSES, seed)
+    return [orbit for n in periods for orbit in cycles.orbits(n)]
+
+
+def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tuple[int, ...]:
+    """Return the periods, each once and in order, or raise InputError."""
+    if period is None:
+        if letters is None:
+            raise InputError("period is missing; give the number of steps, such as period=3, or word='001'")
+        return (len(letters),)
+    try:
+        items = list(period) if isinstance(period, Iterable) and not isinstance(period, str) else [period]
+    except TypeError:
+        items = [period]
+    found = sorted({whole(one, "period", 1) for one in items})
+    longest = LONGEST_GAP if P.step is gap_step else LONGEST
+    if not found:
+        raise InputError("period is an empty list; give whole numbers >= 1, such as range(1, 7)")
+    if found[-1] > longest:
+        raise InputError(
+            f"period = {found[-1]}; allowed are periods up to {longest}: the number of orbits grows exponentially. "
+            "Follow one that is known with gz.continuation, or simulate with gz.orbit_diagram"
+        )
+    if letters is not None:
+        odd = [n for n in found if n % len(letters)]
+        if odd:
+            raise InputError(
+                f"period = {odd[0]} for a word of {len(letters)} letters; allowed are its multiples: an orbit of "
+                "twice the length goes round the word twice"
+            )
+    return tuple(found)
+
+
+def _order(orbit: Orbit) -> tuple[Any, ...]:
+    """Return what orbits are sorted by: period, word, admissible ones first, points."""
+    letters = letters_of(orbit.word, orbit.map.letters)
+    return orbit.period, letters, not orbit.admissible, tuple(np.round(orbit.points, 9).ravel())
+
+
+def _counted(n: int, what: str) -> str:
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"
+
+
+def _listed(periods: tuple[int, ...]) -> str:
+    if len(periods) > 2 and periods[-1] - periods[0] == len(periods) - 1:
+        return f"{periods[0]} to {periods[-1]}"
+    return ", ".join(map(str, periods))

@@ -1,0 +1,253 @@
+"""Solutions of the closing equations of an oscillator, gathered from many guesses: each orbit once, and what was tried.
+
+A signature is the number of impacts in so many periods, with the piece of the reset law that acts at each impact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+from math import gcd
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.random import uniform
+from grazing.orbits.closing import DIPS, ENDING, LOW, WHEN
+from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.impact_equations import SHORTEST, ImpactEquations
+from grazing.orbits.search_flights import Flights
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import triggered_law
+from grazing.parameter import parameters
+
+Floats = NDArray[np.float64]
+Pieces = tuple[int, ...]
+
+#: Residual, in natural units, up to which a solution counts.
+CLOSED = 1e-10
+#: Solutions that differ by less than this, in natural units, are one.
+SAME = 1e-7
+#: Triggers give 2^n signatures; only up to so many impacts are all of them tried at random.
+ALL_PIECES = 4
+#: Solutions of a signature whose neighbours are looked at.
+NEIGHBOURS = 40
+#: Newton steps cost n^3: of flights with n impacts so many, divided by that, are tried, and a few of any.
+WORK, A_FEW = 1_000_000, 20
+#: How far doubled orbits are looked for from the orbit that they double, in natural units.
+APART = (1e-3, 1e-2, 5e-2, 0.2)
+
+NOTHING = np.empty(0)
+
+
+@dataclass
+class Tally:
+    """What a search has done: simulated steps, Newton's method begun and converged, signatures tried."""
+
+    starts: int = 0
+    steps: int = 0
+    attempts: int = 0
+    converged: int = 0
+    signatures: set[tuple[int, int]] = field(default_factory=set)
+
+
+class Solutions:
+    """Distinct solutions of one model, by periods and pieces of the law; none repeats a shorter one."""
+
+    def __init__(self, model: Oscillator, tally: Tally) -> None:
+        self.model, self.tally = model, tally
+        c = FreeEquations(model, ()).constants(NOTHING)
+        self.T, self.speed = model.period, float(c.size * c.rate)
+        self.trigger = model.params["trigger"] if model.reset.law is triggered_law else None
+        self.found: dict[tuple[int, Pieces], Floats] = {}
+        self._equations: dict[tuple[int, Pieces], ImpactEquations] = {}
+
+    def equations(self, N: int, pieces: Pieces) -> ImpactEquations:
+        """Return the closing equations of a signature."""
+        key = N, pieces
+        if key not in self._equations:
+            self._equations[key] = ImpactEquations(self.model, (), N, pieces)
+        return self._equations[key]
+
+    def pieces(self, incoming: Floats) -> Pieces:
+        """Return which piece of the law acts at impacts with these velocities."""
+        if self.trigger is None:
+            return (WHOLE,) * len(incoming)
+        return tuple(FIRED if -v >= self.trigger else PASSIVE for v in incoming)
+
+    def add(self, N: int, pieces: Pieces, guesses: Floats) -> Floats:
+        """Solve from guesses (k, 2n), times then velocities, and keep what is new; return the new solutions."""
+        n = len(pieces)
+        none = np.empty((0, 2 * n))
+        if len(guesses) == 0 or n == 0:
+            return none
+        turn = min(range(n), key=lambda k: pieces[k:] + pieces[:k])
+        x, pieces = np.ascontiguousarray(turned(guesses, turn, N * self.T)), pieces[turn:] + pieces[:turn]
+        equations = self.equations(N, pieces)
+        self.tally.attempts += len(x)
+        self.tally.signatures.add((n, N))
+        residuals = equations.solve(x, NOTHING)
+        good = (residuals < CLOSED) & (flights(x, N * self.T) > SHORTEST * self.T).all(axis=1)
+        self.tally.converged += int(good.sum())
+        x = x[good]
+        x = x[~self._repeats(x, N, pieces, equations)]
+        known = self.found.get((N, pieces), none)
+        new = self._distinct(x, known, equations)
+        self.found[N, pieces] = np.concatenate([known, new])
+        return new
+
+    def _repeats(self, x: Floats, N: int, pieces: Pieces, equations: ImpactEquations) -> NDArray[np.bool_]:
+        """Return which solutions go round a shorter one several times."""
+        n = len(pieces)
+        repeats = np.zeros(len(x), bool)
+        for d in range(2, gcd(n, N) + 1):
+            if n % d or N % d:
+                continue
+            shift = turned(x, n // d, N * self.T) - np.repeat([N // d * self.T, 0.0], n)
+            repeats |= (np.abs((shift - x) / equations.scale) < SAME).all(axis=1)
+        return repeats
+
+    def _distinct(self, x: Floats, known: Floats, equations: ImpactEquations) -> Floats:
+        """Return those of the solutions that are not known, each once and in its own order of impacts."""
+        prints, seen = self.prints(x, equations), self.prints(known, equations)
+        _first, index = np.unique(np.round(prints / SAME), axis=0, return_index=True)
+        new: list[int] = []
+        for i in sorted(index):
+            at = prints[i]
+            if (np.abs(seen - at) < SAME).all(axis=1).any():
+                continue
+            seen = np.concatenate([seen, at[None]])
+            new.append(i)
+        return ordered(x[new], equations.N * self.T, self.T)
+
+    def prints(self, x: Floats, equations: ImpactEquations) -> Floats:
+        """Return numbers (k, 6) that do not depend on which impact comes first, nor in which period."""
+        n = x.shape[1] // 2
+        angle, w = x[:, :n] * (2.0 * np.pi / self.T), x[:, n:] / equations.scale[-1]
+        c, s = np.cos(angle), np.sin(angle)
+        return np.asarray(np.stack([c, s, w, w * w, w * c, w * s]).sum(axis=2).T)
+
+    # ways to come by guesses
+
+    def from_flights(self, N: int, found: Flights) -> None:
+        """Try the impacts of flights of N periods."""
+        for n in range(1, found.times.shape[1] + 1):
+            rows = np.flatnonzero(found.counts == n)[: WORK // (n + 2) ** 3 + A_FEW]
+            groups: dict[Pieces, list[int]] = {}
+            for row in rows:
+                groups.setdefault(self.pieces(found.incoming[row, :n]) if self.trigger is not None else (WHOLE,) * n, []
+                                  ).append(row)  # fmt: skip
+            for pieces, members in sorted(groups.items()):
+                self.add(N, pieces, np.hstack([found.times[members, :n], found.outgoing[members, :n]]))
+
+    def from_outgoing(self, N: int, guesses: Floats) -> None:
+        """Try times and velocities after the impacts, from which it shows which piece of a trigger acted."""
+        n = guesses.shape[1] // 2
+        if self.trigger is None or n == 0:
+            self.add(N, (WHOLE,) * n, guesses)
+            return
+        p = self.model.params
+        fired = guesses[:, n:] >= p["r"] * p["trigger"] + 0.5 * p["V"]
+        for row in np.unique(fired, axis=0):
+            pieces = tuple(FIRED if one else PASSIVE for one in row)
+            self.add(N, pieces, guesses[(fired == row).all(axis=1)])
+
+    def at_random(self, N: int, n: int, speed: float, count: int, seed: int) -> None:
+        """Try random times and velocities of n impacts in N periods."""
+        for pieces in self._signatures(n):
+            numbers = uniform(seed, (float(N), float(n), *map(float, pieces)), count, 2 * n)
+            times, after = np.sort(numbers[:, :n], axis=1) * N * self.T, numbers[:, n:] * speed
+            self.add(N, pieces, np.hstack([times, after]))
+
+    def _signatures(self, n: int) -> list[Pieces]:
+        """Return which pieces of the law are tried for n impacts, one rotation of each."""
+        if self.trigger is None:
+            return [(WHOLE,) * n]
+        if n > ALL_PIECES:
+            return [(FIRED,) * n, (PASSIVE,) * n]
+        every = product((FIRED, PASSIVE), repeat=n)
+        return sorted({min(one[k:] + one[:k] for k in range(n)) for one in every})
+
+    def neighbours(self, N: int, most: int) -> int:
+        """Try solutions of N periods with an impact more, at a dip, or one less; return how many are new."""
+        guesses: dict[Pieces, list[Floats]] = {}
+        for (periods, pieces), found in sorted(self.found.items()):
+            if periods == N and len(pieces) <= most:
+                for x in self._real_first(N, pieces, found)[:NEIGHBOURS]:
+                    for signature, guess in self._grown_or_shrunk(x, N, pieces, most):
+                        guesses.setdefault(signature, []).append(guess)
+        return sum(len(self.add(N, pieces, np.array(some))) for pieces, some in sorted(guesses.items()))
+
+    def _real_first(self, N: int, pieces: Pieces, found: Floats) -> Floats:
+        """Return solutions with those first that may be admissible."""
+        equations = self.equations(N, pieces)
+        return found[np.argsort([self.surely_virtual(x, equations) for x in found], kind="stable")]
+
+    def _grown_or_shrunk(self, x: Floats, N: int, pieces: Pieces, most: int) -> Iterator[tuple[Pieces, Floats]]:
+        n, equations = len(pieces), self.equations(N, pieces)
+        table = equations.profile(x, NOTHING).table
+        slow = 0.05 * self.speed
+        kicks = {WHOLE: self._kick(slow)} if self.trigger is None else {FIRED: self._kick(self.trigger), PASSIVE: slow}
+        for i in range(n):
+            if n < most and table[i, DIPS] > 0:
+                times = np.insert(x[:n], i + 1, x[i] + table[i, WHEN])
+                for piece, kick in kicks.items():
+                    after = np.insert(x[n:], i + 1, kick)
+                    yield (*pieces[: i + 1], piece, *pieces[i + 1 :]), np.concatenate([times, after])
+            if n > 1:
+                less = np.concatenate([np.delete(x[:n], i), np.delete(x[n:], i)])
+                yield (*pieces[:i], *pieces[i + 1 :]), less
+
+    def _kick(self, speed: float) -> float:
+        return float(self.model.reset.law(-speed, parameters(self.model.reset.params)))
+
+    def doublings(self, N: int) -> None:
+        """Look for orbits of N periods beside the known ones of N/2, in the direction in which those would double."""
+        for (periods, pieces), found in sorted(self.found.items()):
+            if 2 * periods != N:
+                continue
+            n = len(pieces)
+            equations = self.equations(N, pieces * 2)
+            guesses = []
+            for x in found[:NEIGHBOURS]:
+                twice = np.concatenate([x[:n], x[:n] + periods * self.T, x[n:], x[n:]])
+                _F, J = equations.defects(twice, NOTHING)
+                if not np.isfinite(J).all():
+                    continue
+                flip = np.kron(np.eye(2), np.vstack([np.eye(n), -np.eye(n)])) / np.sqrt(2.0)  # opposite in the turns
+                away = flip @ np.linalg.svd(J * equations.scale @ flip)[2][-1]
+                guesses += [twice + size * away * equations.scale for size in APART]
+            if guesses:
+                self.add(N, pieces * 2, np.array(guesses))
+
+    def surely_virtual(self, x: Floats, equations: ImpactEquations) -> bool:
+        """Whether a solution comes out of the wall, passes through it, or has a velocity into it, beyond doubt."""
+        n, speed, size = equations.n, 1e-6 * equations.scale[-1], 1e-6 * equations.scale[-1] * self.T
+        table = equations.profile(x, NOTHING).table
+        return bool((x[n:] < -speed).any() or (table[:, ENDING] > speed).any() or (table[:, LOW] < -size).any())
+
+
+def turned(x: Floats, k: int, turn: float) -> Floats:
+    """Return solutions (m, 2n) begun at impact k instead."""
+    n = x.shape[1] // 2
+    return np.hstack([x[:, k:n], x[:, :k] + turn, x[:, n + k :], x[:, n : n + k]])
+
+
+def flights(x: Floats, turn: float) -> Floats:
+    """Return the times from each impact to the next, (m, n)."""
+    n = x.shape[1] // 2
+    return np.diff(x[:, :n], axis=1, append=x[:, :1] + turn)
+
+
+def ordered(x: Floats, turn: float, T: float) -> Floats:
+    """Return solutions begun at the impact whose phase is least, the first time in [0, T): the same for every guess."""
+    n = x.shape[1] // 2
+    out = np.empty_like(x)
+    for i, one in enumerate(x):
+        phase, w = np.round(np.mod(one[:n] / T, 1.0), 7) % 1.0, np.round(one[n:], 7)
+        k = min(range(n), key=lambda j: (phase[j], w[j]))
+        out[i] = turned(one[None], k, turn)[0]
+        out[i, :n] -= T * np.floor(out[i, 0] / T)
+    return out

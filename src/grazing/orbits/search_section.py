@@ -1,0 +1,202 @@
+"""Periodic orbits of a section of the oscillator: guesses from closed forms, simulation, neighbours and at random."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from math import ceil, floor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.random import uniform
+from grazing.maps.map import Map
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.one_impact import one_impact_orbits
+from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.search_flights import recorded
+from grazing.orbits.search_impacts import NOTHING, Solutions, Tally
+from grazing.orbits.search_windows import WIDE, drawn, recurrences, simulated
+from grazing.orbits.word import word
+from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.model import Oscillator
+from grazing.outcome import OutsideForm
+
+Floats = NDArray[np.float64]
+
+#: Impacts of a flight beyond which it is no guess of an orbit: per period of the forcing, and in all.
+PER_PERIOD, IN_ALL = 8, 40
+#: Impacts up to which signatures are tried at random and by neighbours: in N periods so many times N, and two more.
+MOST = 2
+#: Random guesses of a signature, and of a word that is asked for.
+GUESSES, AIMED = 200, 4000
+#: Forcing periods from one impact to the next that closed forms are tried for, on the impact map.
+FAR = 8
+
+
+class Search(NamedTuple):
+    """What is looked for: a map of an oscillator, periods in its steps, how hard, and a word's letters if any."""
+
+    P: Map
+    model: Oscillator
+    periods: tuple[int, ...]
+    starts: int
+    seed: int
+    threads: int | None
+    letters: tuple[int, ...] | None
+
+
+def solutions_of(search: Search, tally: Tally) -> Solutions:
+    """Return all solutions of the closing equations that are found."""
+    found = Solutions(search.model, tally)
+    wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
+    P = search.P if search.P.section == "impact" else stroboscopic_map(search.model)
+    runs = simulated(P, _starts(search, P), wanted[-1], search.threads)
+    tally.starts, tally.steps = runs.starts, runs.steps
+    for n in wanted:
+        window = recurrences(runs, n, search.starts)
+        if search.P.section == "impact":
+            times, after = _impacts_of(window.points, window.letters, search.model)
+            N = window.letters.sum(axis=1)
+            speed = 2.0 * float(np.max(after, initial=found.speed))
+            for turns in sorted({*range(1, FAR + 1), *N.tolist()} - {0}):
+                rows = N == turns
+                found.from_outgoing(turns, np.hstack([times[rows], after[rows]]))
+                if turns <= FAR * n:
+                    _others(found, search, turns, [n], speed)
+            continue
+        flown = recorded(search.model, window.points[:, 0], n, min(PER_PERIOD * n, IN_ALL))
+        found.from_flights(n, flown)
+        speed = 2.0 * float(np.max(flown.outgoing, initial=found.speed, where=np.isfinite(flown.outgoing)))
+        most = min(int(flown.counts.max(initial=0)) + 1, MOST * n + 2)
+        _others(found, search, n, list(range(1, most + 1)), speed)
+        if search.letters is not None and n in search.periods:
+            found.from_outgoing(n, _aimed(search, n, speed))
+    return found
+
+
+def _starts(search: Search, P: Map) -> Floats:
+    """Return random states, half of them in the map's box, half as far as forcing and impacts can carry the ball."""
+    half = search.starts // 2
+    c = FreeEquations(search.model, ()).constants(NOTHING)
+    speed = c.size * c.rate
+    box = np.array(P.box)
+    wide = (
+        np.array([[0.0, c.T], [0.0, WIDE * speed]])
+        if P.section == "impact"
+        else np.array([[c.sigma, c.sigma + WIDE * c.size], [-WIDE * speed, WIDE * speed]])
+    )
+    return np.hstack([drawn(search.seed, search.starts - half, box, 0.0), drawn(search.seed, half, wide, 1.0)])
+
+
+def _impacts_of(points: Floats, letters: NDArray[np.int64], model: Oscillator) -> tuple[Floats, Floats]:
+    """Return times and velocities of the impacts of stretches of the impact map."""
+    passed = np.cumsum(letters, axis=1) - letters
+    return points[:, :, 0] + passed * model.period, points[:, :, 1]
+
+
+def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: float) -> None:
+    """Add what closed forms, random guesses, neighbours and doubled orbits give for N periods."""
+    if 1 in counts:
+        try:
+            known = one_impact_orbits(search.model, N)
+        except OutsideForm:
+            known = ()
+        for orbit in known:
+            guess = np.concatenate([orbit.times, orbit.outgoing])[None]
+            found.add(N, found.pieces(orbit.incoming), guess)
+    for n in counts:
+        found.at_random(N, n, speed, GUESSES, search.seed)
+    found.doublings(N)
+    if search.P.section != "impact" and found.neighbours(N, max(counts)):
+        found.neighbours(N, max(counts))
+
+
+def _aimed(search: Search, N: int, speed: float) -> Floats:
+    """Return random guesses whose impacts fall into the periods that a word wants, (k, 2n)."""
+    assert search.letters is not None
+    letters = search.letters * (N // len(search.letters))
+    where = np.repeat(np.arange(N), np.maximum(letters, 0))
+    numbers = uniform(search.seed, (float(N), -1.0, *map(float, letters)), AIMED, 2 * len(where))
+    times = np.sort(where + numbers[:, : len(where)], axis=1) * search.model.period
+    return np.hstack([times, numbers[:, len(where) :] * speed])
+
+
+def orbits_of(search: Search, found: Solutions, virtual: bool) -> tuple[list[Orbit], int]:
+    """Return the orbits of the wanted periods as the map sees them, and how many are virtual.
+
+    Unless they are wanted, of virtual orbits only those are among them that it takes the exact advance to tell.
+    """
+    orbits: list[Orbit] = []
+    met = 0
+    for equations, x in _wanted(search, found):
+        if not virtual and isinstance(equations, ImpactEquations) and found.surely_virtual(x, equations):
+            met += 1
+            continue
+        orbit = equations.orbit(x, NOTHING)
+        met += not orbit.admissible
+        orbits.append(seen(orbit, search.P))
+    return orbits, met
+
+
+def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations | FreeEquations, Floats]]:
+    """Yield the solutions of the wanted periods with their equations."""
+    if search.P.section != "impact" and 1 in search.periods:
+        free = FreeEquations(search.model, ())
+        with suppress(np.linalg.LinAlgError):  # in resonance there is no free orbit, or one from every state
+            yield free, free.start(NOTHING)
+    for (N, pieces), solutions in sorted(found.found.items()):
+        if (len(pieces) if search.P.section == "impact" else N) in search.periods:
+            for x in solutions:
+                yield found.equations(N, pieces), x
+
+
+def seen(orbit: ImpactOrbit, P: Map) -> Orbit:
+    """Return an orbit of the oscillator as a map of it sees it: at its own phase, or from impact to impact."""
+    phase, T = float(P.params.get("phase", 0.0)), orbit.model.period
+    if P.section == "impact":
+        points = np.column_stack([np.mod(orbit.times, T), orbit.outgoing])
+        passed = np.floor(np.append(orbit.times[1:], orbit.times[0] + orbit.period * T) / T) - np.floor(orbit.times / T)
+        letters = [int(letter) for letter in passed]
+    elif phase == 0.0:
+        return replace(orbit, map=P)
+    else:
+        points, letters = _strobed(orbit, phase)
+    J = np.eye(2)
+    if orbit.admissible:
+        for point in points:
+            J = P.jacobian(point) @ J
+    return Orbit(
+        map=P,
+        points=points,
+        word=word(letters, P.letters),
+        period=len(points),
+        multipliers=orbit.multipliers,
+        admissible=orbit.admissible,
+        condition=condition_of(J) if orbit.admissible else float("nan"),
+        residual=orbit.residual,
+    )
+
+
+def _strobed(orbit: ImpactOrbit, phase: float) -> tuple[Floats, list[int]]:
+    """Return the states at phase, phase + T, ..., and the impacts in the periods between."""
+    model, N, T = orbit.model, orbit.period, orbit.model.period
+    c = FreeEquations(model, ()).constants(NOTHING)
+    points, letters = np.empty((N, 2)), [0] * N
+    for t in orbit.times:
+        letters[(ceil((t - phase) / T) - 1) % N] += 1
+    for j in range(N):
+        now = phase + j * T
+        if orbit.impacts == 0:
+            anchor, s = anchored(0.0, orbit.points[0, 0] - model.sigma, orbit.points[0, 1], c), now - T * floor(now / T)
+        else:
+            ages = np.mod(now - orbit.times, N * T)
+            i = int(np.argmin(ages))
+            anchor, s = anchored(orbit.times[i], 0.0, orbit.outgoing[i], c), float(ages[i])
+        points[j] = flight(s, anchor, c)
+    return points + np.array([model.sigma, 0.0]), letters

@@ -1,0 +1,93 @@
+"""Which words an orbit can have at all: what is impossible is refused before anything is searched."""
+
+from __future__ import annotations
+
+from math import ceil, inf
+
+import numpy as np
+
+from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
+from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.word import least_rotation, letters_of, primitive, word
+from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.reset import active_law, newton
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError
+from grazing.parameter import parameters
+
+
+def checked_word(P: Map, text: object) -> tuple[str | None, tuple[int, ...] | None]:
+    """Return a word as the library writes it, and its letters; None for none.
+
+    Raises
+    ------
+    InputError
+        For letters that the map does not have, and for words that no orbit of it can have.
+    """
+    if text is None:
+        return None, None
+    if not isinstance(text, str):
+        raise InputError(f"word is {text!r}; give a text such as '001', or 'LLR' for a map with such letters")
+    letters = least_rotation(primitive(letters_of(text, P.letters)))
+    if P.model is not None and P.section == "strobe":
+        _check_rests(P.model, text, letters)
+        _check_counts(P.model, text, letters)
+    elif P.section == "impact" and (min(letters) < 0 or sum(letters) == 0):
+        raise InputError(
+            f"no orbit of the impact map has word {text!r}: its letters count the strobes from one impact to the next, "
+            "so none is C or S, and at least one is positive"
+        )
+    return word(letters, P.letters), letters
+
+
+def _check_rests(model: Oscillator, text: str, letters: tuple[int, ...]) -> None:
+    """Raise InputError for a rest that the law, or the letter before it, does not allow."""
+    if min(letters) >= 0:
+        return
+    law, p = model.reset, parameters(model.reset.params)
+    kick = float(law.law(0.0, p))
+    if kick > 0.0:
+        raise InputError(
+            f"no orbit has word {text!r}: with {law!r} a ball that touches the wall leaves it at {kick:g}, so it never "
+            "rests; C and S need a law that gives 0 for no speed (V = 0)"
+        )
+    ratio, speed = law.contraction(p)
+    if CHATTER_LETTER in letters and not (0.0 < ratio < 1.0 and speed > 0.0):
+        raise InputError(
+            f"no orbit has word {text!r}: {law!r} is not known to contract slow impacts, so no chatter is completed; "
+            "C needs 0 < r < 1, or a law that declares its contraction"
+        )
+    for before, now in zip((letters[-1], *letters[:-1]), letters, strict=True):
+        if now == STUCK_LETTER and before == 0:
+            raise InputError(
+                f"no orbit has word {text!r}: a ball that rests throughout a period (S) has come to rest before it, so "
+                "the letter before S is S, C or a period with impacts, not 0"
+            )
+
+
+def _check_counts(model: Oscillator, text: str, letters: tuple[int, ...]) -> None:
+    """Raise InputError for more impacts in a period than there is time for."""
+    most = most_impacts(model)
+    if max(letters) > most:
+        raise InputError(
+            f"no orbit has word {text!r}: with {model.reset!r} a ball leaves the wall at V = {model.params['V']:g} or "
+            f"more and needs {model.period / (most - 1):.3g} or more to come back, so one period holds at most "
+            f"{most:g} impacts"
+        )
+
+
+def most_impacts(model: Oscillator) -> float:
+    """Return a bound on the impacts in one period; infinite where a ball may leave the wall as slowly as it likes.
+
+    While it is above the wall a ball is not below one that leaves with V under the constant force -max|F|, by
+    comparison; so no flight is shorter than the first flight of that one.
+    """
+    V = model.params["V"] if model.reset.law is active_law else 0.0
+    if V == 0.0:
+        return inf
+    c = FreeEquations(model, ()).constants(np.empty(0))
+    pressed = Oscillator(model.alpha, model.k, Forcing(model.forcing.omega, 0.0, -c.force, (0.0,)), newton(0.0))
+    path = trajectory(pressed, (0.0, V), until=c.T, samples=2)
+    if len(path.impact_time) == 0:
+        return 1.0 + 1.0
+    return float(ceil(c.T / float(path.impact_time[0]))) + 1.0

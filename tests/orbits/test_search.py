@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.orbits.closure import WHOLE
+from grazing.orbits.search_flights import recorded
+from grazing.orbits.search_impacts import Solutions, Tally, turned
+from grazing.orbits.search_rest import presses
+from grazing.orbits.search_windows import cyclic_keys
+from grazing.orbits.search_words import most_impacts
+from tests.models import MODELS
+
+
+def test_rotations_of_letters_share_a_key_and_other_words_do_not():
+    one = np.array([[0, 0, 1, 2], [0, 1, 2, 0], [2, 0, 0, 1], [0, 0, 2, 1], [-1, 0, 1, 2]])
+    keys, turn = cyclic_keys(one)
+    assert len(set(keys[:3].tolist())) == 1 and len(set(keys.tolist())) == 3
+    begun = [tuple(np.roll(row, -k)) for row, k in zip(one[:3], turn[:3], strict=True)]
+    assert len(set(begun)) == 1
+
+
+@pytest.mark.parametrize("name", ["standard", "passive", "under-damped", "three harmonics", "trigger", "own law"])
+def test_recorded_impacts_are_those_of_the_trajectory(name):
+    m = MODELS[name]
+    states = np.array([[m.sigma + 0.02, -0.1], [m.sigma + 0.3, 0.2], [m.sigma, 0.4]])
+    found = recorded(m, states, 4, 40)
+    assert found.counts.max() > 0
+    for i, state in enumerate(states):
+        path = gz.trajectory(m, tuple(state), until=4.0 * m.period)
+        n = len(path.impact_time)
+        assert found.counts[i] == n
+        assert found.times[i, :n] == pytest.approx(path.impact_time.values, abs=1e-9)
+        assert found.incoming[i, :n] == pytest.approx(path.v_minus.values, abs=1e-9)
+        assert found.outgoing[i, :n] == pytest.approx(path.v_plus.values, abs=1e-9)
+
+
+def test_rests_and_too_many_impacts_are_no_guesses():
+    m = MODELS["chatter"]
+    assert recorded(m, np.array([[m.sigma + 0.05, -0.1]]), 3, 40).counts.tolist() == [-1]
+    busy = MODELS["own law"]
+    assert recorded(busy, np.array([[busy.sigma + 0.02, -0.3]]), 4, 1).counts.tolist() == [-1]
+
+
+def test_a_solution_is_kept_once_whatever_its_first_impact_and_never_as_a_repetition():
+    m = gz.pinball(d=0.1232, V=0.4)
+    (orbit,) = gz.one_impact_orbits(m, 3)[-1:]
+    x = np.array([[orbit.tau, orbit.v_plus]])
+    found = Solutions(m, Tally())
+    assert len(found.add(3, (WHOLE,), x)) == 1
+    assert len(found.add(3, (WHOLE,), x + np.array([m.period, 0.0]))) == 0
+    twice = np.array([[orbit.tau, orbit.tau + 3 * m.period, orbit.v_plus, orbit.v_plus]])
+    assert len(found.add(6, (WHOLE,) * 2, twice)) == 0
+    found.doublings(6)
+    (doubled,) = found.found[6, (WHOLE,) * 2]
+    assert len(found.add(6, (WHOLE,) * 2, turned(doubled[None], 1, 6 * m.period))) == 0
+
+
+def test_a_ball_is_pressed_between_the_zeros_of_the_force():
+    m = gz.pinball(d=-0.2, V=0.0)
+    (t,) = presses(m)
+    assert np.cos(m.params["omega"] * t) - 0.2 < 0.0
+    assert presses(gz.pinball(d=2.0, V=0.0)) == [] == presses(gz.pinball(d=-2.0, V=0.0))
+
+
+@pytest.mark.parametrize("V", [0.1, 0.4, 2.0])
+def test_no_orbit_has_more_impacts_in_a_period_than_the_bound(V):
+    m = gz.pinball(d=-0.5, V=V)
+    P = gz.stroboscopic_map(m)
+    random = np.random.default_rng(0)
+    lanes = np.stack([random.uniform(0.0, 0.5, 500), random.uniform(-1.0, 1.0, 500)])
+    _points, letters, _outcomes = P.run(lanes, 0, 30)
+    assert letters.max() <= most_impacts(m) < np.inf
+    assert most_impacts(m.replace(V=0.0)) == np.inf
