@@ -300,8 +300,8 @@ def windows_of_piece(piece: Piece, special: Sequence[Special], number: int) -> l
         a.stable and a.admissible if i not in piece.events else b.stable and b.admissible
         for i, (a, b) in enumerate(pairwise(piece.orbits))
     ]
-    here = [0] if piece.events[:1] == (0,) and piece.ends[0] in SPECIAL else []
-    types = [piece.ends[0]] * len(here) + [one.type for one in special if one.piece == number]
+    begin, end = ([kind] if kind in SPECIAL else [] for kind in piece.ends)
+    types = [*begin, *(one.type for one in special if one.piece == number), *end]
     kinds = dict(zip(piece.events, types, strict=True))
     found = []
     first = None

@@ -19,7 +19,7 @@ from grazing.orbits.path import Event, Path, Point, closed, follow, joined, loca
 from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Relabelling, Special
-from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched
+from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched, turns
 from grazing.outcome import InputError
 from grazing.parameter import real, unknown, whole
 
@@ -36,8 +36,8 @@ MET = 1e-3
 class Piece:
     """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
 
-    ``events`` are the numbers of the orbits at special points, the first one among them where the piece begins at one;
-    ``ends`` then says of which type.
+    ``events`` are the numbers of the orbits at special points, the first and the last among them where the piece begins
+    or ends at one; ``ends`` then says of which type.
     """
 
     equations: Equations
@@ -241,6 +241,12 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
             f"{orbit!r} does not solve its own equations at {name} = {value:g}: Newton's method "
             f"{'fails' if solved is None else 'goes elsewhere'}; begin with an orbit of gz.periodic_orbits"
         )
+    k = turns(equations, solved)
+    if k > 1:
+        raise InputError(
+            f"{orbit!r} goes {k} times round an orbit of period {orbit.period // k}: begin with that one; "
+            f"near a period doubling a settling orbit can look like one of period {orbit.period}"
+        )
     return Seed(equations, seeded(equations, solved, p), both=True)
 
 
@@ -268,7 +274,7 @@ class _Search:
         orbits = tuple(equations.orbit(x, p) for x, p in solutions)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
         kept = [index for index, event in path.events if self._note(equations, path, event, number)]
-        events = (0, *kept) if path.began in SPECIAL else tuple(kept)
+        events = (*(0,) * (path.began in SPECIAL), *kept, *(len(orbits) - 1,) * (path.ended in SPECIAL))
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
         self._relabelled(path, orbits, number)
 
@@ -282,7 +288,7 @@ class _Search:
 
     def _path(self, seed: Seed) -> Path:
         """Return the path through a seed, on both sides of it if wanted."""
-        forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
+        forward = self._followed(seed.equations, seed.point)
         if not seed.both or forward.ended == "closed":
             forward.began = "closed" if forward.ended == "closed" else seed.type
             if seed.leaves is not None:
@@ -290,8 +296,19 @@ class _Search:
                 forward.events = [(i + 1, event) for i, event in forward.events]
             return forward
         back = seed.point._replace(tangent=-seed.point.tangent)
-        backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
-        return joined(backward, forward)
+        return joined(self._followed(seed.equations, back), forward)
+
+    def _followed(self, equations: Equations, point: Point) -> Path:
+        """Follow one side of a point, to where the orbit is another one gone round twice: beyond, it comes back."""
+
+        def halved(event: Event) -> bool:
+            return event.type in ("lp", "bp") and turns(equations, unscaled(equations, event.point.z)[0]) > 1
+
+        path = follow(equations, point, self.bounds, step=self.step, limit=self.limit, stop=halved)
+        if path.ended == "stopped":
+            path.events.pop()
+            path.ended = "pd"
+        return path
 
     def _note(self, equations: Equations, path: Path, event: Event, number: int) -> bool:
         """Keep an event as a special point, and what begins there as a seed; whether it is one."""

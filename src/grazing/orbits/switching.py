@@ -29,6 +29,8 @@ AWAY = (1e-4, 1e-3, 1e-2)
 OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
 #: Heights and speeds below this part of their size are 0.
 ZERO = 1e-10
+#: Two turns that differ by less, in scaled unknowns, are one turn twice.
+REPEATED = 1e-7
 #: A test function that begins at its zero is put on the side that the path goes to.
 BARELY = 1e-300
 
@@ -219,6 +221,31 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     tests: list[Test] = list(point.tests)
     tests[i] = tests[i]._replace(value=BARELY)
     return Seed(equations, Point(point.z, tangent, tuple(tests)), type="bcb" if kind else "gr")
+
+
+def turns(equations: Equations, x: Floats) -> int:
+    """Return how many times a solution goes round the same shorter orbit; 1 for an orbit of its full period."""
+    N = equations.N
+    for k in range(N, 1, -1):
+        if N % k:
+            continue
+        if isinstance(equations, ImpactEquations):
+            n = equations.n
+            if n % k:
+                continue
+            m = n // k
+            period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
+            times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
+            if abs(period - equations.model.period) > 0.1 * equations.model.period:
+                continue
+            apart = np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]])
+        elif isinstance(equations, (GapEquations, MapEquations)):
+            apart = np.roll(x, -len(x) // k) - x
+        else:
+            continue
+        if np.abs(apart / equations.scale).max() < REPEATED:
+            return k
+    return 1
 
 
 def same_solution(one: Equations, x: Floats, other: Equations, y: Floats) -> bool:
