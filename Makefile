@@ -17,7 +17,7 @@ export MPLBACKEND := Agg
 export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
 export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
 
-.PHONY: help paper test test-long check lint types layers bench docs clean
+.PHONY: help paper test test-long check lint types layers bench docs explorer clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -48,6 +48,9 @@ bench: .venv/ready ## compare speed and missed impacts with other programs (ARGS
 
 docs: .venv/ready ## write docs/api.md from the documentation strings
 	.venv/bin/python docs/make_api.py
+
+explorer: .venv/ready ## compile the kernels of the explorer to WebAssembly (needs lld or ziglang; ARGS=--check compares)
+	$(RUN) grazing.explorer.build $(ARGS)
 
 clean: ## remove .venv and all caches; results stay
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist

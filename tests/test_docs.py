@@ -228,6 +228,20 @@ def test_example_robust_chaos(tmp_path):
     assert shares[0.0] > 2 * shares[0.5] > 0.0
 
 
+def test_example_stable_doubling(tmp_path):
+    found = example("stable_doubling", tmp_path, "--values", "12")
+    assert found["share"] > 0.9 and found["apart"] < 1e-9
+
+
+def test_example_manifolds(tmp_path):
+    assert example("manifolds", tmp_path, "--size", "40", "--length", "0.5").keys() == {"01", "001"}
+
+
+def test_example_ladder(tmp_path):
+    orders, same = example("ladder", tmp_path, "--periods", "6", "--size", "12")
+    assert orders and 0.0 < same <= 1.0
+
+
 def test_example_own_reset_law():
     seen = load(ROOT / "examples" / "own_reset_law.py").main()
     assert [sum(letters) for letters in seen.values()] == [3, 3, 4]

@@ -38,6 +38,9 @@ _PUBLIC = {
     "normal_form": "maps.normal_form",
     "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
+    "Orbits": "orbits.periodic",
+    "Searched": "orbits.periodic",
+    "periodic_orbits": "orbits.periodic",
     "Branch": "orbits.branch",
     "boundaries": "orbits.boundaries",
     "continuation": "orbits.branch",
@@ -115,6 +118,9 @@ if TYPE_CHECKING:
     from grazing.orbits.manifold import manifolds as manifolds
     from grazing.orbits.one_impact import one_impact_orbits as one_impact_orbits
     from grazing.orbits.orbit import Orbit as Orbit
+    from grazing.orbits.periodic import Orbits as Orbits
+    from grazing.orbits.periodic import Searched as Searched
+    from grazing.orbits.periodic import periodic_orbits as periodic_orbits
     from grazing.orbits.sensitivity import sensitivity as sensitivity
     from grazing.orbits.windows import windows as windows
     from grazing.orbits.word import words as words

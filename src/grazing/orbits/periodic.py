@@ -162,7 +162,6 @@ def periodic_orbits(
     Examples
     --------
     >>> import grazing as gz
-    >>> from grazing.orbits.periodic import periodic_orbits
     >>> P = gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4))
     >>> periodic_orbits(P, 3)[0]
     <ImpactOrbit 001, period 3, stable, admissible>

@@ -30,7 +30,7 @@ OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
 #: Heights and speeds below this part of their size are 0.
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
-REPEATED = 1e-7
+REPEATED = 1e-5
 #: A test function that begins at its zero is put on the side that the path goes to.
 BARELY = 1e-300
 
