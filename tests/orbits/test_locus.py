@@ -110,6 +110,55 @@ def test_the_curves_of_a_resonant_graze_are_tangent_to_the_curve_of_grazes(type)
     assert near and abs(near[0].values[0] - np.hypot(1.0 - star**2, 0.04 * star)) < 1e-6
 
 
+@pytest.mark.parametrize(
+    "alpha, k, r, N, turns", [(0.04, 1.0, 0.9, 2, 5), (0.1, 1.3, 0.7, 1, 1), (0.02, 0.8, 0.5, 3, 7)]
+)
+@pytest.mark.parametrize("type", ["lp", "pd"])
+def test_the_coefficients_of_the_curves_of_a_resonant_graze(type, alpha, k, r, N, turns):
+    """The height of the steady response over the wall on both curves, to leading order in E12 = E12(N T).
+
+    At the resonance E12 = 0 and E11 = E22 = e. With y = 0 and w = -r v at both ends of the flight,
+    Y' = v (1 + e r)/(1 - e) and Y = E12 v (1 + r)/(1 - e)^2 at the impact, so that the least height is
+    Y - Y'^2/2A = C E12 v - B v^2, A the acceleration at the graze. A multiplier is 1 or -1 where
+    (1 + e r)^2 = E12 (1 + r) A/v, and (1 - e r)^2 = -E12 (1 + r) A/v.
+    """
+    damped = np.sqrt(k * k - 0.25 * alpha * alpha)
+    star = 2.0 * N * damped / turns
+
+    def flight(omega):
+        L = 2.0 * np.pi * N / omega
+        return np.exp(-0.5 * alpha * L) * np.array([np.sin(damped * L) / damped, np.cos(damped * L)])
+
+    def stiffness(omega):
+        return np.hypot(k * k - omega**2, alpha * omega)
+
+    e, A, off = flight(star)[1], star**2, -4e-3 if type == "lp" else 4e-3
+    C, B = (1.0 + r) / (1.0 - e) ** 2, (1.0 + e * r) ** 2 / (2.0 * A * (1.0 - e) ** 2)
+    speed = (1.0 + r) * A / (1.0 + e * r) ** 2 if type == "lp" else -(1.0 + r) * A / (1.0 - e * r) ** 2  # v/E12
+    height = C * speed - B * speed**2  # over E12^2
+    if flight(star + off)[0] * speed > 0.0:
+        off = -off
+    omega = star + off
+    F = stiffness(omega) * (1.0 - height * flight(omega)[0] ** 2)
+    special = []
+    for more in (3e-6, 1e-5, 1e-4, 1e-3, -1e-4):
+        forcing = gz.Forcing(omega=omega, cos=(F * (1.0 + more),))
+        model = gz.Oscillator(alpha=alpha, k=k, forcing=forcing, sigma=-1.0, reset=gz.newton(r=r))
+        for orbit in gz.one_impact_orbits(model, N):
+            found = continuation(orbit.map, orbit, "cos1", (0.97 * F, 1.03 * F)).special
+            special += [one for one in found if one.type == type and abs(one.value - F) < 1e-3 * F]
+        if special:
+            break
+    ends = (0.9 * F, 1.1 * F), (min(omega, star), max(omega, star))
+    values = locus(special[0], ("cos1", "omega"), ends, step=0.003).values
+    away = np.abs(values[:, 1] - star)
+    kept = (away > 2e-5) & (away < 4e-4)
+    assert kept.sum() >= 2
+    for F, omega in values[kept]:
+        ratio = (1.0 - F / stiffness(omega)) / (height * flight(omega)[0] ** 2)
+        assert ratio == pytest.approx(1.0, abs=20.0 * abs(omega - star))
+
+
 def test_loci_of_the_gap_map_are_the_formulas_of_theory():
     lam, l, N = 0.5, 0.1, 3
     mu = 0.5 * (gz.theory.mu_pd(N, lam, l) + gz.theory.mu_bc(N, lam, l))
