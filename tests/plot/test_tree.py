@@ -1,5 +1,7 @@
 """Bars are the windows, marks are the words' status, branches join words."""
 
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -73,7 +75,7 @@ def test_limits_that_were_set_are_kept_and_a_logarithmic_axis_leaves_out_what_is
 
 
 def test_long_trees_name_only_the_words_with_a_window(monkeypatch):
-    monkeypatch.setattr("grazing.plot.tree.NAMED", 3)
+    monkeypatch.setattr(sys.modules["grazing.plot.tree"], "NAMED", 3)  # the package has the function by this name
     assert set(tree(made_up())["names"]) == {"L", "LR", "R"}
 
 

@@ -46,8 +46,7 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], order:
         F, _dF = forcing(0.0, c)
         A = F - c.alpha * v - c.k2 * y
         x = v * v - 2.0 * A * y
-        # below the wall the impact was before the section, whatever the sign of v: at a graze it is of the size of y
-        if not (x >= 0.0 and (v < 0.0 or y < 0.0)):
+        if not (v < 0.0 and x >= 0.0):
             return (y, v), 0, OK, (1.0, 0.0, 0.0, 1.0)
         border = AMBIGUOUS if x == 0.0 else OK
         delta, root = time_to_wall(y, v, A)
@@ -114,8 +113,7 @@ def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0
     Returns
     -------
     Map
-        State (u, v); letter 1 where v^2 - 2A(u - sigma) >= 0 and v < 0 or u < sigma, with A the acceleration at the
-        state, else 0.
+        State (u, v); letter 1 where v^2 - 2A(u - sigma) >= 0 and v < 0, with A the acceleration at the state, else 0.
 
     Notes
     -----
