@@ -290,3 +290,85 @@ def test_what_a_wrong_call_is_told():
     )  # fmt: skip
     with pytest.raises(gz.InputError, match="does not close"):
         continuation(P, wrong, "d", (0.0, 0.2))
+
+
+def test_a_closed_branch_ends_where_it_began():
+    """An isola comes back with its impacts a period later, or begun at another one; special points are found once."""
+    model = gz.pinball(d=0.1, V=0.4)
+    orbit = gz.one_impact_orbits(model, 2)[0]
+    branch = continuation(orbit.map, orbit, "d", (-1.0, 1.0))
+    assert branch.pieces[0].ends[1] == "closed" and len(list(branch)) < 400
+    places = [(one.type, round(one.value, 9), round(float(one.orbit.points[0, 0]), 6)) for one in branch.special]
+    assert len(places) == len(set(places)) > 3
+
+
+def test_a_doubled_branch_ends_at_the_other_doubling():
+    def bump(state, p):
+        (x,) = state
+        return ((3.2 - p.a * p.a) * x * (1.0 - x),)
+
+    P = gz.Map(bump, params={"a": 0.0}, coordinates=("x",), box=((0.01, 0.99),))
+    x = 1.0 - 1.0 / 2.8
+    at = P.replace(a=np.sqrt(0.4))
+    orbit = gz.Orbit(
+        map=at, points=np.array([[x]]), word="0", period=1, multipliers=np.array([-0.8 + 0j]), admissible=True,
+        condition=1.0, residual=0.0,
+    )  # fmt: skip
+    pds = [one for one in continuation(at, orbit, "a", (-1.0, 1.0)).special if one.type == "pd"]
+    assert [one.value for one in pds] == pytest.approx([-np.sqrt(0.2), np.sqrt(0.2)], abs=1e-9)
+    doubled = continuation(P, pds[0], "a", (-1.0, 1.0))
+    assert doubled.pieces[0].ends == ("pd", "pd")
+    (end,) = doubled.special
+    assert end.type == "pd" and end.value == pytest.approx(np.sqrt(0.2), abs=1e-9) and end.orbit.period == 1
+    result = gz.bifurcation_diagram(P, "a", np.linspace(-0.9, 0.9, 37), starts=5, transient=3000)
+    lows = result.window_low.values[result.window_period.values == 2]
+    highs = result.window_high.values[result.window_period.values == 2]
+    assert lows == pytest.approx([-np.sqrt(0.2)], abs=1e-9) and highs == pytest.approx([np.sqrt(0.2)], abs=1e-9)
+
+
+def test_grazes_do_not_go_on_without_end_into_chatter():
+    model = gz.pinball(V=0.0, r=0.3, d=0.1)
+    orbit = next(o for o in gz.one_impact_orbits(model, 1) if o.admissible)
+    branch = continuation(orbit.map, orbit, "d", (-0.2, 0.2))
+    assert max(o.impacts for o in branch) <= 13
+    assert all(np.isfinite(one.orbit.multipliers).all() for one in branch.special if one.type in ("pd", "ns"))
+
+
+def test_a_parameter_followed_to_its_bound_and_a_ball_that_drifts():
+    model = gz.pinball(alpha=0.1, k=0.0, d=-0.3, r=0.6, V=0.3, omega=2.0)
+    orbit = next(o for o in gz.one_impact_orbits(model, 1) if o.admissible)
+    branch = continuation(orbit.map, orbit, "alpha", (0.0, 0.17))
+    assert min(o.map.params["alpha"] for o in branch) == 0.0
+    passive = gz.pinball(alpha=0.2, k=0.0, d=-0.1, r=0.5, V=0.0)
+    for orbit in gz.one_impact_orbits(passive, 1):
+        assert continuation(orbit.map, orbit, "d", (-0.9, -0.05)).pieces
+
+
+def test_a_trigger_without_a_kick_is_one_law():
+    model = gz.Oscillator(
+        alpha=1.0, k=2.0, forcing=gz.Forcing(omega=2.5, offset=-0.1), reset=gz.triggered(r=0.6, V=0.0, trigger=0.1)
+    )
+    orbit = gz.one_impact_orbits(model, 1)[0]
+    assert "law" not in {one.type for one in continuation(orbit.map, orbit, "offset", (-0.6, 0.4)).special}
+
+
+def test_a_branch_begins_at_a_fold_too():
+    model = gz.pinball(d=0.1, V=0.4)
+    orbit = gz.one_impact_orbits(model, 2)[0]
+    folds = [one for one in continuation(orbit.map, orbit, "d", (-1.0, 1.0)).special if one.type == "lp"]
+    assert folds
+    for fold in folds:
+        assert len(list(continuation(fold.orbit.map, fold.orbit, "d", (-1.0, 1.0)))) > 10
+
+
+@pytest.mark.parametrize("step", [float("nan"), 0.0, -1.0, "a"])
+def test_a_step_that_is_none(step):
+    orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
+    with pytest.raises(gz.InputError, match="step"):
+        continuation(orbit.map, orbit, "d", (0.0, 0.2), step=step)
+
+
+def test_a_range_too_narrow_for_double_precision():
+    orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
+    with pytest.raises(gz.InputError, match="double precision"):
+        continuation(orbit.map, orbit, "d", (0.11, np.nextafter(0.11, 1.0)))

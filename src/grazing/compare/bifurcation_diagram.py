@@ -15,7 +15,7 @@ from grazing.orbits.branch import Branch, Piece, continuation
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
-from grazing.orbits.special import SPECIAL, Special
+from grazing.orbits.special import Special
 from grazing.outcome import GrazingError, InputError
 from grazing.parameter import whole
 from grazing.studies.orbit_diagram import orbit_diagram
@@ -197,7 +197,8 @@ class _Search:
         for branch in self.branches:
             for piece in branch.pieces:
                 twice = piece.orbits[0].period == (2 if special.type == "pd" else 1) * special.orbit.period
-                if twice and abs(piece.values[0] - special.value) < 1e-9 * (self.bounds[1] - self.bounds[0]):
+                apart = min(abs(piece.values[0] - special.value), abs(piece.values[-1] - special.value))
+                if twice and apart < 1e-6 * (self.bounds[1] - self.bounds[0]):
                     return True
         return False
 
@@ -300,8 +301,8 @@ def windows_of_piece(piece: Piece, special: Sequence[Special], number: int) -> l
         a.stable and a.admissible if i not in piece.events else b.stable and b.admissible
         for i, (a, b) in enumerate(pairwise(piece.orbits))
     ]
-    begin, end = ([kind] if kind in SPECIAL else [] for kind in piece.ends)
-    types = [*begin, *(one.type for one in special if one.piece == number), *end]
+    types = [one.type for one in special if one.piece == number]
+    types = types if len(types) == len(piece.events) else [piece.ends[0], *types]  # begun at a special point of another
     kinds = dict(zip(piece.events, types, strict=True))
     found = []
     first = None

@@ -15,11 +15,23 @@ from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import Event, Path, Point, closed, follow, joined, located, unscaled
+from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, unscaled
 from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Relabelling, Special
-from grazing.orbits.switching import Seed, on_the_edge, partners, same_solution, seeded, switched, turns
+from grazing.orbits.switching import (
+    Seed,
+    allowed,
+    doubled,
+    on_the_edge,
+    once,
+    partners,
+    same_solution,
+    seeded,
+    seeded_at_fold,
+    switched,
+    turns,
+)
 from grazing.outcome import InputError
 from grazing.parameter import real, unknown, whole
 
@@ -28,6 +40,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+#: Narrowest range, in units of its ends.
+NARROWEST = 1e-10
 #: Part of a period that accumulation and release may be apart at an onset of chatter.
 MET = 1e-3
 
@@ -36,8 +50,8 @@ MET = 1e-3
 class Piece:
     """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
 
-    ``events`` are the numbers of the orbits at special points, the first and the last among them where the piece begins
-    or ends at one; ``ends`` then says of which type.
+    ``events`` are the numbers of the orbits at special points, the first one among them where the piece begins at one;
+    ``ends`` then says of which type.
     """
 
     equations: Equations
@@ -174,6 +188,7 @@ def continuation(
     [('gr', 0.098450445), ('pd', 0.12328145), ('v0', 0.123908389)]
     """
     low, high = checked_bounds(P, name, bounds)
+    step = checked_step(step)
     if isinstance(orbit, Special):
         seeds = switched(orbit, name, (low, high))
     elif isinstance(orbit, Orbit):
@@ -204,6 +219,14 @@ def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: Re
     return Branch(P, name, bounds, (piece,), tuple(special), ())
 
 
+def checked_step(step: Any) -> float:
+    """Return the longest step as a float > 0, or raise InputError."""
+    length = real(step, "step", "give a length in scaled units, such as 0.03")
+    if not length > 0.0:
+        raise InputError(f"step is {length:g}; give a length > 0, such as 0.03")
+    return length
+
+
 def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     """Return the range of a parameter as two floats, or raise InputError."""
     if not isinstance(P, Map):
@@ -219,6 +242,8 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
     if not low < high:
         raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
+    if high - low < NARROWEST * max(abs(low), abs(high)):
+        raise InputError(f"bounds of {name} are {high - low:.1e} apart; double precision needs a wider range")
     return low, high
 
 
@@ -236,6 +261,10 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     if isinstance(equations, RestEquations):
         return Seed(equations, Point(np.zeros(2), np.zeros(2), ()))
     solved = closed(equations, x, p)
+    if solved is None:  # at a fold the derivative is singular; across it, it is not
+        fold = seeded_at_fold(equations, x, p)
+        if fold is not None:
+            return Seed(equations, fold, both=True)
     if solved is None or np.abs((solved - x) / equations.scale).max(initial=0.0) > 1e-3:
         raise InputError(
             f"{orbit!r} does not solve its own equations at {name} = {value:g}: Newton's method "
@@ -270,13 +299,32 @@ class _Search:
             self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         path = self._path(seed)
         equations = seed.equations
+        middle = path.points[len(path.points) // 2]
+        if seed.origin >= 0 and turns(equations, unscaled(equations, middle.z)[0]) > 1:
+            self.special[seed.origin] = self.special[seed.origin]._replace(to=-1)
+            return  # all impacts lose their speed at once: what begins is a shorter orbit, gone round several times
+        self._halved(path)
         solutions = [self._solution(path, point) for point in path.points]
         orbits = tuple(equations.orbit(x, p) for x, p in solutions)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
         kept = [index for index, event in path.events if self._note(equations, path, event, number)]
-        events = (*(0,) * (path.began in SPECIAL), *kept, *(len(orbits) - 1,) * (path.ended in SPECIAL))
+        events = (0, *kept) if path.began in SPECIAL and 0 not in kept else tuple(kept)
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
         self._relabelled(path, orbits, number)
+
+    def _halved(self, path: Path) -> None:
+        """Put the points at which an orbit is one of half its period where that one doubles, to rounding."""
+        equations = path.equations
+        for number, (i, event) in enumerate(path.events):
+            if event.where != HALVES:
+                continue
+            x, p = path.unscaled(event.point.z)
+            half, x, p, good = once(equations, x, p)
+            if good:
+                _twice, x = doubled(half, x, (self.name,))
+                point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
+                path.points[i] = point
+                path.events[number] = i, event._replace(point=point, converged=True)
 
     def _solution(self, path: Path, point: Point) -> tuple[Floats, Floats]:
         """Return x and p of a point; an end of the range that rounding has missed is that end."""
@@ -288,7 +336,7 @@ class _Search:
 
     def _path(self, seed: Seed) -> Path:
         """Return the path through a seed, on both sides of it if wanted."""
-        forward = self._followed(seed.equations, seed.point)
+        forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
         if not seed.both or forward.ended == "closed":
             forward.began = "closed" if forward.ended == "closed" else seed.type
             if seed.leaves is not None:
@@ -296,25 +344,23 @@ class _Search:
                 forward.events = [(i + 1, event) for i, event in forward.events]
             return forward
         back = seed.point._replace(tangent=-seed.point.tangent)
-        return joined(self._followed(seed.equations, back), forward)
-
-    def _followed(self, equations: Equations, point: Point) -> Path:
-        """Follow one side of a point, to where the orbit is another one gone round twice: beyond, it comes back."""
-
-        def halved(event: Event) -> bool:
-            return event.type in ("lp", "bp") and turns(equations, unscaled(equations, event.point.z)[0]) > 1
-
-        path = follow(equations, point, self.bounds, step=self.step, limit=self.limit, stop=halved)
-        if path.ended == "stopped":
-            path.events.pop()
-            path.ended = "pd"
-        return path
+        backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
+        return joined(backward, forward)
 
     def _note(self, equations: Equations, path: Path, event: Event, number: int) -> bool:
         """Keep an event as a special point, and what begins there as a seed; whether it is one."""
         x, p = path.unscaled(event.point.z)
+        if event.where == HALVES:
+            half, x, p, good = once(equations, x, p)
+            good = good and event.converged
+            orbit = half.orbit(x, p)
+            value = float(p[-1])
+            low, high = min(event.low, value), max(event.high, value)
+            one = Special("pd", value, low, high, good, orbit, allowed(half, x, p), -1, number)
+            self.special.append(one)
+            return True
         type, orbit = event.type, equations.orbit(x, p)
-        if type == "ns" and abs(orbit.multipliers[0].imag) == 0.0:
+        if type == "ns" and not abs(orbit.multipliers[0].imag) > 0.0:
             return False  # real multipliers whose product is 1: no bifurcation
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
         if seeds and type == "v0":

@@ -113,7 +113,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "map": P.name or "map",
         "parameters": json.dumps(dict(P.params)),
         "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
-        "coordinates": json.dumps(list(P.coordinates)),
+        "coordinate_names": json.dumps(list(P.coordinates)),
         "arithmetic": "strict",
     }
     return xr.Dataset(table, attrs=attributes)

@@ -60,19 +60,29 @@ class Equations(ABC):
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit of a solution, checked in full."""
 
+    def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the solution, begun at another point or period, that is nearest to another, and its order."""
+        return x, np.arange(len(x))
+
+    def halved(self, x: Floats, p: Floats) -> Floats | None:
+        """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
+        return None
+
     def slopes(self, x: Floats, p: Floats) -> Floats:
         """Return dF/dp, shape (n, len(names)), by differences of fourth order; one-sided at the end of a range."""
         columns = []
         for j in range(len(self.names)):
-            h = 1e-3 * float(self.spans[j])
+            span = float(self.spans[j])
+            h = 1e-3 * min(span, max(abs(float(p[j])), 1e-3 * span))
             shift = np.zeros(len(p))
             shift[j] = h
             try:
                 near = self.defects(x, p + shift)[0] - self.defects(x, p - shift)[0]
                 far = self.defects(x, p + 2.0 * shift)[0] - self.defects(x, p - 2.0 * shift)[0]
-                columns.append((8.0 * near - far) / (12.0 * h))
+                column = (8.0 * near - far) / (12.0 * h)
             except InputError:
-                columns.append(self._one_sided(x, p, shift, h))
+                column = np.full(len(x), np.nan)
+            columns.append(column if np.isfinite(column).all() else self._one_sided(x, p, shift, h))
         return np.column_stack(columns)
 
     def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:
@@ -81,6 +91,8 @@ class Equations(ABC):
             try:
                 F = [self.defects(x, p + side * i * shift)[0] for i in range(5)]
             except InputError:
+                continue
+            if not np.isfinite(F).all():
                 continue
             return np.asarray(side * (-25.0 * F[0] + 48.0 * F[1] - 36.0 * F[2] + 16.0 * F[3] - 3.0 * F[4]) / (12.0 * h))
         return np.full(len(x), np.nan)

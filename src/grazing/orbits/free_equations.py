@@ -73,7 +73,10 @@ class FreeEquations(Equations):
     def start(self, p: Floats) -> Floats:
         """Return the solution, which is unique where the free flight has no multiplier 1."""
         end, E, _low, _when = self.turned(np.zeros(2), p)
-        return np.asarray(np.linalg.solve(np.eye(2) - E, end))
+        try:
+            return np.asarray(np.linalg.solve(np.eye(2) - E, end))
+        except np.linalg.LinAlgError:  # no stiffness: the ball drifts
+            return np.full(2, np.nan)
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the state after a period differs, and the derivative of that."""

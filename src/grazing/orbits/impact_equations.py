@@ -131,18 +131,44 @@ class ImpactEquations(Equations):
             Test("ns", sign * (scale - det)),
         ]
         trigger = self.values(p)[-1] if self.model.reset.law is triggered_law else 0.0
+        # without a kick both pieces of a trigger are one law
+        kicks = "V" not in self.model.params or self.values(p)[list(self.model.params).index("V")] != 0.0
         for i in range(self.n):
             k = (i + 1) % self.n
             speed = -table[i, ENDING]
             found.append(Test("v0", speed, k))
             if self.pieces[k] != WHOLE:
-                found.append(Test("law", speed - trigger if self.pieces[k] == FIRED else trigger - speed, k))
+                over = speed - trigger if self.pieces[k] == FIRED else trigger - speed
+                found.append(Test("law", over if kicks else 1.0, k))
             # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
             low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
             found.append(Test("gr", low if np.isfinite(low) else 1.0, i))
             if x[self.n + i] == 0.0:
                 found.append(Test("st", table[i, FORCE], i))
         return tuple(found)
+
+    def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the solution, begun at another impact or period, that is nearest to another, and its order."""
+        n, T = self.n, 2.0 * np.pi / self.values(p)[2]
+        found = []
+        for k in range(n):
+            if self.pieces[k:] + self.pieces[:k] != self.pieces:
+                continue
+            times = np.concatenate([x[k:n], x[:k] + self.N * T])
+            times -= T * np.round((times[0] - like[0]) / T)
+            turned = np.roll(np.arange(n), -k)
+            y, order = np.append(times, np.roll(x[n:], -k)), np.append(turned, n + turned)
+            found.append((float(np.abs((y - like) / self.scale).max()), k, y, order))
+        return min(found)[2:]
+
+    def halved(self, x: Floats, p: Floats) -> Floats | None:
+        """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
+        n, T = self.n, 2.0 * np.pi / self.values(p)[2]
+        h = n // 2
+        if n % 2 or self.N % 2 or self.pieces[:h] != self.pieces[h:]:
+            return None
+        apart = np.append(x[h:n] - x[:h] - self.N // 2 * T, x[n + h :] - x[n : n + h])
+        return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""

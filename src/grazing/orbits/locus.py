@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.branch import checked_bounds
+from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Point, closed, follow, joined, linearised, tangent_of
@@ -271,6 +271,7 @@ def locus(
     ahead[-1] = 1.0
     start = Point(z, tangent_of(wide, ahead), equations.tests(X, p[1:]))
     most = whole(limit, "limit", 2)
+    step = checked_step(step)
     forward = follow(equations, start, ranges[1], step=step, limit=most)
     back = start._replace(tangent=-start.tangent)
     path = (
@@ -290,7 +291,7 @@ def locus(
                 continue
             kind = "cusp"
         orbit = equations.orbit(X, q)
-        if kind.endswith("+ns") and abs(orbit.multipliers[0].imag) == 0.0 and not kind.startswith(("lp", "pd")):
+        if kind.endswith("+ns") and not abs(orbit.multipliers[0].imag) > 0.0 and not kind.startswith(("lp", "pd")):
             continue
         if low <= X[-1] <= high:
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))

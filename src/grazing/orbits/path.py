@@ -27,6 +27,8 @@ STEPS, SMALL = 10, 1e-13
 STRAIGHT = 0.97
 #: Shortest step, and the first one, in units of the scaled coordinates.
 SHORTEST, FIRST = 1e-9, 1e-3
+#: Place of a period doubling at which an orbit becomes one of half its period.
+HALVES = -2
 
 
 class Point(NamedTuple):
@@ -207,6 +209,12 @@ def follow(
     h, here = min(FIRST, step), first
     while len(path.points) < limit:
         there, steps = advanced(equations, here, h)
+        if there is None:  # beyond the end of the range there may be no equations
+            ahead = here.z + h * here.tangent
+            if not low <= ahead[-1] <= high and here.z[-1] not in (low, high):
+                end = Point(ahead, here.tangent, ())
+                there = at_value(equations, here, end, min(max(float(ahead[-1]), low), high))
+                there = there if there is not None and np.linalg.norm(there.z - here.z) <= 2.0 * h else None
         if there is None or float(there.tangent @ here.tangent) < STRAIGHT:
             if h <= SHORTEST:
                 if there is None:
@@ -215,8 +223,8 @@ def follow(
             else:
                 h = max(0.4 * h, SHORTEST)
                 continue
-        leaves = not low <= there.z[-1] <= high
-        if leaves:
+        leaves = not low <= there.z[-1] <= high or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
+        if not low <= there.z[-1] <= high:
             edge = at_value(equations, here, there, min(max(float(there.z[-1]), low), high))
             if edge is None:
                 path.ended = "lost"
@@ -225,6 +233,8 @@ def follow(
             if np.array_equal(there.z, here.z):
                 path.ended = "bounds"
                 return path
+        back = returned(equations, first, there, 0.6 * h) if len(path.points) > 3 and not leaves else None
+        there = back or there
         broken = equations.broken(*unscaled(equations, there.z))
         for event in between(equations, here, there):
             path.points.append(event.point)
@@ -232,17 +242,33 @@ def follow(
             if stop is not None and stop(event):
                 path.ended = "stopped"
                 return path
+            if event.type == "pd" and event.where == HALVES:
+                path.ended = "pd"
+                return path
         path.points.append(there)
         if broken or leaves:
             path.ended = broken or "bounds"
             return path
-        if len(path.points) > 3 and np.linalg.norm(there.z - first.z) < 0.6 * h and there.tangent @ first.tangent > 0.9:
+        if back is not None:
             path.ended = "closed"
             return path
         here = there
         h = min(step, h * (1.6 if steps <= 3 else (1.2 if steps <= 4 else 0.8)))
     path.ended = "limit"
     return path
+
+
+def returned(equations: Equations, first: Point, there: Point, near: float) -> Point | None:
+    """Return the first point, begun at another impact or period, if the path is back at it."""
+    if abs(there.z[-1] - first.z[-1]) > near:
+        return None
+    x, p = unscaled(equations, first.z)
+    y, order = equations.turned_to(x, p, unscaled(equations, there.z)[0])
+    z = np.append(y / equations.scale, first.z[len(x) :])
+    tangent = np.append(first.tangent[: len(x)][order], first.tangent[len(x) :])
+    if np.linalg.norm(there.z - z) >= near or there.tangent @ tangent <= 0.9:
+        return None
+    return Point(z, tangent, equations.tests(y, p))
 
 
 def advanced(equations: Equations, here: Point, h: float) -> tuple[Point | None, int]:
@@ -277,7 +303,19 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
     length = float(np.linalg.norm(chord))
     along = chord / length
     found: list[tuple[float, Event] | None] = []
+    halves = [equations.halved(*unscaled(equations, q.z)) for q in (a, b)]
     folds = a.tangent[-1] * b.tangent[-1] < 0.0
+    if halves[0] is not None and halves[1] is not None and float(halves[0] @ halves[1]) < 0.0:
+        across = halves[0]
+
+        def uneven(q: Point) -> float:
+            apart = equations.halved(*unscaled(equations, q.z))
+            assert apart is not None
+            return float(across @ apart)
+
+        one = located(equations, a, along, length, "pd", HALVES, uneven)
+        if one is not None:
+            return [one[1]]
     if folds:
         found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
     for i, (before, after) in enumerate(zip(a.tests, b.tests, strict=False)):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root_scalar
 
 from grazing.orbits.closing import DIPS, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
@@ -27,6 +28,8 @@ Floats = NDArray[np.float64]
 AWAY = (1e-4, 1e-3, 1e-2)
 #: Test functions that say whether an orbit is one of the flow.
 OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
+#: Impacts a period beyond which no branch with one more is begun: grazes accumulate at an onset of chatter.
+MOST = 12
 #: Heights and speeds below this part of their size are 0.
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
@@ -60,6 +63,20 @@ def seeded(equations: Equations, x: Floats, p: Floats, along: Floats | None = No
     return Point(z, tangent_of(wide, along), equations.tests(x, p))
 
 
+def seeded_at_fold(equations: Equations, x: Floats, p: Floats) -> Point | None:
+    """Return the point of a path at a fold, where Newton's method at a fixed parameter fails; None if it is none."""
+    z = np.concatenate([x / equations.scale, p / equations.spans])
+    _F, wide = linearised(equations, z)
+    if not np.isfinite(wide).all():
+        return None
+    along = np.asarray(np.linalg.svd(wide)[2][-1])
+    found = corrected(equations, z, along)
+    if found is None or np.linalg.norm(found[0] - z) > 1e-3:
+        return None
+    n = len(equations.scale)
+    return seeded(equations, found[0][:n] * equations.scale, found[0][n:] * equations.spans, along)
+
+
 def doubled(equations: Equations, x: Floats, names: tuple[str, ...]) -> tuple[Equations, Floats]:
     """Return the equations of two turns, and the solution that goes round twice."""
     spans = equations.spans
@@ -72,6 +89,35 @@ def doubled(equations: Equations, x: Floats, names: tuple[str, ...]) -> tuple[Eq
     if isinstance(equations, MapEquations):
         return MapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
     raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
+
+
+def halved(equations: Equations, x: Floats) -> tuple[Equations, Floats]:
+    """Return the equations of half the turns, and the mean of both halves of a solution."""
+    if isinstance(equations, ImpactEquations):
+        n, h, turn = equations.n, equations.n // 2, equations.N // 2 * equations.model.period
+        pieces = equations.pieces[:h]
+        half = ImpactEquations(equations.model, equations.names, equations.N // 2, pieces, equations.spans)
+        return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
+    assert isinstance(equations, (GapEquations, MapEquations))
+    letters = equations.letters[: equations.N // 2]
+    kind = type(equations)
+    return kind(equations.P, equations.names, letters, equations.spans), 0.5 * (x[: len(x) // 2] + x[len(x) // 2 :])
+
+
+def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
+    """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding."""
+    half, x = halved(equations, x)
+
+    def height(value: float) -> float:
+        found = closed(half, x, np.array([value]))
+        return float("nan") if found is None else half.tests(found, np.array([value]))[0].value
+
+    with np.errstate(invalid="ignore"):
+        found = root_scalar(height, x0=float(p[0]), x1=float(p[0]) + 1e-6 * float(equations.spans[0]), method="secant")
+    near = found.converged and abs(found.root - p[0]) < 1e-4 * equations.spans[0]
+    p = np.array([found.root]) if near else p
+    solved = closed(half, x, p)
+    return half, x if solved is None else solved, p, bool(near and solved is not None)
 
 
 def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[Seed]:
@@ -124,6 +170,12 @@ def kick_of(model: Oscillator) -> float:
     return float(model.reset.law(0.0, parameters(model.reset.params)))
 
 
+def allowed(equations: Equations, x: Floats, p: Floats) -> bool:
+    """Whether a solution is an orbit of the map, or just not."""
+    zero = -ZERO * float(equations.scale.max())
+    return all(test.value >= zero for test in equations.tests(x, p) if test.type in OF_THE_FLOW)
+
+
 def on_the_edge(equations: Equations, event: Event) -> bool:
     """Whether nothing but the event itself keeps the orbit from being one of the map.
 
@@ -159,6 +211,8 @@ def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
         return begins(new, np.array([when, 0.0]), p, 0)
     n, i = equations.n, event.where
+    if n >= MOST * equations.N:
+        return None
     row = equations.profile(x, p).table[i]
     if row[DIPS] == 0:
         return None

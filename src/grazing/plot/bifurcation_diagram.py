@@ -60,9 +60,9 @@ def bifurcation_diagram(
         )
     name = str(result["period"].dims[0])
     table = branches_of(result, name)
-    chosen = json.loads(table.attrs["coordinates"])[0] if coordinate is None else coordinate
+    chosen = json.loads(table.attrs["coordinate_names"])[0] if coordinate is None else coordinate
     if chosen not in result:
-        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinates']))}")
+        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinate_names']))}")
     with styled():
         ax = axes(ax, DOUBLE, 95.0)
         scan = orbit_diagram(result, ax, chosen, size=1.0, legend=False)
@@ -91,5 +91,5 @@ def branches_of(result: xr.Dataset, name: str) -> xr.Dataset:
     renamed = {key: key.removeprefix(front) for key in [*keys, *map(str, table.dims)] if key.startswith(front)}
     table = table.rename(renamed)
     coordinates = [str(key) for key in result.data_vars if result[key].dims == (name, "start", "n") and key != "letter"]
-    table.attrs = {"parameter": name, "coordinates": json.dumps(coordinates)}
+    table.attrs = {"parameter": name, "coordinate_names": json.dumps(coordinates)}
     return table

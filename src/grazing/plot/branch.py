@@ -64,7 +64,7 @@ def branch(
     if not tables:
         raise InputError("no branch to draw; give a branch, its dataset, or several of them")
     name = tables[0].attrs["parameter"]
-    coordinates = json.loads(tables[0].attrs["coordinates"])
+    coordinates = json.loads(tables[0].attrs["coordinate_names"])
     chosen = coordinates[0] if coordinate is None else coordinate
     if chosen not in coordinates:
         raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(coordinates)}")
