@@ -43,6 +43,18 @@ STUDIES = {
         "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
     ),
 }
+ORBITS = {
+    "orbit": ("Find periodic orbits, stable and unstable, and prove them.", "--word 001 --d 0.12 --V 0.4 --certify"),
+    "branch": (
+        "Follow the orbits of a word in a parameter, through folds and grazes.",
+        "d=0.02:0.14 --word 001 --V 0.4 -o branch.png",
+    ),
+    "windows": ("List where stable one-impact orbits exist, and why they end.", "d --N 2:7 --V 0.4 -o windows.png"),
+    "bifurcations": (
+        "Show a scan and the branches through it, and where the two disagree.",
+        "d=0.05:0.16:600 --V 0.4 -o bifurcations.png",
+    ),
+}
 RESULTS = {
     "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
@@ -60,10 +72,16 @@ app = App(
     default_parameter=Parameter(negative=()),
     suppress_keyboard_interrupt=False,
 )
-_studies, _results = Group("Studies", sort_key=1), Group("Results", sort_key=2)
+_studies, _orbits, _results = (
+    Group("Studies", sort_key=1), Group("Orbits and branches", sort_key=2), Group("Results", sort_key=3)
+)  # fmt: skip
 for _order, (_name, (_says, _example)) in enumerate(STUDIES.items()):
     _help = f"{_says}\n\nExample: grazing {_name} {_example}"
     app.command(f"grazing.cli.study:{_name}", name=_name, help=_help, group=_studies, sort_key=_order)
+for _order, (_name, (_says, _example)) in enumerate(ORBITS.items()):
+    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
+    _where = "grazing.cli.orbits:orbit" if _name == "orbit" else f"grazing.cli.study:{_name}"
+    app.command(_where, name=_name, help=_help, group=_orbits, sort_key=_order)
 for _order, (_name, (_where, _says)) in enumerate(RESULTS.items()):
     app.command(_where, name=_name, help=_says, group=_results, sort_key=_order)
 app.command(paper, group=_results, sort_key=len(RESULTS))
@@ -130,7 +148,7 @@ def _reworded(error: CycloptsError) -> str:
         extra = " ".join(error.unused_tokens or ())
         return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
-        known = [*STUDIES, *RESULTS, "paper"]
+        known = [*STUDIES, *ORBITS, *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]
         near = get_close_matches(token, known, n=1)
         hint = f'Did you mean "{near[0]}"? ' if near else ""

@@ -18,7 +18,11 @@ LONGEST = 4000
 
 def info(
     file: Annotated[
-        str, Parameter(name="FILE", help="Figure (png, pdf, svg), result (nc), store (zarr) or configuration (toml).")
+        str,
+        Parameter(
+            name="FILE",
+            help="Figure (png, pdf, svg), result (nc), store (zarr), certificate (json) or configuration (toml).",
+        ),
     ],
     /,
     *,
@@ -59,6 +63,8 @@ def described(path: Path) -> dict[str, Any]:
 
         found |= {"kind": "configuration"}
         return found | again({"grazing_recipe": load_config(path)}, {}, ())
+    if kind == ".json":
+        return found | certificate(path)
     if kind in output.FIGURES:
         from grazing.plot import provenance
 
@@ -82,6 +88,21 @@ def described(path: Path) -> dict[str, Any]:
         known = status(path)
         found |= {"complete": known.complete, "progress": f"{known.cells_done} of {known.cells} cells"}
     return found | again(result.attrs, axes_of(result), (str(path),))
+
+
+def certificate(path: Path) -> dict[str, Any]:
+    """Return what a certificate says of itself; whether it proves that is for the checker to say."""
+    from grazing.proof.envelope import read_envelope
+
+    document = read_envelope(path)
+    why = f"a certificate is checked, not made again: grazing orbit check {path}"
+    return {
+        "kind": "certificate, not checked here",
+        "title": document["statement"],
+        "recipe": None,
+        "command": None,
+        "why_not": why,
+    }
 
 
 def again(attrs: Mapping[str, Any], axes: Mapping[str, Any], out: tuple[str, ...]) -> dict[str, Any]:

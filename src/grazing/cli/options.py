@@ -20,6 +20,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, config_of
 from grazing.config.settings import SINGLE, STUDIES, settings_of, text_of
+from grazing.config.values import DEFAULT
 from grazing.outcome import GrazingError
 
 MAP = Group("Map and model", sort_key=1)
@@ -57,13 +58,22 @@ def option(
     return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
+def switch(name: str, says: str, group: Group) -> Argument:
+    """Return an option that is given or not; --no-... takes back what a file says."""
+    annotation = Annotated[
+        bool | None,
+        Parameter(name=flag(name), negative=f"--no-{name}", help=says, group=group, show_default=False),
+    ]
+    return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
 def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     """Return the signature of a study's command: what varies, the options of the schema, then those of the run."""
     positional = Annotated[str, Parameter(name="NAME=...", help=_positional_help(study), show=True)]
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
-    fields = config_of(study).model_json_schema()["properties"]
+    fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (study == "trajectory" and key not in ("model", "law")):
+        if key not in fields or (of_model and key not in ("model", "law")):
             continue
         choices = _choices(fields[key])
         group, metavar = (STUDY, "LIST") if key in DRAWN.get(study, ()) else (MAP, "" if choices else "NAME")
@@ -71,13 +81,16 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     known = parameter_defaults({"map": "stroboscopic"})
     described = config_of(study).model_json_schema()["$defs"]["Parameters"]["properties"]
     for name in parameter_names():
-        if study == "trajectory" and name in ("phase", *GAP):  # it is flown by the oscillator, not by a map
+        if of_model and name in ("phase", *GAP):  # it belongs to the oscillator, not to a map
             continue
         says = f"{described[name]['description']}{' (gap map)' if name in GAP else ''}"
         metavar = "LIST" if name in AMPLITUDES else "NUMBER"
         arguments.append(option(name, says, PARAMETERS, known.get(name), metavar=metavar))
     for name, setting in settings_of(study).model_fields.items():
         schema = setting.metadata[-1].json_schema if setting.metadata else {}
+        if schema.get("type") == "boolean":
+            arguments.append(switch(name, str(setting.description), STUDY))
+            continue
         default = None if setting.is_required() else setting.default
         choices = tuple(schema.get("enum", ()))
         arguments.append(
@@ -92,6 +105,11 @@ def _positional_help(study: str) -> str:
         return "Initial state and parameters: u=0.1 v=0 d=0.12."
     if study == "cobweb":
         return "Initial state and parameters: x=0.1 mu=0.05."
+    if known.form == "bounds":
+        usual = "; NAME alone for its usual range" if study == "windows" else ""
+        return f"What varies: NAME=LOW:HIGH{usual}; NAME=VALUE sets a parameter."
+    if not known.most:
+        return "Parameters: d=0.12 V=0.4."
     form = "NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=A,B,C"
     what = f"What varies: {form}" if known.least else f"What varies, if anything: {form}"
     several = "; the first is the horizontal axis" if known.most > 1 else ""
@@ -134,7 +152,9 @@ class Given:
         return flag(path[-1])
 
 
-def recipe_from(study: str, tokens: Sequence[str], options: Mapping[str, str | None], file: str | None) -> Recipe:
+def recipe_from(
+    study: str, tokens: Sequence[str], options: Mapping[str, str | bool | None], file: str | None
+) -> Recipe:
     """Return the recipe that a command line asks for: a file gives defaults, options override.
 
     Parameters
@@ -142,7 +162,7 @@ def recipe_from(study: str, tokens: Sequence[str], options: Mapping[str, str | N
     study : str
     tokens : sequence of str
         Such as ``d=0.05:0.16:500``.
-    options : mapping of str to str or None
+    options : mapping of str to str, bool or None
         By the names of the schema; None for those not given.
     file : str or None
         A TOML file.
@@ -198,6 +218,8 @@ def put(given: Given, path: Path, value: Any) -> None:
 def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     """Take in ``NAME=...``: a range varies, a value sets a parameter, a coordinate belongs to the state."""
     problems, coordinates, states = [], _coordinates(given.mapping), {}
+    if given.mapping["study"] == "windows":  # which chooses a range itself if only the name is given
+        tokens = [token if "=" in token else f"{token}=:" for token in tokens]
     ranges = [token for token in tokens if "=" in token and _is_range(token)]
     before = given.mapping.get("vary")
     names = {token.partition("=")[0] for token in ranges}
@@ -206,13 +228,11 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     for token in tokens:
         name, equals, text = token.partition("=")
         if not equals or not name:
-            problems.append(
-                Problem((), f"{token!r} is not NAME=START:STOP:COUNT or NAME=VALUE, such as d=0.05:0.16:500")
-            )
+            problems.append(Problem((), f"{token!r} is not {_forms(given.mapping)}"))
         elif ("vary", name) in given.here or ("parameters", name) in given.words:
             problems.append(Problem((), f"{token!r}: {name} is given twice"))
         elif token in ranges:
-            put(given, ("vary", name), text)
+            put(given, ("vary", name), DEFAULT if text == ":" else text)
         elif name in coordinates and given.mapping["study"] == "basins":
             put(given, ("settings", "fixed", name), text)
         elif name in coordinates and given.mapping["study"] in SINGLE:
@@ -226,6 +246,16 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
             problems.append(Problem((), f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}"))
         put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
     return problems
+
+
+def _forms(mapping: Mapping[str, Any]) -> str:
+    """Return what follows the name of a study, with an example."""
+    study = STUDIES.get(str(mapping.get("study")))
+    if study is not None and not study.most:
+        return "NAME=VALUE, such as d=0.12"
+    if study is not None and study.form == "bounds":
+        return "NAME=LOW:HIGH or NAME=VALUE, such as d=0.05:0.16"
+    return "NAME=START:STOP:COUNT or NAME=VALUE, such as d=0.05:0.16:500"
 
 
 def _most(mapping: Mapping[str, Any]) -> int:

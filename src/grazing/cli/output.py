@@ -77,14 +77,26 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
         raise InputError(
             f"there is no figure of {study or 'a result that does not say its study'}; allowed are {', '.join(DRAWN)}"
         )
+    if study in ("branch", "windows"):
+        from grazing.cli import orbits
+
+        return orbits.FIGURES[study](result, **style)
     return draw(result, **style)
 
 
-DRAWN = ("orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb")
+DRAWN = (
+    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "branch",
+    "windows", "bifurcation_diagram",
+)  # fmt: skip
+#: How the titles begin of results whose attributes do not name the function of their figure.
+TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}
 
 
 def study_of(attrs: Mapping[str, Any]) -> str:
-    """Return the function of the study that a result is of."""
+    """Return the function of the figure that a result has."""
+    for title, name in TITLED.items():
+        if str(attrs.get("title", "")).startswith(title):
+            return name
     if "grazing_config" in attrs:
         return str(json.loads(attrs["grazing_config"]).get("study", ""))
     recipe = json.loads(attrs.get("grazing_recipe", "{}"))

@@ -16,11 +16,13 @@ from cyclopts import Parameter
 from grazing.cli import output, progress
 from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
-from grazing.config.settings import SINGLE, STUDIES
+from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
 from grazing.parameter import whole
 
 DONE, INCOMPLETE = 0, 3
+#: What a study can prove.
+PROVEN = {"orbit": "each admissible orbit", "windows": "the edges of the windows"}
 #: What follows when all cells are computed, where that takes long.
 THEN = {"basins": "following the attractors and the grazing curve", "coexistence": "following the attractors"}
 
@@ -32,14 +34,23 @@ def run_arguments(study: str) -> list[Argument]:
         annotation = Annotated[kind, Parameter(help=says, group=RUN, show_default=False, negative=(), **more)]
         return Argument(argument, Argument.KEYWORD_ONLY, default=default, annotation=annotation)
 
-    files = output.HELP if study not in SINGLE else output.HELP.rpartition(", zarr")[0] + "."
+    files = output.HELP if study not in WHOLE else output.HELP.rpartition(", zarr")[0] + "."
+    if study == "orbit":
+        files = "File to write; may be repeated. Its ending chooses the format: nc (result, NetCDF), csv (tables)."
     found = [
         one("out", list[str] | None, None, files, name=("--out", "-o"), metavar="FILE"),
         one("config", str | None, None, "TOML file that gives defaults; options override.", metavar="FILE"),
     ]
-    if study not in SINGLE:
+    if study in PROVEN:
+        found.append(
+            one("certify", bool, False, f"Prove {PROVEN[study]} in ball arithmetic; exit code 1 if one fails.")
+        )
+        says = "Write the certificates: FILE.json, numbered if there are several, or FOLDER. Implies --certify."
+        found.append(one("save", str | None, None, says, metavar="FILE|FOLDER"))
+    if study not in SINGLE and study != "windows":
         says = "Threads; one per processor if not given. The result does not depend on it."
         found.append(one("threads", int | None, None, says, metavar="N"))
+    if study not in WHOLE:
         found.append(one("dry_run", bool, False, "Print size, memory and estimated time, and compute nothing."))
     return [
         *found,
@@ -61,7 +72,9 @@ def command(study: str) -> Callable[..., int]:
         dump_config: bool = False,
         json: bool = False,
         quiet: bool = False,
-        **options: str | None,
+        certify: bool = False,
+        save: str | None = None,
+        **options: str | bool | None,
     ) -> int:
         recipe = recipe_from(study, given, options, config)
         if dump_config:
@@ -71,13 +84,24 @@ def command(study: str) -> Callable[..., int]:
             whole(threads, "--threads", 1)
         if dry_run:
             return estimated(plan_of(recipe), threads, json)
-        files = output.targets(out, output.ENDINGS if study not in SINGLE else output.ENDINGS[:-1])
+        files = output.targets(out, endings(study))
+        if study in ("orbit", "branch", "windows", "bifurcations"):
+            from grazing.cli.orbits import compute as found
+
+            return found(recipe, files, threads, json, quiet, certify or save is not None, save)
         return compute(recipe, files, threads, json, quiet)
 
     run.__signature__ = signature_of(study, run_arguments(study))  # type: ignore[attr-defined]
     run.__annotations__ = {name: item.annotation for name, item in run.__signature__.parameters.items()}  # type: ignore[attr-defined]
     run.__name__ = study
     return run
+
+
+def endings(study: str) -> tuple[str, ...]:
+    """Return the endings of the files that a study can write."""
+    if study == "orbit":
+        return (".nc", ".csv")
+    return output.ENDINGS if study not in WHOLE else output.ENDINGS[:-1]
 
 
 def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool) -> int:

@@ -324,6 +324,8 @@ def windows_of(branch: Branch) -> list[Window]:
     for number, piece in enumerate(branch.pieces):
         for one in windows_of_piece(piece, branch.special, number):
             close = 1e-9 * (branch.bounds[1] - branch.bounds[0])
+            if one.high - one.low < close:
+                continue
             known = (w for w in found if (w.period, w.word) == (one.period, one.word))
             if not any(abs(w.low - one.low) < close and abs(w.high - one.high) < close for w in known):
                 found.append(one)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import map_of, model_of, parameter_defaults
-from grazing.config.settings import SINGLE, STUDIES
-from grazing.config.values import values_of
+from grazing.config.settings import STUDIES, WHOLE
+from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb
@@ -22,6 +23,8 @@ from grazing.studies.plan import Plan, Progress, run_plan
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from grazing.orbits.periodic import Orbits
 
 #: The attribute of a result that keeps the recipe it was made from, as JSON.
 RECIPE = "grazing_recipe"
@@ -64,9 +67,9 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     """
     recipe = checked(config)
     study = STUDIES[recipe["study"]]
-    if recipe["study"] in SINGLE:
-        others = ", ".join(name for name in STUDIES if name not in SINGLE)
-        raise InputError(f"a {recipe['study']} is one orbit and has no cells to sweep; allowed are {others}")
+    if recipe["study"] in WHOLE:
+        others = ", ".join(name for name in STUDIES if name not in WHOLE)
+        raise InputError(f"{recipe['study']} is computed as a whole and has no cells to sweep; allowed are {others}")
     P, settings = map_in(recipe), dict(recipe["settings"])
     grid = {name: values_of(written) for name, written in recipe["vary"].items()}
     # one parameter is given by its name and values, several (and coordinates) as a mapping
@@ -107,6 +110,62 @@ def boundaries_of(config: Mapping[str, Any]) -> xr.Dataset | None:
     return boundaries(map_in(recipe), *sides, N=recipe["curves"])
 
 
+def orbits_of(config: Mapping[str, Any], threads: int | None = None) -> Orbits:
+    """Return the periodic orbits that a configuration asks for, to be proven or followed.
+
+    Examples
+    --------
+    >>> from grazing.config.build import orbits_of
+    >>> config = {"study": "orbit", "map": "gap", "parameters": {"lam": 0.8, "mu": 0.5, "l": 1.0}}
+    >>> [orbit.word for orbit in orbits_of({**config, "settings": {"period": "1:3"}})]
+    ['LR', 'LLR']
+    """
+    from grazing.orbits.periodic import periodic_orbits
+
+    recipe = checked(config)
+    return periodic_orbits(map_in(recipe), **recipe["settings"], threads=threads)
+
+
+def orbits_as_table(found: Orbits, recipe: Recipe) -> xr.Dataset:
+    """Return the orbits of a recipe as a result that says what made it."""
+    from grazing.config.orbits import orbit_table
+
+    result = signed(orbit_table(found))
+    result.attrs[RECIPE] = json.dumps(kept(recipe), sort_keys=True)
+    return result
+
+
+def followed(recipe: Recipe, threads: int | None, progress: Progress | None) -> xr.Dataset:
+    """Return branches, windows or both with a scan, each from the function of its study."""
+    known, settings = STUDIES[recipe["study"]], dict(recipe["settings"])
+    [(name, written)] = recipe["vary"].items()
+    function = getattr(import_module(f"grazing.{known.module}"), known.function)
+    ends = None if written == DEFAULT else tuple(extremes(written))
+    if known.of == "model":
+        return function(model_near(recipe, name, ends), name, span=ends, **settings)  # type: ignore[no-any-return]
+    if known.form == "bounds":
+        return function(map_in(recipe), name, ends, threads=threads, **settings)  # type: ignore[no-any-return]
+    P, values = map_in(recipe), values_of(written)
+    return function(P, name, values, threads=threads, progress=progress, **settings)  # type: ignore[no-any-return]
+
+
+def model_near(recipe: Recipe, name: str, ends: tuple[float, ...] | None) -> Oscillator:
+    """Return the model of a recipe; a parameter that varies and has no default is in the middle of its range."""
+    given = dict(recipe["parameters"])
+    if parameter_defaults(recipe).get(name, 0.0) is None:
+        if ends is None:
+            raise InputError(f"{name} has no default, so its range is not known; give one, such as {name}=0.1:0.5")
+        given[name] = 0.5 * sum(ends)
+    return model_of({**recipe, "parameters": given})
+
+
+def signed(result: xr.Dataset) -> xr.Dataset:
+    """Return a result that says what made it."""
+    versions_of = json.dumps(versions(), sort_keys=True)
+    result.attrs |= {"source": f"grazing {own_version()}", "grazing_versions": versions_of}
+    return result
+
+
 def kept(recipe: Recipe) -> Recipe:
     """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys."""
     return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
@@ -138,11 +197,11 @@ def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress
     """
     recipe = checked(config)
     if recipe["study"] == "trajectory":
-        result = trajectory(model_of(recipe), **recipe["settings"])
-        result.attrs |= {
-            "source": f"grazing {own_version()}",
-            "grazing_versions": json.dumps(versions(), sort_keys=True),
-        }
+        result = signed(trajectory(model_of(recipe), **recipe["settings"]))
+    elif recipe["study"] == "orbit":
+        result = orbits_as_table(orbits_of(recipe, threads), recipe)
+    elif recipe["study"] in WHOLE and recipe["study"] != "cobweb":
+        result = signed(followed(recipe, threads, progress))
     elif recipe["study"] == "cobweb":
         result = cobweb(map_in(recipe), **recipe["settings"])
     else:

@@ -14,7 +14,7 @@ from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import MAPS, Config, config_of
 from grazing.config.settings import STUDIES
-from grazing.config.values import extremes, number, range_of
+from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import GrazingError, InputError
@@ -155,8 +155,11 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
             ("map",),
             f"the {config['map']} map has coordinates {', '.join(coordinates)}; a cobweb needs one with one: gap",
         )
-    if config.get("study") == "trajectory":
+    study = STUDIES.get(config.get("study", ""))
+    if study is not None and study.of == "model":
         yield from _in_time(config)
+    if isinstance(config["settings"], Mapping):
+        yield from _orbits(config, ranges, names, ("settings", "period") in broken)
     config["vary"] = ranges
     ordered = {key: config[key] for key in ORDER if key in config}
     config.clear()
@@ -193,18 +196,52 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
 
 def _in_time(config: Recipe) -> Iterator[Problem]:
     """Yield what belongs to a map and means nothing for the oscillator itself."""
+    flown = config["study"] == "trajectory"
     if config["map"] != "stroboscopic":
-        yield Problem(
-            ("map",), f"map = {config['map']!r}; a trajectory is flown by the oscillator itself: leave it out"
-        )
+        who = "a trajectory is flown by" if flown else "windows belong to"
+        yield Problem(("map",), f"map = {config['map']!r}; {who} the oscillator itself: leave it out")
     if config["parameters"].get("phase"):
-        yield Problem(("parameters", "phase"), "a trajectory has no section; leave it out, start is the initial time")
+        who = "a trajectory has no section; leave it out, start is the initial time"
+        yield Problem(("parameters", "phase"), who if flown else "windows need no section; leave it out")
+
+
+def _orbits(config: Recipe, ranges: Recipe, names: list[str], broken: bool) -> Iterator[Problem]:
+    """Yield what is wrong with the settings of orbits and branches."""
+    settings, study = config["settings"], config.get("study")
+    named = broken or settings.get("period") is not None or settings.get("word") is not None
+    if study in ("orbit", "branch") and not named:
+        yield Problem(("settings", "period"), "missing; give least periods, such as 3 or 1:6, or a word, such as 001")
+    for name, (low, high) in (settings.get("locus") or {}).items():
+        value = config["parameters"].get(name, low)
+        if isinstance(value, float) and not low <= value <= high:
+            said = f"{name} = {low:g}:{high:g}; it must hold {name} = {value:g}, where the special points are"
+            yield Problem(("settings", "locus"), said)
+        if name not in names:
+            yield Problem(("settings", "locus"), unknown_key(name, names, f"unknown parameter {name!r}"))
+        elif name in ranges:
+            yield Problem(("settings", "locus"), f"{name} is the parameter of the branch; give another one")
+    at = settings.get("at")
+    for name, written in ranges.items() if isinstance(at, list) and written_bounds(ranges) else ():
+        low, high = extremes(written)
+        outside = [value for value in at if not low <= value <= high]
+        if outside:
+            yield Problem(("settings", "at"), f"at = {outside[0]:g}; allowed is {low:g} <= {name} <= {high:g}")
+
+
+def written_bounds(ranges: Recipe) -> bool:
+    """Say whether what varies has bounds, and not those that a study chooses."""
+    return DEFAULT not in ranges.values()
 
 
 def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]]:
+    study = STUDIES.get(config.get("study", ""))
+    bounded = study is not None and study.form == "bounds"
     for name, written in config["vary"].items():
         try:
-            yield name, range_of(written, name)
+            found = bounds_of(written, name) if bounded else range_of(written, name)
+            if found == DEFAULT and config.get("study") != "windows":
+                raise InputError(f"{name} has no range; give low:high, such as {name}=0.05:0.16")
+            yield name, found
         except InputError as error:
             problems.append(Problem(("vary", name), str(error)))
 
@@ -219,6 +256,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
             yield Problem(("vary", name), unknown_key(name, allowed, what))
         elif (
             name in ranges
+            and ranges[name] != DEFAULT
             and allowed is names
             and not is_own(config["map"])
             and config["map"] not in ("gap", "normal-form")
@@ -260,13 +298,15 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
 def _how_many(config: Recipe, least: int, most: int, allowed: list[str]) -> str:
     study = config["study"]
     if not most:
-        return f"{', '.join(config['vary'])}: a {study} varies nothing; give single values"
+        article = "an" if study[0] in "aeiou" else "a"
+        return f"{', '.join(config['vary'])}: {article} {study} varies nothing; give single values"
     varies = STUDIES[study].varies
     wanted = f"{least}" if least == most else f"{least} to {most}"
     plural = "" if most == 1 else "s"
     example = "d" if "d" in allowed else allowed[0]
     got = f"{len(config['vary'])} vary" if config["vary"] else "nothing varies"
-    return f"{got}; {study} varies {wanted} {varies}{plural} of {', '.join(allowed)}, such as {example}=0.1:0.2:100"
+    form = f"{example}=0.1:0.2" if STUDIES[study].form == "bounds" else f"{example}=0.1:0.2:100"
+    return f"{got}; {study} varies {wanted} {varies}{plural} of {', '.join(allowed)}, such as {form}"
 
 
 def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:

@@ -11,6 +11,7 @@ from grazing.config.maps import LAW, UNFOLD, parameter_defaults
 from grazing.config.own import is_own
 from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
+from grazing.config.values import DEFAULT
 from grazing.maps.discontinuity import discontinuity_map
 
 #: What a configuration says beside study, parameters, ranges and settings, with what is meant if it does not.
@@ -54,7 +55,7 @@ def command_of(config: Mapping[str, Any], out: Sequence[str] = ()) -> str:
 def tokens_of(recipe: Recipe) -> Iterator[str]:
     """Yield what follows the name of a study: ranges, the map, parameters and settings, without the defaults."""
     for name, written in recipe["vary"].items():
-        yield f"{name}={text_of('', written)}"
+        yield name if written == DEFAULT else f"{name}={text_of('', written)}"
     for key, usual in KEYS.items():
         if recipe.get(key, usual) != usual:
             yield from _option(key, recipe[key])
@@ -68,7 +69,10 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
                 yield f"{name}={text_of('', value)}"
     settings = settings_of(recipe["study"]).model_fields
     for name, value in recipe["settings"].items():
-        if value != settings[name].get_default():
+        if isinstance(value, bool):
+            if value != settings[name].get_default():
+                yield f"--{name}" if value else f"--no-{name}"
+        elif value != settings[name].get_default():
             yield from _option(name, value)
 
 

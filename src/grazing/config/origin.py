@@ -56,6 +56,8 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     """
     if RECIPE in attrs:
         return checked(_decoded(attrs[RECIPE]))
+    if str(attrs.get("title", "")).startswith("bifurcation diagram"):  # it records its scan only
+        raise InputError("it was made in Python and does not say how far its branches were followed")
     if "grazing_config" not in attrs:
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])

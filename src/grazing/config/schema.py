@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
 from grazing.config import values
 from grazing.config.parameters import LAWS, Parameters, Table
-from grazing.config.settings import STATE, STUDIES, settings_of
+from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
 from grazing.maps.discontinuity import ORDERS
 
 MAPS = {
@@ -24,6 +24,17 @@ MAPS = {
 _RANGES = {
     "type": "object",
     "additionalProperties": {"anyOf": [{"type": "string", "pattern": "^[^:]+:[^:]+:[0-9]+(:log)?$"}, STATE]},
+}
+
+
+_BOUNDS = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [{"type": "string", "pattern": "^[^:]+:[^:]+$|^default$"}, PAIR]},
+}
+#: What varies, by the form in which it is written.
+VARIED: dict[str, tuple[Any, str]] = {
+    "values": (_RANGES, f"what varies: {values.RANGE_FORM}; the first name is the horizontal axis"),
+    "bounds": (_BOUNDS, "what varies: low:high, or default where the study chooses"),
 }
 
 
@@ -64,7 +75,7 @@ class Config(Table):
         default_factory=Parameters, description=str(Parameters.__doc__)
     )
     vary: Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(_RANGES)] = Field(
-        default_factory=dict, description=f"what varies: {values.RANGE_FORM}; the first name is the horizontal axis"
+        default_factory=dict, description=VARIED["values"][1]
     )
     settings: Any = Field(default_factory=dict, description="how it is computed")
 
@@ -76,6 +87,10 @@ def config_of(study: str) -> type[Config]:
     kind: Any = Literal[study]
     says = "periods whose exact boundary curves are drawn on top, where theory knows them: 2,3,5 or 2:7"
     extra: dict[str, Any] = {"curves": (Curves, Field(default=None, description=says))} if study in DRAWN else {}
+    if STUDIES[study].form != "values":
+        form, what = VARIED[STUDIES[study].form]
+        varied = Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(form)]
+        extra["vary"] = (varied, Field(default_factory=dict, description=what))
     return create_model(
         f"{study.capitalize()}Config",
         __base__=Config,

@@ -18,7 +18,11 @@ from grazing.outcome import InputError
 
 @dataclass(frozen=True)
 class Study:
-    """A study: the function that does it, how many parameters or coordinates it varies, and what it says of itself."""
+    """A study: the function that does it, how many parameters or coordinates it varies, and what it says of itself.
+
+    ``form`` is how what varies is written: *values* (start:stop:count or a list) or *bounds* (low:high). ``of`` is
+    what the function takes: a *map*, or the *model* itself.
+    """
 
     function: str
     module: str
@@ -26,6 +30,8 @@ class Study:
     most: int
     varies: str
     says: str
+    form: str = "values"
+    of: str = "map"
 
 
 ONE, COORDINATE = "parameter", "coordinate"
@@ -38,11 +44,25 @@ STUDIES = {
     "basins": Study("basins", "studies.basins", 0, 2, COORDINATE, "which attractor each initial state reaches"),
     "lyapunov": Study("lyapunov", "studies.lyapunov", 0, 1, ONE, "Lyapunov exponents"),
     "coexistence": Study("coexistence", "studies.coexistence", 1, 1, ONE, "all attractors and their shares"),
-    "trajectory": Study("trajectory", "oscillator.trajectory", 0, 0, ONE, "one orbit in time, with every impact"),
+    "trajectory": Study(
+        "trajectory", "oscillator.trajectory", 0, 0, ONE, "one orbit in time, with every impact", of="model"
+    ),
     "cobweb": Study("cobweb", "studies.cobweb", 0, 0, ONE, "one orbit of a one-dimensional map, step by step"),
+    "orbit": Study("periodic_orbits", "orbits.periodic", 0, 0, ONE, "periodic orbits, stable and unstable"),
+    "branch": Study(
+        "branches", "compare.word_branches", 1, 1, ONE, "periodic orbits followed in a parameter", form="bounds"
+    ),
+    "windows": Study(
+        "window_table", "config.orbits", 1, 1, ONE, "where stable one-impact orbits exist", form="bounds", of="model"
+    ),
+    "bifurcations": Study(
+        "bifurcation_diagram", "compare.bifurcation_diagram", 1, 1, ONE, "a scan and the branches through it"
+    ),
 }
-#: Studies of one orbit, which have no cells to sweep.
+#: Studies of one orbit, which begins at a state that is given.
 SINGLE = ("trajectory", "cobweb")
+#: Studies that are computed as a whole: they have no cells to sweep.
+WHOLE = (*SINGLE, "orbit", "branch", "windows", "bifurcations")
 
 
 def _setting(check: Callable[[Any, str], Any], schema: Mapping[str, Any], says: str) -> Callable[[str, Any], Any]:
@@ -77,8 +97,20 @@ def _text(value: Any, name: str) -> str:
     return value
 
 
+def _switch(says: str) -> Callable[[str, Any], Any]:
+    def check(value: Any, name: str) -> bool:
+        if isinstance(value, str) and value.lower() in ("true", "false"):
+            return value.lower() == "true"
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}; allowed are true and false")
+        return value
+
+    return _setting(check, {"type": "boolean"}, says)
+
+
 PAIR = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 STATE = {"type": "array", "items": {"type": "number"}}
+WHOLES = {"type": "array", "items": {"type": "integer", "minimum": 1}}
 
 SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "starts": _setting(
@@ -111,9 +143,32 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "start": _setting(values.number, {"type": "number"}, "time of the initial state"),
     "until": _setting(values.number, {"type": "number"}, "time of the end"),
     "samples": _whole(2, "points per period of the forcing"),
+    "period": _setting(values.wholes, WHOLES, "least periods, in steps of the map: 3, 2,3 or 1:6"),
+    "word": _setting(_text, {"type": "string"}, "word of the orbits, such as 001, or LLR for the gap map"),
+    "virtual": _switch("include virtual orbits, which the map does not have"),
+    "at": _setting(
+        values.numbers, STATE, "values of the parameter at which orbits are looked for; 9 within the range if not given"
+    ),
+    "locus": _setting(
+        values.bounds_by_name,
+        {"type": "object", "additionalProperties": PAIR, "maxProperties": 1},
+        "second parameter, NAME=LOW:HIGH, in which the special points are followed",
+    ),
+    "step": _setting(values.number, {"type": "number"}, "longest step along a branch, in units of the range"),
+    "limit": _whole(2, "most points of one piece of a branch"),
+    "N": _setting(values.wholes, WHOLES, "periods of the forcing between impacts: 3, 2,3 or 2:7"),
+    "sensitivity": _switch("add the derivatives of all edges in every parameter"),
+}
+#: Settings that say something else in one study.
+_SEARCH = _whole(1, "random starts of the search for orbits")
+OWN = {
+    ("orbit", "starts"): _SEARCH,
+    ("branch", "starts"): _SEARCH,
+    ("windows", "samples"): _whole(2, "cells of the first grid"),
+    ("bifurcations", "period"): _whole(1, "longest period of an attractor that is followed"),
 }
 #: Arguments of the functions that are no settings: what is studied, and what the numbers do not depend on.
-ARGUMENTS = {"P", "model", "name", "values", "params", "grid", "threads", "progress"}
+ARGUMENTS = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "threads", "progress"}
 
 
 def function_of(study: str) -> Callable[..., Any]:
@@ -129,7 +184,7 @@ def settings_of(study: str) -> type[Table]:
     for name, item in inspect.signature(function_of(study)).parameters.items():
         if name in SETTINGS:
             default = ... if item.default is inspect.Parameter.empty else item.default
-            fields[name] = SETTINGS[name](name, default)
+            fields[name] = OWN.get((study, name), SETTINGS[name])(name, default)
     return create_model(
         f"{study.capitalize()}Settings", __base__=Table, __doc__=f"How the {study} is computed.", **fields
     )
@@ -143,8 +198,11 @@ def text_of(name: str, value: Any) -> str:
     >>> text_of("box", [[0.0, 1.0], [-2.0, 2.0]]), text_of("starts", [[0.1, 0.0], [0.2, 0.0]])
     ('0.0:1.0,-2.0:2.0', '0.1,0.0;0.2,0.0')
     """
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, Mapping):
-        return ",".join(f"{key}={item!r}" for key, item in value.items())
+        form = "range" if name == "locus" else ""
+        return ",".join(f"{key}={text_of(form, item)}" for key, item in value.items())
     if not isinstance(value, (list, tuple)):
         return str(value)
     if name == "box":

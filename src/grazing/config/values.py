@@ -16,6 +16,8 @@ from grazing.parameter import real, whole
 MOST = 10**8
 #: More periods than any picture shows curves of.
 MANY = 1000
+#: What stands for the bounds that a function chooses itself.
+DEFAULT = "default"
 RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
 
 
@@ -144,14 +146,53 @@ def values_of(written: str | list[float]) -> NDArray[np.float64]:
     """
     if not isinstance(written, str):
         return np.array(written, np.float64)
+    if written.count(":") == 1:
+        return np.array(pair(written, "range"))
     start, stop, n, log = _ends(written, "range")
     return np.geomspace(start, stop, n) if log else np.linspace(start, stop, n)
+
+
+def bounds_of(value: Any, name: str) -> str:
+    """Return bounds as they are written, checked: text ``low:high``, or the word ``default``.
+
+    Examples
+    --------
+    >>> bounds_of(" 0.02 : 0.14", "d"), bounds_of([0.02, 0.14], "d")
+    ('0.02:0.14', '0.02:0.14')
+    """
+    if value == DEFAULT:
+        return DEFAULT
+    if isinstance(value, str) and value.count(":") in (2, 3):
+        raise InputError(f"{name} = {value!r}; give low:high, without a count: the steps are chosen along the way")
+    low, high = pair(value, name)
+    if isinstance(value, str):
+        return ":".join(part.strip() for part in value.split(":"))
+    return f"{low!r}:{high!r}"
+
+
+def bounds_by_name(value: Any, name: str) -> dict[str, list[float]]:
+    """Return one name with its bounds from a table or text such as ``V=0.1:0.6``.
+
+    Examples
+    --------
+    >>> bounds_by_name("V=0.1:0.6", "locus")
+    {'V': [0.1, 0.6]}
+    """
+    if isinstance(value, str):
+        key, equals, text = value.partition("=")
+        value = {key.strip(): text} if equals else value
+    if not isinstance(value, Mapping) or len(value) != 1 or "" in value:
+        raise InputError(f"{name} = {value!r}; give one parameter and its range, NAME=LOW:HIGH, such as V=0.1:0.6")
+    return {str(key): pair(item, f"{name} {key}") for key, item in value.items()}
 
 
 def extremes(written: str | list[float]) -> tuple[float, float]:
     """Return the least and the greatest value of a range."""
     if not isinstance(written, str):
         return min(written), max(written)
+    if written.count(":") == 1:
+        low, high = pair(written, "range")
+        return low, high
     start, stop, n, _log = _ends(written, "range")
     return (min(start, stop), max(start, stop)) if n > 1 else (start, start)
 

@@ -89,10 +89,12 @@ def recurrences(runs: Runs, N: int, most: int) -> Window:
     points, letters = np.concatenate([one[0] for one in parts]), np.concatenate([one[1] for one in parts])
     finite = np.isfinite(points).all(axis=(1, 2))
     points, letters = points[finite], letters[finite]
-    gaps = np.abs((points[:, N] - points[:, 0]) / (high - low)).max(axis=1)
+    with np.errstate(over="ignore"):  # beyond all numbers is far, too
+        gaps = np.abs((points[:, N] - points[:, 0]) / (high - low)).max(axis=1)
     words, turn = cyclic_keys(letters)
     at = points[np.arange(len(points)), turn]
-    cells = np.clip(np.floor((at - low) / (high - low) * CELLS), -1, CELLS).astype(np.int64)
+    with np.errstate(over="ignore"):
+        cells = np.clip(np.floor((at - low) / (high - low) * CELLS), -1, CELLS).astype(np.int64)
     keys = words.copy()
     for column in cells.T:
         keys = mixed(keys ^ column.astype(np.uint64))

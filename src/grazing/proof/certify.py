@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from grazing.maps.gap import gap_step
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.signature import flown
+from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
 from grazing.outcome import InputError
 from grazing.proof.clearance import Clear, Through, clear
@@ -173,6 +173,8 @@ def with_impacts(orbit: object) -> ImpactOrbit:
     if isinstance(orbit, ImpactOrbit):
         return orbit
     if isinstance(orbit, Orbit) and orbit.map.model is not None and orbit.map.section is not None:
+        if rests(orbit):
+            raise InputError(f"{orbit!r} comes to rest on the wall; orbits that rest or chatter are not proven")
         return flown(orbit)
     raise InputError(
         f"orbit is {orbit!r}; give a periodic orbit of the oscillator, such as one of gz.one_impact_orbits(model, N)"

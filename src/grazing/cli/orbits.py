@@ -1,0 +1,153 @@
+"""``grazing orbit``, ``branch``, ``windows`` and ``bifurcations``: their tables, figures and certificates."""
+
+from __future__ import annotations
+
+import json as text
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from grazing.cli import output, progress
+from grazing.cli.certificates import certificates_at, orbit_proofs, proof_lines, window_proofs, written_proofs
+from grazing.cli.orbit_rows import TABLES, plain
+from grazing.cli.orbit_words import WORDS
+from grazing.cli.study import command, lines
+from grazing.config import command_of, result_of
+from grazing.config.build import RECIPE, orbits_as_table, orbits_of
+from grazing.outcome import InputError
+
+DONE, FAILED = 0, 1
+#: What takes long, in words.
+DOES = {"orbit": "searching for orbits", "branch": "following branches", "windows": "looking for windows"}
+
+orbit = App(name="orbit", help_format="plaintext", default_parameter=Parameter(negative=()))
+orbit.default(command("orbit"))
+
+
+@orbit.command
+def check(
+    file: Annotated[str, Parameter(name="CERTIFICATE", help="File .json that --save wrote.")],
+    /,
+    *,
+    model: Annotated[
+        str | None,
+        Parameter(help="file.py:name of the gz.Oscillator whose reset law of your own was proven.", metavar="NAME"),
+    ] = None,
+    json: Annotated[bool, Parameter(help="Print the verdict as one JSON object.", show_default=False)] = False,
+) -> int:
+    """Verify a certificate anew, without the code that found it.
+
+    Prints the sentence that is proven; exit code 1 if it is not.
+    """
+    from grazing.proof.checker import check_certificate
+
+    if not Path(file).is_file():
+        raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
+    law = None
+    if model is not None:
+        from grazing.config.maps import own_model
+
+        law = own_model(model).reset.law
+    try:
+        said, good = check_certificate(file, law=law), True
+    except InputError as error:
+        said, good = str(error), False
+    if json:
+        print(text.dumps({"file": file, "verified": good, "statement" if good else "reason": said}))
+    else:
+        print(f"{file}: {'verified' if good else 'NOT verified'}\n{said}", file=sys.stdout if good else sys.stderr)
+    return DONE if good else FAILED
+
+
+def compute(
+    recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool, certify: bool,
+    save: str | None,
+) -> int:  # fmt: skip
+    """Compute a recipe, write its files, prove what is to be proven, and say what was found."""
+    study, start = recipe["study"], time.monotonic()
+    target = None if save is None else certificates_at(save)
+    found: Any = None
+    if study == "bifurcations":
+        with progress.counted("values", quiet, "following the branches") as show:
+            result = result_of(recipe, threads=threads, progress=show)
+    else:
+        with progress.said(DOES[study], quiet):
+            if study == "orbit":
+                found = orbits_of(recipe, threads)
+                result = orbits_as_table(found, dict(recipe))
+            else:
+                result = result_of(recipe, threads=threads)
+    tables = TABLES[study](result)
+    good = True
+    if certify:
+        with progress.said("proving", quiet):
+            proofs = orbit_proofs(found) if study == "orbit" else window_proofs(recipe, result)
+        good = all(proof["proven"] or not proof["due"] for proof in proofs)
+        tables["proofs"] = written_proofs(proofs, target)
+    seconds = time.monotonic() - start
+    written = [name for file in files for name in output.write(result, file)]
+    written += [proof["file"] for proof in tables.get("proofs", ()) if proof.get("file")]
+    summary = {
+        "study": study,
+        "title": str(result.attrs.get("title", "")),
+        "sizes": {str(name): size for name, size in result.sizes.items()},
+        "seconds": round(seconds, 3),
+        "files": written,
+        "config_sha256": result.attrs.get("grazing_config_sha256"),
+        "command": command_of(recipe, [str(file) for file in files]),
+    }
+    if json:
+        print(text.dumps(plain({**summary, **tables})))
+    else:
+        head, *rest = lines(summary)
+        if study == "orbit" and not written:
+            rest[-1] = "written: nothing; -o orbits.nc keeps the table, --save folder the proofs"
+        print("\n".join([head, "", *WORDS[study](tables, result, recipe), *proof_lines(tables), *rest]))
+    sys.stdout.flush()
+    return DONE if good else FAILED
+
+
+# ---- figures
+
+
+def branch_figure(result: Any, **style: Any) -> Mapping[str, Any]:
+    """Draw a branch, and beside it the loci of its special points if there are any."""
+    from grazing import plot
+    from grazing.compare.word_branches import loci_of
+
+    recipe = text.loads(result.attrs.get(RECIPE, "{}"))
+    if recipe:
+        style = {"virtual": bool(recipe["settings"].get("virtual")), **style}
+    loci = loci_of(result)
+    if not loci:
+        return plot.branch(result, plot.panels(174.0, 80.0)[1][0], **style)
+    figure, (left, right) = plot.panels(174.0, 80.0, columns=2)
+    plot.branch(result, left, **style)
+    plot.locus(loci, right, virtual=style.get("virtual", True), names=style.get("names", True))
+    return {"figure": figure}
+
+
+def windows_figure(result: Any, **style: Any) -> Mapping[str, Any]:
+    """Draw windows over the range that was searched, or over what they take of it."""
+    from grazing import plot
+
+    name, (low, high) = str(result.attrs["parameter"]), result.attrs["span"]
+    lows, highs = result["low"].values.tolist(), result["high"].values.tolist()
+    if lows:  # most of a default range holds no window
+        room = 0.05 * (max(highs) - min(lows))
+        low, high = max(low, min(lows) - room), min(high, max(highs) + room)
+    figure, (ax,) = plot.panels(174.0, 30.0)
+    with plot.styled():
+        ax.set_xlim(low, high)
+        ax.set_yticks([])
+        ax.spines["left"].set_visible(False)
+        symbol = str(result["low"].attrs.get("symbol", name))
+        ax.set_xlabel(f"${symbol}$")
+    return {**plot.windows(result, ax, **style), "figure": figure}
+
+
+FIGURES: dict[str, Callable[..., Mapping[str, Any]]] = {"branch": branch_figure, "windows": windows_figure}
