@@ -185,7 +185,7 @@ class _Search:
         """Keep a branch, and the branches that begin at its period doublings and branch points."""
         self.branches.append(branch)
         for one in branch.special:
-            if one.type in ("pd", "bp") and one.admissible and one.orbit.period <= self.longest:
+            if one.type in ("pd", "bp") and one.converged and one.admissible and one.orbit.period <= self.longest:
                 if len(self.branches) < MOST and not self._begun(one):
                     try:
                         self.branches.append(continuation(branch.map, one, self.name, self.bounds))

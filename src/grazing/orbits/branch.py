@@ -300,7 +300,8 @@ class _Search:
         path = self._path(seed)
         equations = seed.equations
         middle = path.points[len(path.points) // 2]
-        if seed.origin >= 0 and turns(equations, unscaled(equations, middle.z)[0]) > 1:
+        lost = path.ended == "lost" and len(path.points) < 2
+        if seed.origin >= 0 and (lost or turns(equations, unscaled(equations, middle.z)[0]) > 1):
             self.special[seed.origin] = self.special[seed.origin]._replace(to=-1)
             return  # all impacts lose their speed at once: what begins is a shorter orbit, gone round several times
         self._halved(path)

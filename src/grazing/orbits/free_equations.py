@@ -86,10 +86,15 @@ class FreeEquations(Equations):
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and ns, and the clearance of the wall."""
         _end, E, low, _when = self.turned(x, p)
-        trace, det = float(np.trace(E)), float(np.linalg.det(E))
+        trace, det = float(np.trace(E)), self._area(p)
         return (
             Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det), Test("gr", low, 0),
         )  # fmt: skip
+
+    def _area(self, p: Floats) -> float:
+        """Return exp(-alpha T), by which areas shrink in a period: exactly 1 where nothing damps."""
+        c = self.constants(p)
+        return float(np.exp(-c.alpha * c.T))
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether there is no steady response."""
@@ -98,7 +103,7 @@ class FreeEquations(Equations):
     def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
         """Return the orbit, admissible if it stays off the wall."""
         end, E, low, _when = self.turned(x, p)
-        trace, det = float(np.trace(E)), float(np.linalg.det(E))
+        trace, det = float(np.trace(E)), self._area(p)
         none = np.empty(0)
         model = self.model_at(p)
         return ImpactOrbit(
