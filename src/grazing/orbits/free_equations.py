@@ -14,15 +14,16 @@ from grazing.kernel.lanes import unpacker
 from grazing.maps.pointed import flight_fields
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import lowest_dip
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Test
+from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
-from grazing.oscillator.constants import HEAD, constants_of
+from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
-from grazing.parameter import parameter_tuple, unknown
+from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 
@@ -30,48 +31,24 @@ Floats = NDArray[np.float64]
 INSTANTS = 16
 
 
-class FreeEquations(Equations):
+class FreeEquations(FlightEquations):
     """The state (y, v) at the strobe, y = u - sigma, that one period of free flight repeats."""
 
     def __init__(self, model: Oscillator, names: tuple[str, ...], spans: Any = None) -> None:
-        params = model.params
-        for name in names:
-            if name not in params:
-                raise unknown(name, params, "the model")
-        self.model, self.names, self.n, self.N = model, names, 0, 1
-        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
-        self._index = [list(params).index(name) for name in names]
-        self._base = np.array(list(params.values()))
-        self._row = np.zeros(len(flight_fields(model.harmonics)))
-        self._head = len(HEAD) + 2 * model.harmonics + 1
+        super().__init__(model, names, spans)
+        self.n, self.N = 0, 1
         self._turn = turner(model.harmonics)
-        c = self.constants(self._base[self._index])
+        c = self.constants(self.own)
         self.scale = np.array([c.size, c.size * c.rate])
-
-    def model_at(self, p: Floats) -> Oscillator:
-        """Return the model with these values of the parameters that vary."""
-        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
-
-    def prepared(self, p: Floats) -> Floats:
-        """Return the numbers that a flight needs."""
-        values = self._base.copy()
-        values[self._index] = p
-        self._row[: self._head] = values[: self._head]
-        return self._row
-
-    def constants(self, p: Floats) -> Any:
-        """Return the constants of flights, in plain Python."""
-        kind = parameter_tuple(flight_fields(self.model.harmonics))
-        return constants_of(self.model.harmonics)(kind(*self.prepared(p).tolist()))
 
     def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, float, float]:
         """Return the state after a period, its derivative, the lowest local minimum and its time in [0, T)."""
         out = np.empty(8)
-        call(self._turn, self.prepared(p), np.ascontiguousarray(x, np.float64), out, who="the free flight")
+        call(self._turn, self.row(self.values(p)), np.ascontiguousarray(x, np.float64), out, who="the free flight")
         return out[:2], out[2:6].reshape(2, 2), float(out[6]), float(out[7])
 
     def start(self, p: Floats) -> Floats:
-        """Return the solution, which is unique where the free flight has no multiplier 1."""
+        """Return the solution, which is unique where the free flight has no multiplier 1; else NaN."""
         end, E, _low, _when = self.turned(np.zeros(2), p)
         try:
             return np.asarray(np.linalg.solve(np.eye(2) - E, end))

@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
 from grazing.maps.period import product, saltation
-from grazing.maps.pointed import flight_fields, law_addresses
+from grazing.maps.pointed import law_addresses
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, PROFILE, SLOPE, closer
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Test
+from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
-from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
-from grazing.parameter import parameter_tuple, unknown
+from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Profile(NamedTuple):
     scale: float
 
 
-class ImpactEquations(Equations):
+class ImpactEquations(FlightEquations):
     """Closing equations of n impacts in N periods; unknowns are the times, then the velocities after the impacts.
 
     Parameters
@@ -62,39 +62,12 @@ class ImpactEquations(Equations):
     def __init__(
         self, model: Oscillator, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None
     ) -> None:
-        params = model.params
-        for name in names:
-            if name not in params:
-                raise unknown(name, params, "the model")
-        self.model, self.names, self.N, self.pieces = model, names, N, tuple(pieces)
+        super().__init__(model, names, spans)
+        self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
-        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
-        self._index = [list(params).index(name) for name in names]
-        self._base = np.array(list(params.values()))
-        self._row = np.zeros(len(flight_fields(model.harmonics)))
-        self._head = len(HEAD) + 2 * model.harmonics + 1  # alpha .. sigma, then phase = 0 and the law's fields
-        c = self.constants(self._base[self._index])
+        c = self.constants(self.own)
         self.scale = np.repeat([c.T, c.size * c.rate], self.n)
         self._gaps, self._close, self._profile = closer(model.harmonics)
-
-    def values(self, p: Floats) -> Floats:
-        """Return all parameters of the model, in their order."""
-        values = self._base.copy()
-        values[self._index] = p
-        return values
-
-    def model_at(self, p: Floats) -> Oscillator:
-        """Return the model with these values of the parameters that vary."""
-        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
-
-    def constants(self, p: Floats) -> Any:
-        """Return the constants of flights, in plain Python."""
-        kind = parameter_tuple(flight_fields(self.model.harmonics))
-        return constants_of(self.model.harmonics)(kind(*self._prepared(self.values(p)).tolist()))
-
-    def _prepared(self, values: Floats) -> Floats:
-        self._row[: self._head] = values[: self._head]
-        return self._row
 
     def _laws(self, values: Floats) -> Floats:
         """Return for each impact the addresses of its law, of its slope and of their numbers, which must live."""
@@ -104,20 +77,20 @@ class ImpactEquations(Equations):
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""
         values, F, J = self.values(p), np.full(2 * self.n, np.nan), np.full((2 * self.n, 2 * self.n), np.nan)
-        call(self._gaps, self._prepared(values), x, self.N, self._laws(values), F, J, who="the closing equations")
+        call(self._gaps, self.row(values), x, self.N, self._laws(values), F, J, who="the closing equations")
         return F, J
 
     def solve(self, guesses: Floats, p: Floats) -> Floats:
         """Solve by Newton's method from each row of guesses (k, 2n), which they become; residuals, NaN for none."""
         values, residuals = self.values(p), np.full(len(guesses), np.nan)
-        arguments = self._prepared(values), guesses, self.N, self._laws(values), residuals
+        arguments = self.row(values), guesses, self.N, self._laws(values), residuals
         call(self._close, *arguments, who="the closing equations")
         return residuals
 
     def profile(self, x: Floats, p: Floats, contacts: bool = False) -> Profile:
         """Return what a solution's flights do; with ``contacts`` each is flown by the exact advance as well."""
         values, table, out = self.values(p), np.empty((self.n, PROFILE)), np.empty(3)
-        arguments = self._prepared(values), x, self.N, self._laws(values), contacts, table, out
+        arguments = self.row(values), x, self.N, self._laws(values), contacts, table, out
         call(self._profile, *arguments, who="the closing equations")
         return Profile(table, *out.tolist())
 

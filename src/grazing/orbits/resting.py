@@ -20,11 +20,12 @@ from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.pointed import flight_fields
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Test
+from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_equations import addresses
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
-from grazing.oscillator.constants import HEAD, constants_of, forcing
+from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import trajectory
@@ -90,16 +91,14 @@ def settler(harmonics: int) -> Callable[..., None]:
     return compiled(settle)
 
 
-class RestEquations(Equations):
+class RestEquations(FlightEquations):
     """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
 
     def __init__(self, model: Oscillator, names: tuple[str, ...], release: int, spans: Any = None) -> None:
-        self.model, self.names, self.release = model, names, release
-        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
+        super().__init__(model, names, spans)
+        self.release = release
         self.scale = np.array([model.period])
-        self._index = [list(model.params).index(name) for name in names]
-        self._base = np.array(list(model.params.values()))
-        found = self.rest(self._base[self._index])
+        found = self.rest(self.own)
         self.N = 0 if found is None else round((found.next - found.release) / model.period)
 
     @property
@@ -107,25 +106,16 @@ class RestEquations(Equations):
         """How far the forcing moves the ball."""
         return float(self.model.period**2 * sum(np.hypot(self.model.forcing.cos, self.model.forcing.sin)))
 
-    def model_at(self, p: Floats) -> Oscillator:
-        """Return the model with these values of the parameters that vary."""
-        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
-
     def rest(self, p: Floats) -> Rest | None:
         """Return what happens from one release to the next; None where the ball does not come to rest."""
-        values = self._base.copy()
-        values[self._index] = p
-        row = np.zeros(len(flight_fields(self.model.harmonics)))
-        head = len(HEAD) + 2 * self.model.harmonics + 1
-        row[:head] = values[:head]
-        c = constants_of(self.model.harmonics)(parameter_tuple(flight_fields(self.model.harmonics))(*row.tolist()))
+        values, c = self.values(p), self.constants(p)
         times = releases(c)
         if self.release >= len(times):
             return None
         start = times[self.release]
         (at,), (slope,) = addresses(self.model, (0,))
         laws, out = np.array([at, slope, float(values.ctypes.data)]), np.zeros(4)
-        call(settler(self.model.harmonics), row, start, laws, out, who="the chatter")
+        call(settler(self.model.harmonics), self.row(values), start, laws, out, who="the chatter")
         if out[3] == 0.0:
             return None
         return Rest(start, float(out[0]), float(out[1]), int(out[2]))

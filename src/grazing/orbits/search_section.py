@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from math import ceil, floor
 from typing import NamedTuple
@@ -148,8 +147,9 @@ def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations 
     """Yield the solutions of the wanted periods with their equations."""
     if search.P.section != "impact" and 1 in search.periods:
         free = FreeEquations(search.model, ())
-        with suppress(np.linalg.LinAlgError):  # in resonance there is no free orbit, or one from every state
-            yield free, free.start(NOTHING)
+        start = free.start(NOTHING)
+        if np.isfinite(start).all():  # in resonance there is no free orbit, or one from every state
+            yield free, start
     for (N, pieces), solutions in sorted(found.found.items()):
         if (len(pieces) if search.P.section == "impact" else N) in search.periods:
             for x in solutions:

@@ -1,0 +1,69 @@
+"""Equations of orbits of the oscillator: what they all do with its parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.pointed import flight_fields
+from grazing.orbits.equations import Equations
+from grazing.oscillator.constants import HEAD, constants_of
+from grazing.oscillator.model import Oscillator
+from grazing.parameter import parameter_tuple, unknown
+
+Floats = NDArray[np.float64]
+
+
+class FlightEquations(Equations):
+    """Equations whose flights are those of an oscillator.
+
+    Parameters
+    ----------
+    model : Oscillator
+        Gives the values of all parameters that do not vary.
+    names : tuple of str
+        Parameters that vary.
+    spans : array_like, optional
+        Size of each of them.
+    """
+
+    def __init__(self, model: Oscillator, names: tuple[str, ...], spans: Any = None) -> None:
+        params = model.params
+        for name in names:
+            if name not in params:
+                raise unknown(name, params, "the model")
+        self.model, self.names = model, names
+        self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
+        self._index = [list(params).index(name) for name in names]
+        self._base = np.array(list(params.values()))
+
+    @property
+    def own(self) -> Floats:
+        """The values that the model itself has for the parameters that vary."""
+        return np.asarray(self._base[self._index])
+
+    def values(self, p: Floats) -> Floats:
+        """Return all parameters of the model, in their order."""
+        values = self._base.copy()
+        values[self._index] = p
+        return values
+
+    def row(self, values: Floats) -> Floats:
+        """Return the numbers that a flight needs, in the order of :func:`grazing.maps.pointed.flight_fields`."""
+        row = np.zeros(len(flight_fields(self.model.harmonics)))
+        head = (
+            len(HEAD) + 2 * self.model.harmonics + 1
+        )  # alpha to sigma; the section's phase and the law's fields are 0
+        row[:head] = values[:head]
+        return row
+
+    def model_at(self, p: Floats) -> Oscillator:
+        """Return the model with these values of the parameters that vary."""
+        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+
+    def constants(self, p: Floats) -> Any:
+        """Return the constants of flights, in plain Python."""
+        kind = parameter_tuple(flight_fields(self.model.harmonics))
+        return constants_of(self.model.harmonics)(kind(*self.row(self.values(p)).tolist()))
