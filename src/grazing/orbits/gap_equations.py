@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Test
 from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.word import word
 from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
 
 
-class GapEquations(Equations):
+class GapEquations(PointEquations):
     """Unknown is x for a letter L and s = sqrt(x) for R; x -> lam x + mu and s -> mu - l - s give the next point.
 
     All equations are polynomials, so a branch goes on through a border collision, where x = 0 or s = 0; beyond, an
@@ -63,23 +64,6 @@ class GapEquations(Equations):
             Test("bcb", float(v if right else -v), j) for j, (v, right) in enumerate(zip(x, self._right, strict=True))
         ]
         return (Test("pd", scale + slope), Test("lp", scale - slope), *border)
-
-    def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
-        """Return the solution, begun at another point, that is nearest to another, and its order."""
-        N, d = self.N, len(x) // self.N
-        orders = [
-            np.roll(np.arange(N * d), -k * d) for k in range(N) if self.letters[k:] + self.letters[:k] == self.letters
-        ]
-        order = min(orders, key=lambda one: float(np.abs((x[one] - like) / self.scale).max()))
-        return x[order], order
-
-    def halved(self, x: Floats, p: Floats) -> Floats | None:
-        """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
-        h = self.N // 2
-        if self.N % 2 or self.letters[:h] != self.letters[h:]:
-            return None
-        half = len(x) // 2
-        return np.asarray((x[half:] - x[:half]) / self.scale[:half])
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say nothing: the equations hold everywhere."""

@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Test
 from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.word import word
 from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
 
 
-class MapEquations(Equations):
+class MapEquations(PointEquations):
     """Points x_0, ..., x_{N-1} with x_{j+1} = P(x_j) and x_0 = P(x_{N-1}), each with the letter it has at the start."""
 
     def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
@@ -81,23 +82,6 @@ class MapEquations(Equations):
             Test("bcb", 1.0 if a == b else -1.0, j) for j, (a, b) in enumerate(zip(letters, self.letters, strict=True))
         ]
         return (*found, *same)
-
-    def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
-        """Return the solution, begun at another point, that is nearest to another, and its order."""
-        N, d = self.N, len(x) // self.N
-        orders = [
-            np.roll(np.arange(N * d), -k * d) for k in range(N) if self.letters[k:] + self.letters[:k] == self.letters
-        ]
-        order = min(orders, key=lambda one: float(np.abs((x[one] - like) / self.scale).max()))
-        return x[order], order
-
-    def halved(self, x: Floats, p: Floats) -> Floats | None:
-        """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
-        h = self.N // 2
-        if self.N % 2 or self.letters[:h] != self.letters[h:]:
-            return None
-        half = len(x) // 2
-        return np.asarray((x[half:] - x[:half]) / self.scale[:half])
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether a point has another letter than at the start."""

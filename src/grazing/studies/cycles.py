@@ -15,6 +15,7 @@ import numpy as np
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
+from grazing.kernel.linear import solved
 from grazing.studies.recurrence import UNDECIDED, next_cycle
 
 #: Newton steps after which a cycle counts as not found.
@@ -36,31 +37,6 @@ def multiplied(a: Any, b: Any, out: Any) -> None:
             for k in range(d):
                 total += a[i, k] * b[k, j]
             out[i, j] = total
-
-
-def solved(a: Any, b: Any) -> bool:
-    """Solve a x = b by elimination with pivots; x replaces b, and a is destroyed. False for a singular matrix."""
-    d = a.shape[0]
-    for k in range(d):
-        pivot = k
-        for i in range(k + 1, d):
-            if abs(a[i, k]) > abs(a[pivot, k]):
-                pivot = i
-        if not abs(a[pivot, k]) > 0.0:
-            return False
-        for j in range(d):
-            a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
-        b[k], b[pivot] = b[pivot], b[k]
-        for i in range(k + 1, d):
-            factor = a[i, k] / a[k, k]
-            for j in range(k, d):
-                a[i, j] -= factor * a[k, j]
-            b[i] -= factor * b[k]
-    for k in range(d - 1, -1, -1):
-        for j in range(k + 1, d):
-            b[k] -= a[k, j] * b[j]
-        b[k] /= a[k, k]
-    return True
 
 
 def log_radius(M: Any) -> float:
