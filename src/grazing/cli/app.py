@@ -59,6 +59,7 @@ RESULTS = {
     "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
     "info": ("grazing.cli.info:info", "Tell what a file is, and the command that makes it again."),
+    "explore": ("grazing.cli.explore:explore", "Explore in a browser, which computes by the same kernels."),
     "config": ("grazing.cli.configuration:app", "Print the schema of configuration files, or what one says."),
 }
 

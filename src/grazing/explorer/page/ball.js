@@ -1,0 +1,287 @@
+// @ts-check
+/** The ball against its bumper in time, and its phase portrait. */
+import { periodColour, theme } from "./colours.js";
+import { rowOf } from "./flow.js";
+import { found, words } from "./orbits.js";
+import { Axes } from "./plot.js";
+
+const CAPACITY = 512, WIDTH = 9, AHEAD = 3;
+/** Periods of forcing in a second at speed 1, and samples in a period. */
+const PACE = 0.7, SAMPLES = 160;
+
+export class BallView {
+  constructor(machine, described, { problem, done }) {
+    this.machine = machine;
+    this.tolerance = described.tolerance;
+    this.problem = problem;
+    this.told = done;
+    this.axes = new Axes(document.getElementById("phase"));
+    this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.speed = 1;
+    this.canvas.addEventListener("click", (event) => {
+      const { left, top } = this.canvas.getBoundingClientRect();
+      const u = this.axes.atX(event.clientX - left), v = this.axes.atY(event.clientY - top);
+      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.start(Math.max(u, this.state.sigma), v);
+    });
+    this.canvas.addEventListener("keydown", (event) => {
+      if (event.key === " ") this.play(!this.playing);
+      else if (event.key === "s" || event.key === "S") this.step();
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  get canvas() {
+    return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
+  }
+
+  /** Show a state: find what random starts settle on, and follow it in time. */
+  show(state) {
+    this.state = state;
+    const { machine } = this;
+    this.row = rowOf(machine, state);
+    this.T = (2 * Math.PI) / state.omega;
+    const key = JSON.stringify(Array.from(this.row));
+    if (key === this.key) return this.draw();
+    this.key = key;
+    const which = machine.fields.indexOf(state.vary);
+    this.classes = found(machine, { row: this.row, which, value: this.row[which], transient: 400, keep: 64, seed: state.seed, tolerance: this.tolerance });
+    this.settle();
+  }
+
+  /** Begin on the attractor that most starts reach, and draw the whole of it. */
+  settle() {
+    const most = this.classes[0];
+    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
+    const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
+    this.attractor = this.#fly(u, v, periods);
+    const us = this.attractor.u, vs = [...this.attractor.v, ...this.attractor.hits.flatMap((hit) => [hit.before, hit.after])];
+    const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
+    const top = Math.max(...us, this.state.sigma + 0.05);
+    const room = 0.08 * (high - low) || 0.1;
+    this.axes.span(this.state.sigma - 0.06 * (top - this.state.sigma), top + 0.06 * (top - this.state.sigma), low - room, high + room);
+    this.start(u, v);
+  }
+
+  /** Throw the ball from a state at the section. */
+  start(u, v) {
+    this.begun = [u, v];
+    this.now = 0;
+    this.known = 0;
+    this.ball = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
+    this.legs = [];
+    this.trail = [];
+    this.flash = [];
+    this.impacts = 0;
+    this.last = undefined;
+    this.draw();
+    this.play(this.playing);
+  }
+
+  #fly(u, v, periods) {
+    const { machine, row, T } = this;
+    const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
+    const { result, legs } = machine.call("legs", { capacity: 4096, row, state, until: periods * T, patience: 1e-6 }, ["legs"]);
+    const count = Number(result), samples = periods * SAMPLES + 1;
+    const times = Float64Array.from({ length: samples }, (_, i) => (i / (samples - 1)) * periods * T);
+    const flown = legs.subarray(0, count * WIDTH);
+    const path = machine.call("sample", { count, samples, row, legs: flown, times }, ["u", "v"]);
+    return { times, u: Array.from(path.u), v: Array.from(path.v), hits: this.#hits(flown).filter((hit) => hit.t <= periods * T) };
+  }
+
+  #hits(legs) {
+    const found = [];
+    for (let k = 0; k < legs.length; k += WIDTH) {
+      if (!Number.isNaN(legs[k + 5])) found.push({ t: legs[k] * this.T + legs[k + 4], before: legs[k + 5], after: legs[k + 6] });
+    }
+    return found;
+  }
+
+  /** Follow the ball a few periods further than it is needed. */
+  #ahead(until) {
+    while (this.known <= until) {
+      const goal = this.known + AHEAD * this.T;
+      const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.row, state: this.ball, until: goal, patience: 1e-6 }, ["legs", "state"]);
+      const count = Number(result);
+      const reached = state[0] * this.T + state[1];
+      if (count === 0 || !(reached > this.known)) {
+        this.problem("The ball cannot be followed further: its orbit ended.");
+        this.play(false);
+        return false;
+      }
+      this.legs.push(...legs.subarray(0, count * WIDTH));
+      this.known = reached;
+      this.ball = state;
+    }
+    const early = this.now - 2 * this.T; // legs that nobody asks for any more
+    let drop = 0;
+    while (drop + 2 * WIDTH < this.legs.length && this.legs[drop + WIDTH] * this.T + this.legs[drop + WIDTH + 1] < early) drop += WIDTH;
+    if (drop) this.legs.splice(0, drop);
+    return true;
+  }
+
+  /** Move the ball on by a time; returns the states passed. */
+  #advance(time) {
+    const until = this.now + time;
+    if (!this.#ahead(until)) return;
+    const samples = Math.max(2, Math.ceil((time / this.T) * SAMPLES));
+    const times = Float64Array.from({ length: samples }, (_, i) => this.now + ((i + 1) / samples) * time);
+    const legs = Float64Array.from(this.legs);
+    const { u, v } = this.machine.call("sample", { count: legs.length / WIDTH, samples, row: this.row, legs, times }, ["u", "v"]);
+    const hits = this.#hits(legs).filter((hit) => hit.t > this.now && hit.t <= until);
+    for (let i = 0; i < samples; i++) {
+      for (const hit of hits.filter((each) => each.t <= times[i] && each.t > times[i] - time / samples)) {
+        this.trail.push([this.state.sigma, hit.before], null, [this.state.sigma, hit.after]);
+      }
+      this.trail.push([u[i], v[i]]);
+    }
+    this.trail.splice(0, Math.max(0, this.trail.length - 5 * SAMPLES));
+    for (const hit of hits) {
+      this.impacts++;
+      this.flash.push({ ...hit, at: performance.now() });
+    }
+    this.flash.splice(0, Math.max(0, this.flash.length - 12));
+    this.now = until;
+  }
+
+  play(on) {
+    this.playing = on;
+    const button = document.getElementById("play");
+    button.textContent = on ? "Pause" : "Play";
+    button.setAttribute("aria-pressed", String(on));
+    this.last = undefined;
+    if (on && !this.frame && !this.canvas.closest("section").hidden) this.frame = requestAnimationFrame(this.#tick);
+  }
+
+  #tick = (at) => {
+    this.frame = 0;
+    if (!this.playing || this.canvas.closest("section").hidden) return;
+    if (this.last !== undefined) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
+    this.last = at;
+    this.draw();
+    if (this.playing) this.frame = requestAnimationFrame(this.#tick);
+  };
+
+  /** Stop, and move on to just after the next impact, or by a period if there is none in twenty. */
+  step() {
+    this.play(false);
+    if (!this.#ahead(this.now + 20 * this.T)) return;
+    const next = this.#hits(this.legs).find((hit) => hit.t > this.now + 1e-12);
+    this.#advance(next && next.t <= this.now + 20 * this.T ? next.t - this.now + 1e-9 : this.T);
+    this.draw();
+    this.told();
+  }
+
+  repaint() {
+    if (this.state) this.draw();
+  }
+
+  draw() {
+    const { axes, state } = this;
+    if (!this.attractor) return;
+    const c = axes.begin();
+    const shown = theme();
+    const most = this.classes[0];
+    const colour = periodColour(most?.period ?? 0);
+    const [u, v] = this.trail.at(-1) ?? this.begun;
+    const wall = axes.x(state.sigma);
+    c.fillStyle = shown.wall;
+    c.fillRect(axes.box.x, axes.box.y, wall - axes.box.x, axes.box.h);
+    axes.inside(() => {
+      c.strokeStyle = shown.line;
+      c.beginPath();
+      c.moveTo(axes.box.x, axes.y(0));
+      c.lineTo(axes.box.x + axes.box.w, axes.y(0));
+      c.stroke();
+      c.globalAlpha = 0.4;
+      c.lineWidth = most?.period > 0 ? 1.6 : 0.7;
+      c.strokeStyle = colour;
+      c.beginPath();
+      let hit = 0, open = false;
+      const { times, hits } = this.attractor;
+      for (let i = 0; i < times.length; i++) {
+        while (hit < hits.length && hits[hit].t <= times[i]) {
+          if (open) c.lineTo(wall, axes.y(hits[hit].before));
+          c.moveTo(wall, axes.y(hits[hit].after));
+          hit++;
+        }
+        const place = [axes.x(this.attractor.u[i]), axes.y(this.attractor.v[i])];
+        open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
+        open = true;
+      }
+      c.stroke();
+      c.globalAlpha = 1;
+      c.lineWidth = 2;
+      c.strokeStyle = shown.accent;
+      const tail = this.trail.slice(-1.2 * SAMPLES);
+      for (let i = 1; i < tail.length; i++) {
+        if (!tail[i - 1] || !tail[i]) continue;
+        c.globalAlpha = i / tail.length;
+        c.beginPath();
+        c.moveTo(axes.x(tail[i - 1][0]), axes.y(tail[i - 1][1]));
+        c.lineTo(axes.x(tail[i][0]), axes.y(tail[i][1]));
+        c.stroke();
+      }
+      c.globalAlpha = 1;
+    });
+    // the bumper, and the impacts of the last moment
+    c.fillStyle = shown.faint;
+    c.fillRect(wall - 3, axes.box.y, 3, axes.box.h);
+    const now = performance.now();
+    for (const each of this.flash) {
+      const age = (now - each.at) / 600;
+      if (age > 1 && this.playing) continue;
+      c.globalAlpha = this.playing ? 1 - age : 0.8;
+      c.strokeStyle = c.fillStyle = shown.graze;
+      c.lineWidth = 2;
+      for (const velocity of [each.before, each.after]) {
+        c.beginPath();
+        c.arc(wall, axes.y(velocity), 4 + (this.playing ? 10 * age : 0), 0, 7);
+        c.stroke();
+      }
+      c.setLineDash([3, 3]);
+      c.beginPath();
+      c.moveTo(wall, axes.y(each.before));
+      c.lineTo(wall, axes.y(each.after));
+      c.stroke();
+      c.setLineDash([]);
+      if (age < 0.4 && this.playing) c.fillRect(wall - 5, axes.box.y, 5, axes.box.h);
+      c.globalAlpha = 1;
+    }
+    // the ball itself, on its line below the portrait, and in the portrait
+    const track = axes.box.y + axes.box.h - 13;
+    c.strokeStyle = shown.line;
+    c.lineWidth = 1;
+    c.beginPath();
+    c.moveTo(wall, track + 9.5);
+    c.lineTo(axes.box.x + axes.box.w, track + 9.5);
+    c.stroke();
+    c.fillStyle = shown.ink;
+    c.beginPath();
+    c.arc(axes.x(u) + 8, track, 8, 0, 7);
+    c.fill();
+    c.fillStyle = shown.accent;
+    c.beginPath();
+    c.arc(axes.x(u), axes.y(v), 5, 0, 7);
+    c.fill();
+    c.fillStyle = shown.faint;
+    c.textAlign = "right";
+    c.textBaseline = "top";
+    c.fillText(`t = ${(state.phase + this.now).toFixed(2)} · period ${Math.floor(this.now / this.T) + 1} · ${this.impacts} impact${this.impacts === 1 ? "" : "s"}`, axes.box.x + axes.box.w - 4, axes.box.y + 2);
+    axes.frame("u", "v");
+    this.canvas.dataset.stage = "done";
+  }
+
+  raster() {
+    return { u: this.begun[0], v: this.begun[1], periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
+  }
+
+  summary() {
+    const { state } = this;
+    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
+    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    const hits = this.attractor?.hits ?? [];
+    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
+    return said;
+  }
+}

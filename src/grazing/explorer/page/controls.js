@@ -1,0 +1,129 @@
+// @ts-check
+/** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
+import { refusal } from "./state.js";
+
+const GREEK = { alpha: "α", lambda: "λ", mu: "μ", omega: "ω", sigma: "σ", varphi: "φ" };
+
+/** A symbol of kernels.json as text with subscripts: [letter, subscript]. */
+export function symbolOf(field) {
+  const [, name, below] = /^\\?([A-Za-z]+)(?:_\{?(\w+)\}?)?$/.exec(field.symbol) ?? [null, field.symbol, ""];
+  return [GREEK[name] ?? name, below ?? ""];
+}
+
+export function plainSymbol(field) {
+  return symbolOf(field).join("");
+}
+
+let count = 0;
+
+/** A slider and a number field for one parameter; `change(value)` is called with values that are allowed. */
+export function slider(field, [low, high], change, problem) {
+  const box = document.createElement("div");
+  box.className = "control";
+  const id = `control-${count++}`;
+  const label = document.createElement("label");
+  label.htmlFor = id;
+  const symbol = document.createElement("b");
+  const [letter, below] = symbolOf(field);
+  symbol.textContent = letter;
+  if (below) {
+    const sub = document.createElement("sub");
+    sub.textContent = below;
+    symbol.append(sub);
+  }
+  label.append(symbol, field.meaning.replaceAll("^2", "²"));
+  const number = document.createElement("input");
+  number.type = "number";
+  number.id = id;
+  number.step = "any";
+  number.name = field.name;
+  if (field.low !== null) number.min = String(field.low);
+  if (field.high !== null) number.max = String(field.high);
+  const range = document.createElement("input");
+  range.type = "range";
+  range.min = String(low);
+  range.max = String(high);
+  range.step = String(10 ** Math.floor(Math.log10((high - low) / 500)));
+  range.setAttribute("aria-label", `${field.name}: ${field.meaning}`);
+  range.addEventListener("input", () => {
+    const value = Number(Number(range.value).toFixed(4));
+    number.value = String(value);
+    number.removeAttribute("aria-invalid");
+    change(value);
+  });
+  number.addEventListener("input", () => {
+    const value = number.value === "" ? NaN : Number(number.value);
+    const why = refusal(field.name, value, { [field.name]: field });
+    if (why) {
+      number.setAttribute("aria-invalid", "true");
+      problem(`${why}. The picture still shows the value before.`);
+      return;
+    }
+    number.removeAttribute("aria-invalid");
+    problem("");
+    range.value = String(value);
+    change(value);
+  });
+  box.append(label, number, range);
+  return {
+    box,
+    set(value) {
+      if (Number(number.value) !== value || number.value === "") number.value = String(value);
+      number.removeAttribute("aria-invalid");
+      range.value = String(value);
+    },
+  };
+}
+
+/** Two number fields, low and high. */
+export function pair(text, change, problem) {
+  const box = document.createElement("div");
+  box.className = "pair";
+  const name = document.createElement("span");
+  name.textContent = text;
+  const fields = ["from", "to"].map((end) => {
+    const input = document.createElement("input");
+    input.type = "number";
+    input.step = "any";
+    input.setAttribute("aria-label", `${text}, ${end}`);
+    input.addEventListener("change", () => {
+      const [low, high] = fields.map((field) => (field.value === "" ? NaN : Number(field.value)));
+      if (!(low < high)) {
+        input.setAttribute("aria-invalid", "true");
+        problem(`${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
+        return;
+      }
+      fields.forEach((field) => field.removeAttribute("aria-invalid"));
+      problem("");
+      change([low, high]);
+    });
+    return input;
+  });
+  box.append(name, ...fields);
+  return { box, set: (ends) => ends && fields.forEach((field, i) => (field.value = String(ends[i]))), name: (text) => (name.textContent = text) };
+}
+
+export function choice(text, options, change) {
+  const box = document.createElement("div");
+  box.className = "control choice";
+  const id = `control-${count++}`;
+  const label = document.createElement("label");
+  label.htmlFor = id;
+  label.textContent = text;
+  const select = document.createElement("select");
+  select.id = id;
+  for (const [value, shown] of options) select.add(new Option(shown, value));
+  select.addEventListener("change", () => change(select.value));
+  box.append(label, select);
+  return { box, set: (value) => (select.value = value) };
+}
+
+export function toggle(text, change) {
+  const box = document.createElement("label");
+  box.className = "switch";
+  const input = document.createElement("input");
+  input.type = "checkbox";
+  input.addEventListener("change", () => change(input.checked));
+  box.append(input, ` ${text}`);
+  return { box, set: (on) => (input.checked = on) };
+}

@@ -1,0 +1,143 @@
+// @ts-check
+/** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
+import { periodColour, theme } from "./colours.js";
+import { Diagram } from "./diagram.js";
+import { drawWindows, reach, windows } from "./gap.js";
+import { extent, linspace, normalForm } from "./jobs.js";
+import { found, words } from "./orbits.js";
+import { plainSymbol } from "./controls.js";
+
+/** The row of parameters of a state, in the order of the module's fields. */
+export function rowOf(machine, state) {
+  return Float64Array.from(machine.described.fields, ({ name, choices }) => {
+    if (name === "order") return 0;
+    return choices ? choices.indexOf(state[name]) : state[name];
+  });
+}
+
+export class FlowView {
+  constructor(machine, gap, pool, described, { change, problem, done }) {
+    this.machine = machine;
+    this.gap = gap;
+    this.tolerance = described.tolerance;
+    const events = {
+      pick: (value) => change({ [this.state.vary]: value }),
+      zoom: (span, window) => change({ reach: span, window }),
+      zoomOut: () => change({ reach: null, window: null }),
+      chosen: () => this.state[this.state.vary],
+      problem,
+    };
+    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...events, done, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
+    this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
+      ...events, zoom: (span) => events.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
+    });
+    this.figure = document.getElementById("reduced-figure");
+  }
+
+  get canvas() {
+    return this.diagram.axes.canvas;
+  }
+
+  show(state) {
+    this.state = state;
+    const { machine } = this;
+    const row = rowOf(machine, state);
+    const which = machine.fields.indexOf(state.vary);
+    const field = machine.described.fields[which];
+    const coordinate = state.coordinate === "v" ? 1 : 0;
+    const common = { span: state.reach, columns: state.columns, starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, seed: state.seed, tolerance: this.tolerance, colour: state.colour };
+    const others = Array.from(row);
+    others[which] = 0;
+    const key = JSON.stringify({ ...common, gap: [state.starts, state.transient, state.keep], reduced: state.reduced, others, which, coordinate, window: state.window, bins: state.bins });
+    if (key !== this.key) {
+      this.key = key;
+      let [low, high] = state.window ?? [0, 0];
+      if (!state.window) {
+        const trial = extent(machine, { row, which, values: linspace(...state.reach, 24), coordinate, seed: state.seed });
+        [low, high] = [trial.low, trial.high].map((value) => Number(value.toPrecision(4)));
+      }
+      const symbol = plainSymbol(field);
+      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40, quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
+      this.#reduce(state, row, which, field, common);
+    } else {
+      this.diagram.draw();
+      this.reduced.draw();
+    }
+    this.classes = found(machine, { row, which, value: state[state.vary], transient: Math.max(300, state.flow_transient), keep: 64, seed: state.seed, tolerance: this.tolerance });
+  }
+
+  /** Compute the normal form, and its map at the μ of each column. */
+  #reduce(state, row, which, field, common) {
+    this.form = normalForm(this.machine, row, which, field);
+    this.why = this.form ? "" : "No graze of the steady response is near: there is no normal form in this parameter.";
+    this.windows = [];
+    this.placed = [];
+    if (this.form && this.gap) {
+      const { lam, l } = this.form;
+      const values = linspace(...state.reach, state.columns);
+      const mu = this.form.mu(values);
+      if (!mu.every(Number.isFinite)) this.why = "The steady response does not exist on all of this range.";
+      else if (!(lam > -1 && lam < 1)) this.why = `λ = ${lam.toPrecision(4)} lies outside the form.`;
+      else {
+        this.mu = mu;
+        this.values = values;
+        this.windows = windows(this.gap, lam, l);
+        const [low, high] = reach(lam, l, [Math.min(...mu), Math.max(...mu)]);
+        this.showReduced = () => this.reduced.show({ ...common, starts: state.starts, transient: state.transient, keep: state.keep, machine: "gap", values: mu, row: Float64Array.of(lam, 0, l), which: 1, coordinate: 0, low, high, bins: state.bins, labels: [plainSymbol(field), "x"], cost: 1, quick: { stride: 1, starts: 4, transient: 200, keep: 112 } });
+      }
+    } else if (!this.gap) this.why = "The module of the gap map is missing: no reduced diagram.";
+    const shown = state.reduced && !this.why;
+    this.figure.hidden = !shown;
+    if (shown) this.showReduced();
+  }
+
+  /** The parameter value at a μ, by the table of columns; NaN beyond it. */
+  #place = (mu) => {
+    for (let i = 1; i < this.mu.length; i++) {
+      const a = this.mu[i - 1], b = this.mu[i];
+      if ((mu - a) * (mu - b) <= 0 && a !== b) return this.values[i - 1] + ((mu - a) / (b - a)) * (this.values[i] - this.values[i - 1]);
+    }
+    // beyond the table: the end where μ is nearest
+    const first = this.mu[0], last = this.mu[this.mu.length - 1];
+    return Math.abs(mu - first) < Math.abs(mu - last) ? this.values[0] - 1e9 : this.values[this.values.length - 1] + 1e9;
+  };
+
+  #under(axes, c) {
+    if (this.state.theory && this.windows.length && !this.why) drawWindows(axes, c, this.windows, this.#place);
+  }
+
+  #overlay(axes, c, reduced = false) {
+    if (this.form) axes.vertical(this.form.graze, theme().graze, [2, 2]);
+    axes.vertical(this.state[this.state.vary], theme().accent, [], 1.6);
+    c.fillStyle = theme().faint;
+    c.textAlign = "right";
+    c.textBaseline = "top";
+    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x + axes.box.w - 6, axes.box.y + 5);
+  }
+
+  repaint() {
+    this.diagram.paint();
+    this.reduced.paint();
+  }
+
+  raster() {
+    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
+  }
+
+  summary() {
+    const { state } = this;
+    const name = plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)]);
+    const value = state[state.vary];
+    const said = [{ text: `At ${name} = ${value}:` }];
+    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    if (this.form) {
+      const { graze, lam, l } = this.form;
+      const mu = this.form.mu(Float64Array.of(value))[0];
+      said.push({ text: `Normal form at the graze ${name} = ${graze.toPrecision(10)}: λ = ${lam.toPrecision(6)}, l = ${l.toPrecision(6)}, and here μ = ${mu.toPrecision(6)}.` });
+      const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);
+      if (inside.length && !this.why) said.push({ text: `It predicts ${inside.map(({ N }) => `period ${N}`).join(" and ")} here.` });
+    }
+    if (this.why) said.push({ text: this.why });
+    return said;
+  }
+}

@@ -1,0 +1,194 @@
+// @ts-check
+/** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
+import { periodColour, theme } from "./colours.js";
+import { Diagram } from "./diagram.js";
+import { found, words } from "./orbits.js";
+import { Axes } from "./plot.js";
+
+export const LONGEST = 60;
+
+/** Edges of the windows: [{N, graze, doubling, collision}], empty outside 0 < lam < 1, l >= 0. */
+export function windows(machine, lam, l) {
+  if (!(lam > 0 && lam < 1 && l >= 0)) return [];
+  const { table } = machine.call("edges", { periods: LONGEST, lam, l }, ["table"]);
+  return Array.from({ length: LONGEST }, (_, n) => ({ N: n + 1, graze: table[3 * n], doubling: table[3 * n + 1], collision: table[3 * n + 2] }));
+}
+
+/** Where orbits lie while mu runs over an interval: the trapping interval and the fixed point x < 0. */
+export function reach(lam, l, [from, to]) {
+  let low = Infinity, high = -Infinity;
+  for (let i = 0; i <= 64; i++) {
+    const mu = from + ((to - from) * i) / 64;
+    const ends = mu < 0 ? [lam < 1 ? mu / (1 - lam) : -1, lam < 1 ? mu / (1 - lam) : 0] : [mu - Math.max(l, 0) - Math.sqrt(mu), mu];
+    low = Math.min(low, ...ends);
+    high = Math.max(high, ...ends);
+  }
+  const room = 0.05 * (high - low) || 0.1;
+  const round = (value) => Number(value.toPrecision(4));
+  return [round(low - room), round(high + room)];
+}
+
+/** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis. */
+export function drawWindows(axes, c, all, place = (mu) => mu) {
+  const { box } = axes;
+  let last = Infinity;
+  const shown = all
+    .filter(({ doubling, collision }) => doubling < collision)
+    .map(({ N, doubling, collision }) => ({ N, ends: [place(doubling), place(Number.isFinite(collision) ? collision : 1e9)] }));
+  axes.inside(() => {
+    for (const { N, ends } of shown) {
+      const [a, b] = ends.map((v) => Math.min(Math.max(axes.x(v), box.x - 1), box.x + box.w + 1)).sort((p, q) => p - q);
+      if (b - a < 1 || b <= box.x || a >= box.x + box.w) continue;
+      const colour = periodColour(N);
+      c.fillStyle = colour + "1c";
+      c.fillRect(a, box.y, b - a, box.h);
+      if (b - a < 4) continue; // edges so near would hide the orbits
+      c.lineWidth = 1.1;
+      c.strokeStyle = colour;
+      for (const [edge, dash] of /** @type {[number, number[]][]} */ ([[ends[0], [5, 3]], [ends[1], []]])) {
+        c.setLineDash(dash);
+        c.beginPath();
+        c.moveTo(axes.x(edge), box.y);
+        c.lineTo(axes.x(edge), box.y + box.h);
+        c.stroke();
+      }
+      c.setLineDash([]);
+    }
+  });
+  c.textAlign = "center";
+  c.textBaseline = "bottom";
+  for (const { N, ends } of shown) {
+    const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
+    if (!(b > a)) continue;
+    const middle = axes.x((a + b) / 2);
+    if (Math.abs(last - middle) < 16) continue;
+    last = middle;
+    c.fillStyle = periodColour(N);
+    c.fillText(String(N), middle, box.y - 3);
+  }
+}
+
+export class GapView {
+  constructor(machine, pool, described, { change, problem, done }) {
+    this.machine = machine;
+    this.described = described;
+    this.tolerance = described.tolerance;
+    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("gap-diagram")), pool, "gap", {
+      pick: (mu) => change({ mu }),
+      zoom: (span, range) => change({ span, range }),
+      zoomOut: () => change({ span: null, range: null }),
+      chosen: () => this.state.mu,
+      under: (axes, c) => this.state.theory && drawWindows(axes, c, this.windows),
+      overlay: (axes) => this.#overlay(axes),
+      problem,
+      done,
+    });
+    this.cobweb = new Axes(document.getElementById("cobweb"));
+  }
+
+  get canvas() {
+    return this.diagram.axes.canvas;
+  }
+
+  range(state) {
+    return state.range ?? reach(state.lam, state.l, state.span);
+  }
+
+  /** Show a state; the raster is computed again only if it changes. */
+  show(state) {
+    this.state = state;
+    const [low, high] = this.range(state);
+    const row = Float64Array.of(state.lam, state.mu, state.l);
+    const spec = {
+      machine: "gap", row, which: 1, span: state.span, columns: state.columns, bins: state.bins, low, high, coordinate: 0,
+      starts: state.starts, transient: state.transient, keep: state.keep, seed: state.seed, tolerance: this.tolerance,
+      colour: state.colour, labels: ["μ", "x"], cost: 1, quick: { stride: 1, starts: 4, transient: Math.min(200, state.transient), keep: 112 },
+    };
+    this.windows = windows(this.machine, state.lam, state.l);
+    const key = JSON.stringify({ ...spec, row: [state.lam, state.l] });
+    if (key !== this.key) {
+      this.key = key;
+      this.diagram.show(spec);
+    } else this.diagram.draw();
+    this.classes = found(this.machine, { row, which: 1, value: state.mu, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance });
+    for (const each of this.classes) {
+      if (each.period > 0) each.multiplier = each.points.reduce((product, [x]) => product * (x < 0 ? state.lam : -0.5 / Math.sqrt(x)), 1);
+    }
+    this.drawCobweb();
+  }
+
+  repaint() {
+    this.diagram.paint();
+    if (this.state) this.drawCobweb();
+  }
+
+  raster() {
+    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
+  }
+
+  #overlay(axes) {
+    axes.vertical(0, theme().graze, [2, 2]);
+    axes.vertical(this.state.mu, theme().accent, [], 1.6);
+  }
+
+  drawCobweb() {
+    const { lam, mu, l } = this.state;
+    if (!this.classes) return;
+    const axes = this.cobweb;
+    const seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
+    let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, -0.02), high = Math.max(mu, ...seen, 0.02);
+    const room = 0.08 * (high - low);
+    low -= room;
+    high += room;
+    axes.span(low, high, low, high);
+    const c = axes.begin();
+    const { faint, line, ink } = theme();
+    const path = (points, colour, width, dash = []) => {
+      c.strokeStyle = colour;
+      c.lineWidth = width;
+      c.setLineDash(dash);
+      c.beginPath();
+      points.forEach(([x, y], i) => (i ? c.lineTo(axes.x(x), axes.y(y)) : c.moveTo(axes.x(x), axes.y(y))));
+      c.stroke();
+      c.setLineDash([]);
+    };
+    const map = (x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
+    axes.inside(() => {
+      path([[low, low], [high, high]], faint, 1, [4, 3]);
+      path([[0, low], [0, high]], line, 1);
+      path([[low, 0], [high, 0]], line, 1);
+      path([[low, lam * low + mu], [0, mu]], ink, 1.8);
+      path(Array.from({ length: 121 }, (_, i) => { const x = high * (i / 120) ** 2; return [x, map(x)]; }), ink, 1.8);
+      for (const each of [...this.classes].reverse()) {
+        const colour = periodColour(each.period);
+        const web = [];
+        const xs = each.points.map(([x]) => x);
+        xs.forEach((x, n) => {
+          const next = each.period > 0 ? xs[(n + 1) % xs.length] : xs[n + 1];
+          if (next !== undefined) web.push([x, x], [x, next], [next, next]);
+        });
+        path(web, colour, each.period > 0 ? 1.6 : 0.6);
+        c.fillStyle = colour;
+        if (each.period > 0) for (const x of xs) {
+          c.beginPath();
+          c.arc(axes.x(x), axes.y(map(x)), 3, 0, 7);
+          c.fill();
+        }
+      }
+    });
+    axes.frame("xₙ", "xₙ₊₁");
+  }
+
+  /** What is shown, in words: [{colour, text}]. */
+  summary() {
+    const { lam, mu, l } = this.state;
+    const said = [{ text: `At μ = ${mu}, λ = ${lam}, l = ${l}:` }];
+    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);
+    if (!this.windows.length) said.push({ text: "The windows of theory are known for 0 < λ < 1 and l ≥ 0." });
+    else if (mu < 0) said.push({ text: "Below the graze, μ < 0: the fixed point x = μ/(1 − λ) is never hit." });
+    else if (inside.length) said.push({ text: `Inside ${inside.map(({ N, doubling, collision }) => `Ω${String(N)} (${doubling.toPrecision(6)} < μ${Number.isFinite(collision) ? ` < ${collision.toPrecision(6)}` : ""})`).join(" and ")}${inside.length > 1 ? ": orbits coexist" : ""}.` });
+    else said.push({ text: "Between windows: no maximal orbit is stable here." });
+    return said;
+  }
+}

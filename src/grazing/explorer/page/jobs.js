@@ -1,0 +1,146 @@
+// @ts-check
+/** What is computed: rasters, classes of orbits, the normal form. The same code runs in workers and in the page. */
+
+/** The numbers of numpy's linspace, to the bit. */
+export function linspace(from, to, count) {
+  const step = (to - from) / (count - 1);
+  const values = Float64Array.from({ length: count }, (_, i) => i * step + from);
+  if (count > 1) values[count - 1] = to;
+  return values;
+}
+
+/** One row of parameters for each value of one of them. */
+function rowsOf(row, which, values) {
+  const rows = new Float64Array(values.length * row.length);
+  values.forEach((value, q) => {
+    rows.set(row, q * row.length);
+    rows[q * row.length + which] = value;
+  });
+  return rows;
+}
+
+function drawn(machine, rows, values, starts, seed) {
+  const columns = values.length;
+  const { boxes } = machine.call("boxes", { columns, rows }, ["boxes"]);
+  return machine.call("draw", { columns, starts, axes: 1, seed, names: values, boxes }, ["lanes"]).lanes;
+}
+
+/** Counts (columns, bins + 3): below, the parts of the range, above, what is no number. */
+export function raster(machine, { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed }) {
+  const columns = values.length;
+  const rows = rowsOf(row, which, values);
+  const lanes = drawn(machine, rows, values, starts, seed);
+  const found = machine.call(
+    "density",
+    { columns, starts, rows, lanes, transient, keep, coordinate, low, high, bins },
+    ["counts", "ended", "ambiguous"],
+  );
+  return { counts: found.counts, ended: found.ended, ambiguous: found.ambiguous };
+}
+
+/** Follow orbits and find what they settle on. */
+export function settled(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
+  const columns = values.length;
+  const rows = rowsOf(row, which, values);
+  const lanes = drawn(machine, rows, values, starts, seed);
+  const sizes = { columns, starts, keep };
+  const orbits = machine.call("orbits", { ...sizes, rows, lanes, transient }, ["points", "letters", "outcomes"]);
+  const classes = machine.call("classify", { ...sizes, rows, ...orbits, tolerance }, ["period", "key", "begin", "length"]);
+  const ranks = machine.call("rank", { columns, starts, period: classes.period, key: classes.key }, ["count", "first"]);
+  return { ...orbits, ...classes, ...ranks };
+}
+
+/** The period of the orbits that visit each part of the raster; 0 where none was found. */
+export function periods(machine, job) {
+  const { values, low, high, bins, coordinate, starts, keep } = job;
+  const dimension = machine.described.coordinates.length;
+  const found = settled(machine, job);
+  const codes = new Uint8Array(values.length * bins);
+  const scale = bins / (high - low);
+  for (let q = 0; q < values.length; q++) {
+    for (let j = 0; j < starts; j++) {
+      const period = found.period[q * starts + j];
+      if (period < 1) continue;
+      for (let n = 0; n < Math.min(period, keep); n++) {
+        const x = found.points[((q * keep + n) * dimension + coordinate) * starts + j];
+        if (x >= low && x <= high) codes[q * bins + Math.min(Math.floor((x - low) * scale), bins - 1)] = Math.min(period, 255);
+      }
+    }
+  }
+  return { codes };
+}
+
+/** Where a few orbits have a coordinate, and a little more. */
+export function extent(machine, { row, which, values, coordinate, seed }) {
+  const dimension = machine.described.coordinates.length;
+  const starts = 6, keep = 40, columns = values.length;
+  const rows = rowsOf(row, which, values);
+  const lanes = drawn(machine, rows, values, starts, seed);
+  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient: 100 }, ["points"]);
+  let low = Infinity, high = -Infinity;
+  for (let q = 0; q < columns * keep; q++) {
+    for (let j = 0; j < starts; j++) {
+      const x = points[(q * dimension + coordinate) * starts + j];
+      if (Number.isFinite(x)) {
+        low = Math.min(low, x);
+        high = Math.max(high, x);
+      }
+    }
+  }
+  if (!(low <= high)) return { low: -1, high: 1 };
+  const room = 0.05 * (high - low) || 1e-3;
+  return { low: low - room, high: high + room };
+}
+
+/** The normal form at the nearest graze in one parameter, or null. */
+export function normalForm(machine, row, which, field) {
+  const far = 1e3 * Math.max(1, Math.abs(row[which]));
+  const low = field.low ?? row[which] - far, high = field.high ?? row[which] + far;
+  const graze = machine.call("graze", { row, which, low, high, open_low: field.open_low ? 1 : 0 }).result;
+  if (!Number.isFinite(graze)) return null;
+  const at = Float64Array.from(row);
+  at[which] = graze;
+  const { numbers } = machine.call("reduce", { row: at }, ["numbers"]);
+  const [time, acceleration, lam, l, b, det, scale] = numbers;
+  if (!(Number.isFinite(lam) && Number.isFinite(l))) return null;
+  const factor = numbers[12];
+  const mu = (values) => {
+    const { heights } = machine.call("clearance", { count: values.length, row: at, which, values }, ["heights"]);
+    return heights.map((height) => factor * height);
+  };
+  return { graze, time, acceleration, lam, l, b, det, scale, mu };
+}
+
+/** The period that most starts settle on, for pairs of two parameters' values; 0 where none was found. */
+export function chart(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
+  const columns = values.length / 2;
+  const rows = new Float64Array(columns * row.length);
+  for (let q = 0; q < columns; q++) {
+    rows.set(row, q * row.length);
+    rows[q * row.length + which[0]] = values[2 * q];
+    rows[q * row.length + which[1]] = values[2 * q + 1];
+  }
+  const { boxes } = machine.call("boxes", { columns, rows }, ["boxes"]);
+  const { lanes } = machine.call("draw", { columns, starts, axes: 2, seed, names: values, boxes }, ["lanes"]);
+  const sizes = { columns, starts, keep };
+  const orbits = machine.call("orbits", { ...sizes, rows, lanes, transient }, ["points", "letters", "outcomes"]);
+  const { period, key } = machine.call("classify", { ...sizes, rows, ...orbits, tolerance }, ["period", "key"]);
+  const { first } = machine.call("rank", { columns, starts, period, key }, ["first"]);
+  return { codes: Uint8Array.from({ length: columns }, (_, q) => Math.min(254, Math.max(0, period[q * starts + first[q * starts]]))) };
+}
+
+/** The period of the orbit of each initial state (u, v). */
+export function basins(machine, { row, values, transient, keep, tolerance }) {
+  const starts = values.length / 2;
+  const lanes = new Float64Array(values.length);
+  for (let j = 0; j < starts; j++) {
+    lanes[j] = values[2 * j];
+    lanes[starts + j] = values[2 * j + 1];
+  }
+  const sizes = { columns: 1, starts, keep };
+  const orbits = machine.call("orbits", { ...sizes, rows: row, lanes, transient }, ["points", "letters", "outcomes"]);
+  const { period } = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period"]);
+  return { codes: Uint8Array.from(period, (N) => Math.min(254, Math.max(0, N))) };
+}
+
+export const JOBS = { raster, periods, extent, chart, basins };

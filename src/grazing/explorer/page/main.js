@@ -1,0 +1,362 @@
+// @ts-check
+/** The page: loads the kernels, keeps the state, and shows the view that the state names. */
+import { BallView } from "./ball.js";
+import { ChartView } from "./chart.js";
+import { dark } from "./colours.js";
+import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { FlowView } from "./flow.js";
+import { GapView } from "./gap.js";
+import { Machine } from "./machine.js";
+import { Pool } from "./pool.js";
+import { PRESETS } from "./presets.js";
+import { DEFAULTS, GAP_EXTENTS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment } from "./state.js";
+import { StrobeView } from "./strobe.js";
+import { command, python } from "./text.js";
+import { TOUR } from "./tour.js";
+
+const KERNELS = new URL("../kernels/", import.meta.url);
+const HINTS = {
+  basins: "Each point is an initial state at the strobe; its colour is the period of what it settles on.",
+  strobe: "Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump.",
+  chart: "Colours name the period that most random starts settle on. Click, or use the arrow keys, to choose both parameters.",
+  gap: "Click in the diagram to choose μ, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.",
+  oscillator: "Click to choose the parameter, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Shaded windows are those that the normal form predicts; dotted: the graze.",
+  ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
+};
+const STEPS = ["starts", "transient", "keep"];
+const NEEDS = { gap: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
+
+const $ = (id) => /** @type {any} */ (document.getElementById(id));
+const views = {}, controls = {}, problems = new Map();
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), fields = {}, scheduled = 0, waiting = false;
+
+/** Say a problem in words, one for each subject; an empty text takes it back. */
+function problem(text, about = "input") {
+  if (text) problems.set(about, text);
+  else problems.delete(about);
+  $("problem").hidden = problems.size === 0;
+  const shown = [...problems.values()].join("\n");
+  if ($("problem").firstElementChild.textContent !== shown) $("problem").firstElementChild.textContent = shown;
+}
+
+function say(text) {
+  $("said").textContent = text;
+  setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
+}
+
+async function loadModules() {
+  const answer = await fetch(new URL("kernels.json", KERNELS));
+  if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
+  const described = await answer.json();
+  const pool = new Pool();
+  const machines = {};
+  await Promise.all(
+    Object.entries(described.modules).map(async ([name, each]) => {
+      try {
+        const file = await fetch(new URL(each.file, KERNELS));
+        if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
+        const module = await WebAssembly.compile(await file.arrayBuffer());
+        machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
+        pool.add(name, module, each);
+      } catch (error) {
+        problem(`The module ${each.file} could not be loaded (${error.message}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
+      }
+    }),
+  );
+  return { described, machines, pool };
+}
+
+function change(part) {
+  const next = { ...part };
+  for (const key of ["span", "reach"]) {
+    if (key in next) next[key] = next[key] ? trimmed(next[key]) : home[key];
+  }
+  for (const key of ["range", "window"]) if (next[key]) next[key] = trimmed(next[key]);
+  for (const key of Object.keys(next)) {
+    if (key === "mu" || (key === state.vary && typeof next[key] === "number")) {
+      const [from, to] = key === "mu" ? state.span : state.reach;
+      if (document.activeElement?.tagName !== "INPUT") next[key] = tidy(next[key], to - from);
+    }
+  }
+  if ("vary" in next && !("reach" in next)) {
+    const [low, high] = OSCILLATOR_EXTENTS[next.vary];
+    next.reach = next.vary === "offset" ? DEFAULTS.reach : [low, high];
+    next.window = null;
+    home.reach = next.reach;
+  }
+  if ("coordinate" in next) next.window = null;
+  Object.assign(state, next);
+  refresh();
+}
+
+const trimmed = ([low, high]) => {
+  const width = high - low;
+  return width > 1e-12 ? [tidy(low, width), tidy(high, width)] : [low, low + 1e-12];
+};
+
+/** Show the state: the first change of a frame at once, those after it together in the next frame. */
+function refresh() {
+  if (scheduled) {
+    waiting = true;
+    return;
+  }
+  scheduled = requestAnimationFrame(() => {
+    scheduled = 0;
+    if (!waiting) return;
+    waiting = false;
+    refresh();
+  });
+  try {
+    render();
+  } catch (error) {
+    problem(`The picture could not be made: ${error.message}.`, "picture");
+    console.error(error);
+  }
+}
+
+function render() {
+  problem("", "picture");
+  for (const section of document.querySelectorAll("[data-for]")) {
+    /** @type {HTMLElement} */ (section).hidden = !section.getAttribute("data-for").split(" ").some((name) => name === state.view || name === `${state.view}-${state.chart}`);
+  }
+  for (const button of document.querySelectorAll("[data-view]")) button.setAttribute("aria-pressed", String(button.getAttribute("data-view") === state.view));
+  for (const [name, control] of Object.entries(controls)) control.set(state[name]);
+  const chart = state.view === "chart", strobe = state.view === "strobe";
+  const flow = state.view !== "gap" && !(chart && state.chart === "gap");
+  controls.span.box.hidden = flow;
+  controls.range.box.hidden = state.view !== "gap";
+  controls.reach.box.hidden = controls.vary.box.hidden = !flow || strobe || (chart && state.chart === "basins");
+  controls.positions.box.hidden = controls.velocities.box.hidden = !chart || state.chart !== "basins";
+  controls.v0.box.hidden = controls.line.box.hidden = controls.order.box.hidden = !strobe;
+  controls.window.box.hidden = controls.reduced.box.hidden = controls.coordinate.box.hidden = state.view !== "oscillator";
+  controls.chart.box.hidden = controls.chart_columns.box.hidden = controls.chart_rows.box.hidden = !chart;
+  controls.gaps.box.hidden = !chart || flow;
+  controls.second.box.hidden = controls.heights.box.hidden = !chart || state.chart !== "oscillator";
+  for (const name of ["columns", "bins", "colour", "theory"]) controls[name].box.hidden = chart || strobe;
+  $("picture").parentElement.hidden = state.view === "ball";
+  for (const name of STEPS) {
+    controls[name].box.hidden = flow || chart || strobe;
+    controls[`flow_${name}`].box.hidden = !flow || chart || strobe;
+  }
+  controls.window.name(`${state.coordinate} from, to`);
+  if (fields[state.second]) controls.heights.name(`${plainSymbol(fields[state.second])} from, to`);
+  if (fields[state.vary]) controls.reach.name(`${plainSymbol(fields[state.vary])} from, to`);
+  const step = TOUR[state.tour - 1];
+  $("guide").hidden = !step;
+  if (step) {
+    $("guide-title").textContent = `${state.tour} of ${TOUR.length}: ${step.title}`;
+    if ($("guide").children[1].textContent !== step.text) $("guide").children[1].textContent = step.text;
+    $("back").disabled = state.tour === 1;
+    $("next").disabled = state.tour === TOUR.length;
+  }
+  $("hint").textContent = HINTS[chart && state.chart === "basins" ? "basins" : state.view];
+  const link = toFragment(state);
+  if (link !== location.hash) history.replaceState(null, "", link);
+  const view = views[state.view];
+  $("summary").hidden = !view;
+  if (!view) {
+    problem(`This view needs the module ${NEEDS[state.view]}.wasm, which could not be loaded; choose another view.`, NEEDS[state.view]);
+    return;
+  }
+  view.show(state);
+  const raster = view.raster();
+  if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
+  if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
+  $("all").hidden = state.view === "ball" || chart || strobe || (state.view === "gap" ? !state.range && same(state.span, home.span) : !state.window && same(state.reach, home.reach));
+  tell();
+}
+
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+function tell() {
+  const view = views[state.view];
+  if (!view) return;
+  const made = view.summary();
+  const diagram = view.diagram;
+  if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
+  if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
+  $("summary").replaceChildren(
+    ...made.map(({ colour, text }) => {
+      const line = document.createElement("p");
+      if (colour) {
+        const chip = document.createElement("i");
+        chip.className = "chip";
+        chip.style.background = colour;
+        line.append(chip);
+      }
+      line.append(text);
+      return line;
+    }),
+  );
+}
+
+/** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. */
+function present(shown) {
+  state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
+  home = structuredClone(state);
+  refresh();
+}
+
+function build() {
+  const own = (name) => (value) => change({ [name]: value });
+  for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
+    controls[name] = slider(fields[name], /** @type {[number, number]} */ (extent), own(name), problem);
+    $("gap-sliders").append(controls[name].box);
+  }
+  const more = document.createElement("details");
+  const title = document.createElement("summary");
+  title.textContent = "Wall, time shift and harmonics";
+  more.append(title);
+  controls.law = choice("reset law", ["newton", "active", "triggered"].map((law) => [law, law]), own("law"));
+  $("oscillator-sliders").append(controls.law.box);
+  const first = ["offset", "V", "r", "omega", "alpha", "k"];
+  for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
+    controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
+    (first.includes(name) ? $("oscillator-sliders") : more).append(controls[name].box);
+  }
+  $("oscillator-sliders").append(more);
+  const picture = $("picture");
+  const put = (name, control) => {
+    controls[name] = control;
+    picture.append(control.box);
+  };
+  const varied = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
+  put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
+  put("line", pair("u(0) from, to", (line) => change({ line }), problem));
+  put("order", choice("local map", ["lowest", "full", "corrected"].map((order) => [order, order]), own("order")));
+  put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
+  put("vary", choice("axis", varied, own("vary")));
+  put("second", choice("second axis", varied, (second) => change({ second, heights: OSCILLATOR_EXTENTS[second] })));
+  put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
+  put("span", pair("μ from, to", (span) => change({ span }), problem));
+  put("range", pair("x from, to", (range) => change({ range }), problem));
+  put("positions", pair("u from, to", (positions) => change({ positions }), problem));
+  put("velocities", pair("v from, to", (velocities) => change({ velocities }), problem));
+  put("gaps", pair("l from, to", (gaps) => change({ gaps }), problem));
+  put("heights", pair("from, to", (heights) => change({ heights }), problem));
+  put("reach", pair("from, to", (reach) => change({ reach }), problem));
+  put("window", pair("height", (window) => change({ window }), problem));
+  put("theory", toggle("windows of theory", own("theory")));
+  put("colour", toggle("colour by period", own("colour")));
+  put("reduced", toggle("reduced diagram below", own("reduced")));
+  const finer = document.createElement("details");
+  const word = document.createElement("summary");
+  word.textContent = "Accuracy";
+  finer.append(word);
+  for (const [name, text, least] of /** @type {[string, string, number][]} */ ([["chart_columns", "columns", 2], ["chart_rows", "rows", 2], ["columns", "columns", 2], ["bins", "rows", 2], ["starts", "random starts", 1], ["transient", "steps passed over", 0], ["keep", "steps counted", 1], ["flow_starts", "random starts", 1], ["flow_transient", "periods passed over", 0], ["flow_keep", "periods counted", 1], ["seed", "seed", 0]])) {
+    controls[name] = whole(name, text, least);
+    finer.append(controls[name].box);
+  }
+  picture.append(finer);
+
+  for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => change({ view: button.getAttribute("data-view") }));
+  for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
+  $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
+  const visit = (n) => present({ ...TOUR[n - 1].state, tour: n });
+  $("tour").addEventListener("click", () => visit(1));
+  $("back").addEventListener("click", () => state.tour > 1 && visit(state.tour - 1));
+  $("next").addEventListener("click", () => state.tour < TOUR.length && visit(state.tour + 1));
+  $("leave").addEventListener("click", () => change({ tour: 0 }));
+  $("problem").lastElementChild.addEventListener("click", () => {
+    problems.clear();
+    problem("");
+  });
+  $("all").addEventListener("click", () => change(state.view === "gap" ? { span: null, range: null } : { reach: null, window: null }));
+  for (const button of document.querySelectorAll("[data-copy]")) button.addEventListener("click", () => copy(button.getAttribute("data-copy")));
+  $("png").addEventListener("click", save);
+  $("play").addEventListener("click", () => views.ball?.play(!views.ball.playing));
+  $("step").addEventListener("click", () => views.ball?.step());
+  $("settle").addEventListener("click", () => views.ball?.settle());
+  $("speed").addEventListener("input", () => views.ball && (views.ball.speed = Number($("speed").value)));
+  $("controls").addEventListener("submit", (event) => event.preventDefault());
+  addEventListener("hashchange", () => location.hash !== toFragment(state) && read());
+  const again = () => views[state.view]?.repaint();
+  dark.addEventListener("change", () => { again(); tell(); });
+  new ResizeObserver(again).observe($("figures"));
+}
+
+/** A number field for a whole number. */
+function whole(name, text, least) {
+  const made = pair(text, () => {}, problem);
+  const [name_, field, second] = made.box.children;
+  second.remove();
+  const input = /** @type {HTMLInputElement} */ (field.cloneNode());
+  field.replaceWith(input);
+  input.min = String(least);
+  input.step = "1";
+  input.name = name;
+  input.setAttribute("aria-label", text);
+  made.box.append(document.createElement("span"));
+  input.addEventListener("change", () => {
+    const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
+    input.toggleAttribute("aria-invalid", why.length > 0);
+    problem(why.join("; "));
+    if (!why.length) change({ [name]: found[name] });
+  });
+  return { box: made.box, set: (value) => (input.value = String(value)) };
+}
+
+/** Take the state from the link. */
+function read() {
+  const { state: found, problems: wrong } = fromFragment(location.hash, fields);
+  state = found;
+  home = { ...structuredClone(found), range: null, window: null };
+  if (found.range) home.span = DEFAULTS.span;
+  if (found.window) home.reach = found.vary === "offset" ? DEFAULTS.reach : OSCILLATOR_EXTENTS[found.vary];
+  problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
+  refresh();
+}
+
+async function copy(kind) {
+  const view = views[state.view];
+  if (!view) return;
+  const text = kind === "link" ? location.href : (kind === "python" ? python : command)(state, view.raster());
+  if (!text) return say("there is no command for this picture; copy the Python");
+  try {
+    await navigator.clipboard.writeText(text);
+    say(`${kind} copied`);
+  } catch {
+    // no leave to use the clipboard: show the text, selected
+    const field = document.createElement("textarea");
+    field.value = text;
+    field.setAttribute("aria-label", `${kind}, to be copied`);
+    $("said").replaceChildren(field);
+    field.select();
+  }
+}
+
+function save() {
+  views[state.view]?.canvas.toBlob((blob) => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `grazing-${state.view}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+}
+
+async function begin() {
+  let loaded;
+  try {
+    loaded = await loadModules();
+  } catch (error) {
+    problem(`The kernels could not be loaded (${error.message}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
+    return;
+  }
+  const { described, machines, pool } = loaded;
+  for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
+  const events = { change, problem: (text) => problem(text, "picture"), done: tell };
+  if (machines.gap) views.gap = new GapView(machines.gap, pool, described, events);
+  if (machines.oscillator) {
+    views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
+    views.strobe = new StrobeView(machines.oscillator);
+    views.ball = new BallView(machines.oscillator, described, events);
+  }
+  if (machines.gap || machines.oscillator) views.chart = new ChartView(machines, pool, described, events);
+  build();
+  read();
+  // for tests and for the curious: what is on screen
+  Object.assign(globalThis, { explorer: { views, state: () => state, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
+}
+
+begin();
