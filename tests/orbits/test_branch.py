@@ -292,16 +292,6 @@ def test_what_a_wrong_call_is_told():
         continuation(P, wrong, "d", (0.0, 0.2))
 
 
-def test_a_closed_branch_ends_where_it_began():
-    """An isola comes back with its impacts a period later, or begun at another one; special points are found once."""
-    model = gz.pinball(d=0.1, V=0.4)
-    orbit = gz.one_impact_orbits(model, 2)[0]
-    branch = continuation(orbit.map, orbit, "d", (-1.0, 1.0))
-    assert branch.pieces[0].ends[1] == "closed" and len(list(branch)) < 400
-    places = [(one.type, round(one.value, 9), round(float(one.orbit.points[0, 0]), 6)) for one in branch.special]
-    assert len(places) == len(set(places)) > 3
-
-
 def test_a_doubled_branch_ends_at_the_other_doubling():
     def bump(state, p):
         (x,) = state
@@ -344,14 +334,6 @@ def test_a_parameter_followed_to_its_bound_and_a_ball_that_drifts():
         assert continuation(orbit.map, orbit, "d", (-0.9, -0.05)).pieces
 
 
-def test_a_trigger_without_a_kick_is_one_law():
-    model = gz.Oscillator(
-        alpha=1.0, k=2.0, forcing=gz.Forcing(omega=2.5, offset=-0.1), reset=gz.triggered(r=0.6, V=0.0, trigger=0.1)
-    )
-    orbit = gz.one_impact_orbits(model, 1)[0]
-    assert "law" not in {one.type for one in continuation(orbit.map, orbit, "offset", (-0.6, 0.4)).special}
-
-
 def test_a_branch_begins_at_a_fold_too():
     model = gz.pinball(d=0.1, V=0.4)
     orbit = gz.one_impact_orbits(model, 2)[0]
@@ -359,13 +341,6 @@ def test_a_branch_begins_at_a_fold_too():
     assert folds
     for fold in folds:
         assert len(list(continuation(fold.orbit.map, fold.orbit, "d", (-1.0, 1.0)))) > 10
-
-
-@pytest.mark.parametrize("step", [float("nan"), 0.0, -1.0, "a"])
-def test_a_step_that_is_none(step):
-    orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
-    with pytest.raises(gz.InputError, match="step"):
-        continuation(orbit.map, orbit, "d", (0.0, 0.2), step=step)
 
 
 def test_a_range_too_narrow_for_double_precision():

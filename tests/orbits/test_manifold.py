@@ -326,6 +326,7 @@ def test_points_of_the_unstable_manifold_come_from_the_saddle(saddle):
             if len(back):
                 before = saddle.map.iterate(start, int(n) - k)[-1]
                 away.append(float(np.abs(back.state - before).max(axis=1).min()) / size)
+    # not all of them: behind many impacts in a period, as of a trigger's saddle, known states are met to 3e-4 only
     assert len(away) > 20 and np.quantile(away, 0.7) < 1e-6
 
 
