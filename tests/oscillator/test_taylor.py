@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from grazing.kernel.compile import compiled
-from grazing.oscillator.taylor import bends, expand, rough, value
+from grazing.oscillator.taylor import bends, expand, impulse, rough, value
 
 #: Damping, stiffness: over-damped, critical, nearly so, under-damped, undamped, free; their fastest rates are below.
 DAMPINGS = ((3.0, 1.0), (2.0, 1.0), (2.0, 1.0 + 1e-9), (0.2, 3.0), (0.0, 2.2), (0.7, 0.0), (0.0, 0.0), (40.0, 1.0))
@@ -89,10 +89,24 @@ def test_what_is_left_out_grows_as_the_first_terms_left_out():
             assert 2.0**6.3 < far / near < 2.0**7.7
 
 
+@pytest.mark.parametrize(("alpha", "k"), DAMPINGS)
+def test_an_impulse_seen_from_before(alpha, k):
+    """The free flight that passes (0, 1), back to where it was s earlier."""
+    rate = max(k, 0.5 * alpha + np.sqrt(max(0.0, 0.25 * alpha**2 - k * k))) or 1.0
+    q2 = (0.5 * alpha - k) * (0.5 * alpha + k)
+    with mpmath.workdps(40):
+        flight = Flight(alpha, k, 0.0, [], 0.0, 1.0)
+        for x in (-FAR, -0.2, -0.05, 0.0, 0.1, FAR):
+            s = x / rate
+            exact = flight.at(-s)
+            for found, derivative in zip(impulse(s, alpha, q2), (0, 1), strict=True):
+                assert abs(found - exact[derivative]) < 8 * 2.0**-53 * rate ** (derivative - 1)
+
+
 def test_compiled_and_plain_agree_to_the_last_bit():
     def entry(y, v, alpha, k2, F, s):
         a = expand(y, v, alpha, k2, F)
-        return value(a, s), rough(a, s), bends(a, s)
+        return value(a, s), rough(a, s), bends(a, s), impulse(s, alpha, 0.25 * alpha * alpha - k2)
 
     random = np.random.default_rng(0)
     for _ in range(20):

@@ -34,7 +34,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 #: The functions of this module have a compiled form of their own and are not compiled from their source.
 PRIMITIVES = "grazing.kernel.primitives"
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 2
+LAYOUT = 3
 
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}

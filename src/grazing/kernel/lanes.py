@@ -120,12 +120,16 @@ def loop_of(
             c = constants(unpack(rows[top // n]))
             for start in range(top, top + size, BLOCK):
                 width = min(BLOCK, top + size - start)
+                q, i = start // n, start % n
                 for j in range(width):
-                    which[j], lane[j] = (start + j) // n, (start + j) % n
-                    put(x, j, column(lanes[which[j]], lane[j], zero))
+                    which[j], lane[j] = q, i
+                    put(x, j, column(lanes[at(q)], at(i), zero))
                     for k in range(fields):
-                        x[dimension + k, j] = rows[which[j], k]
+                        x[dimension + k, j] = rows[at(q), k]
                     said[1, j] = 0
+                    i += 1
+                    if i == n:
+                        q, i = q + 1, 0
                 for _ in range(transient):
                     for j in range(width):
                         state, _letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
@@ -143,7 +147,7 @@ def loop_of(
                         noted(said, which, lane, width, i, outcomes)
                 noted(said, which, lane, width, last, outcomes)
                 for j in range(width):
-                    put(lanes[which[j]], lane[j], column(x, j, zero))
+                    put(lanes[at(which[j])], at(lane[j]), column(x, j, zero))
 
     return run
 
@@ -152,7 +156,7 @@ def loop_of(
 def noted(said: Any, which: Any, lane: Any, width: int, record: int, outcomes: Any) -> None:
     """Add the outcomes of a block to a record, and begin anew."""
     for j in range(width):
-        outcomes[which[j], record, lane[j]] |= said[1, j]
+        outcomes[at(which[j]), at(record), at(lane[j])] |= said[1, j]
         said[1, j] = 0
 
 

@@ -79,6 +79,27 @@ def appended(
     return place
 
 
+def filled(work: Any, i: int, value: float) -> None:
+    """Write a number to eight neighbours; compiled code writes one vector."""
+    work[i : i + 8] = value
+
+
+def handed_back(
+    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
+) -> int:
+    """Give those of eight neighbours that fall short their numbers back from lists; return where the lists go on.
+
+    The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on. Compiled code
+    may read over eight places of a list.
+    """
+    for k in range(i, i + 8):
+        if not work[least + k] >= work[limit + k]:
+            for source, target in zip(sources, targets, strict=True):
+                work[target + k] = work[source + place]
+            place += 1
+    return place
+
+
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
 pointed: list[Callable[..., Any]] = []
 
@@ -186,17 +207,15 @@ def _register() -> None:
 
         return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
 
-    def compressed(builder: Any, values: Any, mask: Any) -> Any:
-        """Move the chosen numbers of a vector to its front."""
+    def gathered(builder: Any, name: str, values: Any, others: Any, mask: Any) -> Any:
+        """Move the chosen numbers of a vector to its front (compress), or its first to the chosen places (expand)."""
         bits = ir.VectorType(ir.IntType(1), 8)
         kind = ir.FunctionType(values.type, [values.type, values.type, bits])
-        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.x86.avx512.mask.compress.v8f64")
-        return builder.call(function, [values, values, mask])
+        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.x86.avx512.mask.{name}.v8f64")
+        return builder.call(function, [values, others, mask])
 
-    @intrinsic  # type: ignore[untyped-decorator]
-    def appending(
-        _context: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any
-    ) -> Any:
+    def moving(lists_to_places: bool) -> Any:
+        """Return the code of :func:`handed_back`, or of :func:`appended`."""
         vector = ir.VectorType(number, 8)
 
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -204,36 +223,80 @@ def _register() -> None:
             vectors = "+avx512f" in ctx.codegen().magic_tuple()[2]
 
             def place_of(row: Any, index: Any) -> Any:
-                pointer = builder.gep(data, [builder.add(row, index)])
-                return builder.bitcast(pointer, vector.as_pointer())
+                return builder.gep(data, [builder.add(row, index)])
 
-            def loaded(row: Any) -> Any:
-                found = builder.load(place_of(row, args[1]))
+            def eight(row: Any, index: Any) -> Any:
+                return builder.bitcast(place_of(row, index), vector.as_pointer())
+
+            def loaded(row: Any, index: Any) -> Any:
+                found = builder.load(eight(row, index))
                 found.align = 8
                 return found
 
-            mask = builder.fcmp_unordered("ult", loaded(args[2]), loaded(args[3]))
-            rows = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
-            lists = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
-            values = [loaded(row) for row in rows]
+            mask = builder.fcmp_unordered("ult", loaded(args[2], args[1]), loaded(args[3], args[1]))
+            sources = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
+            targets = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
             end = args[6]
             if vectors:
-                for value, row in zip(values, lists, strict=True):
-                    builder.store(compressed(builder, value, mask), place_of(row, end)).align = 8
+                for source, target in zip(sources, targets, strict=True):
+                    if lists_to_places:
+                        value = gathered(builder, "expand", loaded(source, end), loaded(target, args[1]), mask)
+                    else:
+                        value = gathered(builder, "compress", loaded(source, args[1]), loaded(source, args[1]), mask)
+                    builder.store(value, eight(target, args[1] if lists_to_places else end)).align = 8
                 bits = builder.zext(builder.bitcast(mask, ir.IntType(8)), count)
                 return builder.add(end, builder.ctpop(bits))
             for k in range(8):
-                lane = ir.Constant(ir.IntType(32), k)
-                for value, row in zip(values, lists, strict=True):
-                    builder.store(builder.extract_element(value, lane), builder.gep(data, [builder.add(row, end)]))
-                end = builder.add(end, builder.zext(builder.extract_element(mask, lane), count))
+                here, chosen = (
+                    builder.add(args[1], count(k)),
+                    builder.extract_element(mask, ir.Constant(ir.IntType(32), k)),
+                )
+                for source, target in zip(sources, targets, strict=True):
+                    if lists_to_places:
+                        old, new = (builder.load(place_of(*at)) for at in ((target, here), (source, end)))
+                        builder.store(builder.select(chosen, new, old), place_of(target, here))
+                    else:
+                        builder.store(builder.load(place_of(source, here)), place_of(target, end))
+                end = builder.add(end, builder.zext(chosen, count))
             return end
 
-        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), code
+        return code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def appending(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(False)
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def returning(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(True)
 
     @overload(appended, strict=False)  # type: ignore[untyped-decorator]
     def _appended(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
         return lambda work, i, least, limit, sources, targets, place: appending(
+            work, i, least, limit, sources, targets, place
+        )
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def filling(_context: Any, work: Any, i: Any, value: Any) -> Any:
+        vector = ir.VectorType(number, 8)
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            data = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
+            first = builder.insert_element(ir.Constant(vector, ir.Undefined), args[2], ir.Constant(ir.IntType(32), 0))
+            same = ir.Constant(ir.VectorType(ir.IntType(32), 8), [0] * 8)
+            place = builder.bitcast(builder.gep(data, [args[1]]), vector.as_pointer())
+            builder.store(builder.shuffle_vector(first, first, same), place).align = 8
+            return ctx.get_dummy_value()
+
+        return types.void(work, types.int64, types.float64), code
+
+    @overload(filled, strict=False)  # type: ignore[untyped-decorator]
+    def _filled(work: Any, i: Any, value: Any) -> Any:
+        return lambda work, i, value: filling(work, i, value)
+
+    @overload(handed_back, strict=False)  # type: ignore[untyped-decorator]
+    def _handed_back(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return lambda work, i, least, limit, sources, targets, place: returning(
             work, i, least, limit, sources, targets, place
         )
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called_for_all, inlined
+from grazing.kernel.primitives import at, called_for_all, handed_back, inlined
 from grazing.maps.columns import CUT, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
@@ -25,11 +25,11 @@ from grazing.maps.pointed import (
 )
 from grazing.oscillator.block import (
     dip_of,
-    guess_of,
     kick,
     look_up,
     placed,
     solve_of,
+    still_at_hand,
 )  # fmt: skip
 from grazing.oscillator.cells import (
     BAND,
@@ -59,11 +59,13 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
-    FLIES,
+    HITS,
     INSIDE,
     LANES,
+    LEAST,
     LIMIT,
     LOW,
+    MET,
     NAN,
     NEAR,
     NUMBER,
@@ -71,7 +73,9 @@ from grazing.oscillator.workspace import (
     ORBIT,
     PROVEN,
     PULL,
+    REST,
     SLOW,
+    SLOWEST_YET,
     WHEN,
     WIDER,
     WIDTH,
@@ -116,57 +120,63 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
     prepare = constants_of(harmonics, section_phase)
     period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
-    guess, solve, dip = guess_of(harmonics), solve_of(harmonics), dip_of(harmonics)
+    solve, dip = solve_of(harmonics), dip_of(harmonics)
     size, work = table_size(harmonics), workspace_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
         return prepare(unpack(rows, q * fields))
 
-    def fly(w: Any, start: int, end: int, c: Any, wanted: Any, hits: Any, flags: Any) -> None:
+    def fly(w: Any, start: int, end: int, c: Any, wanted: Any, flags: Any) -> None:
         """Take the wanted orbits through one period by the scalar routine; states are in U and V."""
         for i in range(start, end):
             if wanted[i]:
                 state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
                 w[U + i], w[V + i] = state
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
-                hits[i], flags[i] = letter, outcome
+                w[HITS + i], flags[i] = float(letter), outcome
 
     @inlined
     def impacts(
-        w: Any, low: Any, t: Any, places: int, met: Any, runs: Any, hits: Any, wanted: Any,
+        w: Any, low: Any, t: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any, wanted: Any,
         needy: Any, strike: float, law_rows: float,
     ) -> None:  # fmt: skip
-        """Take the orbits with impacts at hand to the end of the period, all their next impacts together."""
+        """Take the orbits that hit to the end of the period, all their next impacts together."""
+        places, several = candidates(w, columns, stride, starts, tabled, runs)
+        first = True
         while places > 0:
-            columns = runs_of(w, places, runs)
-            locate(w, t, runs, columns)
-            look_up(w, t, places, harmonics)
-            guess(w, places)
+            locate(w, t, runs, several)
+            look_up(w, t, runs, several, harmonics)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
             kick(w, places)
-            certify_rest(w, t, runs, columns)
-            count, dips = places, 0
-            places = 0
-            for k in range(count):
+            certify_rest(w, t, runs, several)
+            left = still_at_hand(w, places)
+            if first:  # most orbits hit once and are done
+                place = 0
+                for i in range(0, columns * stride, 8):
+                    place = handed_back(w, i, LEAST, LIMIT, (X1, X2, MET, SLOWEST_YET), (C1, C2, HITS, SLOW), place)
+            else:
+                for k in range(places):
+                    i = int(w[at(ORBIT + k)])
+                    w[at(SLOW + i)] = w[at(SLOWEST_YET + k)]
+                    if w[at(LOW + k)] >= w[at(WIDER + k)]:
+                        w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(X1 + k)], w[at(X2 + k)], w[at(MET + k)]
+            first = False
+            places, dips = 0, 0
+            for n in range(left):
+                k = int(w[at(REST + n)])
                 i = int(w[at(ORBIT + k)])
-                if w[at(FLIES + k)] > 0.0:
-                    w[at(SLOW + i)] = min(w[at(SLOW + i)], -w[at(BEFORE + k)])
-                    x, y, doubt = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)]
-                    if w[at(LOW + k)] >= doubt:
-                        w[at(C1 + i)], w[at(C2 + i)] = x, y
-                        hits[i] = met[k] + 1
-                        continue
+                if w[at(WIDER + k)] < INFINITY:
+                    x, y, doubt, met = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)], w[at(MET + k)] + 1.0
                     since, cell, when = w[at(ONE_ON + k)], w[at(INSIDE + k)], w[at(WHEN + k)]
-                    placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when)
-                    w[at(ORBIT + places)], met[places] = float(i), met[k] + 1
+                    placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when, float(i), met)
+                    w[at(SLOWEST_YET + places)] = w[at(SLOW + i)]
                     places += 1
                 elif int(w[at(EVENT + k)]) % 2 == 1:
                     for j in range(X1, work, WIDTH):
                         low[at(j + dips)] = w[at(j + k)]
                     low[at(Z1 + dips)], low[at(Z2 + dips)] = w[at(X1 + k)], w[at(X2 + k)]
                     low[at(ONE_ON + dips)] = w[at(EVENT + k)] + 1.0
-                    low[at(C1 + dips)], low[at(C2 + dips)] = float(i), float(met[k])
                     dips += 1
                 else:
                     wanted[i] = 1
@@ -175,27 +185,27 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 dip(low, dips)
                 certify_rest(low, t, runs, runs_of(low, dips, runs))
             for k in range(dips):
-                i, q = int(low[at(C1 + k)]), int(low[at(COLUMN + k)])
+                i, q = int(low[at(ORBIT + k)]), int(low[at(COLUMN + k)])
                 if not low[at(PROVEN + k)] > 0.0:
                     wanted[i] = 1
                     needy[q] += 1
                     continue
                 if low[at(PULL + k)] > 0.0:
                     w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
-                x, y, doubt, met_there = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)], int(low[at(C2 + k)])
+                x, y, doubt, met = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)], low[at(MET + k)]
                 if low[at(LOW + k)] >= doubt:
                     w[C1 + i], w[C2 + i] = x, y
-                    hits[i] = met_there
+                    w[HITS + i] = met
                     continue
-                placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0)
-                w[at(ORBIT + places)], met[places] = float(i), met_there
+                placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0, float(i), met)
+                w[at(SLOWEST_YET + places)] = w[at(SLOW + i)]
                 places += 1
+            several = runs_of(w, places, runs)
 
     @inlined
     def keep(
-        w: Any, t: Any, q: int, first: int, starts: int, points: Any, letters: Any, hits: Any, row: int, n: int,
-        left: int,
-    ) -> None:  # fmt: skip
+        w: Any, t: Any, q: int, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int
+    ) -> None:
         """Write the states of the pairs of column q, and how often each hit the wall."""
         sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
         v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
@@ -206,7 +216,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
             points[at(row), at(n), 1, at(left + j)] = v0 + (v1 * x + v2 * y)
         for j in range(starts):
-            letters[at(row), at(n), at(left + j)] = hits[at(first + j)]
+            letters[at(row), at(n), at(left + j)] = int(w[at(HITS + first + j)])
 
     def run(
         rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
@@ -220,9 +230,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         tabled = np.zeros(columns, np.int64)
         w, low = aligned(work), aligned(work)
         for i in range(LANES):
-            w[NUMBER + i] = float(i)
+            w[NUMBER + i], w[BEFORE + i] = float(i), -1.0
         runs = np.zeros(WIDTH, np.int64)
-        met, hits = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
         wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
         held, fresh = np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
         for q in range(columns):
@@ -240,13 +249,12 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 needy[q] = 0
                 if n >= transient:
                     for i in range(first, first + starts):
-                        hits[i] = 0
+                        w[at(HITS + i)] = 0.0
                 if not tabled[q]:
                     needy[q] = starts
                     for i in range(first, first + starts):
                         wanted[i] = 1
-            places = candidates(w, columns, stride, starts, tabled, met)
-            impacts(w, low, t, places, met, runs, hits, wanted, needy, strike, law_rows)
+            impacts(w, low, t, columns, stride, starts, tabled, runs, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
@@ -262,7 +270,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                         held[i] = held[i] if wanted[i] else FLOWN
                 fresh[q] = 0
                 if needy[q]:
-                    fly(w, first, first + starts, constants_at(rows, top + q), wanted, hits, flags)
+                    fly(w, first, first + starts, constants_at(rows, top + q), wanted, flags)
                     for i in range(first, first + starts):
                         if wanted[i]:
                             j = left + i - first
@@ -272,7 +280,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                             wanted[i] = 0
                         fresh[q] += held[i]
                 if kept >= 0:
-                    keep(w, t, q, first, starts, points, letters, hits, top + q, kept, left)
+                    keep(w, t, q, first, starts, points, letters, top + q, kept, left)
                     for j in range(starts if fresh[q] else 0):
                         if held[first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]

@@ -14,13 +14,9 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import at, inlined, transposed
-from grazing.oscillator.cells import (
-    ALPHA,
-    CELLS,
-    cell_size,
-)  # fmt: skip
-from grazing.oscillator.taylor import bends, expand, rough, value
+from grazing.kernel.primitives import appended, at, filled, inlined, transposed
+from grazing.oscillator.cells import CELLS, CONSTANTS, cell_size
+from grazing.oscillator.taylor import bends, expand, impulse, rough, value
 from grazing.oscillator.workspace import (
     AFTER,
     B1,
@@ -33,20 +29,29 @@ from grazing.oscillator.workspace import (
     DOUBT,
     EVENT,
     FAR,
-    FLIES,
     GAP,
     HIGH,
     INSIDE,
+    INVERSE,
+    LOW,
+    MET,
     NAN,
+    NUMBER,
     ONE_ON,
+    ORBIT,
     PROVEN,
     PULL,
+    Q2,
+    RATE,
     RECORD,
+    REST,
     ROOM,
     SINCE,
     SLOWEST_ALLOWED,
+    SLOWEST_YET,
+    SOME,
     STEEP,
-    TABLE,
+    UNMIX,
     UNTIL,
     VM,
     W2,
@@ -57,6 +62,20 @@ from grazing.oscillator.workspace import (
     WORSE,
     X1,
     X2,
+    Y0,
+    Y1,
+    Y2,
+    Y3,
+    Y4,
+    Y5,
+    Y6,
+    Y7,
+    Y8,
+    Y9,
+    Y10,
+    Y11,
+    Y12,
+    Y13,
     YM,
     Z1,
     Z2,
@@ -68,29 +87,37 @@ from grazing.oscillator.workspace import (
 
 
 @inlined
-def placed(w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float) -> None:
+def placed(
+    w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float, orbit: float,
+    met: float,
+) -> None:  # fmt: skip
     """Put a flight whose next impact is to be found from place ``since`` on to the impacts at hand."""
-    w[at(COLUMN + to)] = q
+    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)] = q, orbit, met
     w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
     w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
 
 
 @inlined
-def look_up(w: Any, t: Any, places: int, harmonics: int) -> None:
+def look_up(w: Any, t: Any, runs: Any, count: int, harmonics: int) -> None:
     """Give each place the constants of its column and the cell of its event.
 
     The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
     that is not for the block to decide.
     """
-    size, room = cell_size(harmonics), t.shape[1]
+    size, room, places = cell_size(harmonics), t.shape[1], runs[at(count)]
+    for n in range(count):
+        q = int(w[at(COLUMN + runs[at(n)])])
+        for h in range(CONSTANTS):
+            constant = t[at(q), at(h)]
+            for base in range(runs[at(n)], runs[at(n + 1)], 8):  # what runs over the end is for the next run
+                filled(w, A + h * WIDTH + base, constant)
     for base in range(0, places, 32):
         for k in range(32):
             i = base + k
-            cell, table = float(int(0.5 * (w[at(EVENT + i)] - 1.0))), w[at(COLUMN + i)] * room
-            w[at(INSIDE + i)], w[at(TABLE + i)] = cell, table
-            w[at(RECORD + i)] = table + (CELLS + cell * size)
+            cell = float(int(0.5 * (w[at(EVENT + i)] - 1.0)))
+            w[at(INSIDE + i)] = cell
+            w[at(RECORD + i)] = w[at(COLUMN + i)] * room + (CELLS + cell * size)
     for base in range(0, places, 8):
-        transposed(w, A + base, WIDTH, t, TABLE + base, ALPHA)
         for h in range(0, size, 8):
             transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
     for base in range(0, places, 64):
@@ -102,8 +129,8 @@ def look_up(w: Any, t: Any, places: int, harmonics: int) -> None:
 
 @inlined
 def descending(y: float, v: float, a: float) -> float:
-    """Return where y + v s + a s^2 falls through zero, or the lowest point where it does not."""
-    inside = v * v - 4.0 * a * y
+    """Return where y + v s + a s^2/2 falls through zero, or the lowest point where it does not."""
+    inside = v * v - 2.0 * a * y
     return 2.0 * y / (sqrt(inside if inside > 0.0 else 0.0) - v)
 
 
@@ -117,9 +144,14 @@ def clamped(s: float, low: float, high: float) -> float:
 @inlined
 def derivatives(w: Any, i: int, harmonics: int) -> Any:
     """Return the derivatives 0 to 11 of the force at the middle of the cell at place i."""
-    f0, f1 = w[at(F + i)], 0.0
-    f2, f3, f4, f5, f6, f7, f8, f9, f10, f11 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for h in range(harmonics):
+    g, d = w[at(WAVES + i)], w[at(WAVES + WIDTH + i)]
+    n = -w[at(W2 + i)]
+    f0, f1, f2, f3 = w[at(F + i)] + g, d, g * n, d * n
+    f4, f5 = f2 * n, f3 * n
+    f6, f7 = f4 * n, f5 * n
+    f8, f9 = f6 * n, f7 * n
+    f10, f11 = f8 * n, f9 * n
+    for h in range(1, harmonics):
         n = -(h + 1.0) * (h + 1.0) * w[at(W2 + i)]
         g, d = w[at(WAVES + 2 * h * WIDTH + i)], w[at(WAVES + (2 * h + 1) * WIDTH + i)]
         f0, f1 = f0 + g, f1 + d
@@ -137,7 +169,7 @@ def derivatives(w: Any, i: int, harmonics: int) -> Any:
 
 @inlined
 def series_at(w: Any, i: int, harmonics: int) -> Any:
-    """Return the Taylor coefficients of the flight at place i."""
+    """Return the derivatives of the flight at place i, in the middle of its cell."""
     x, y = w[at(X1 + i)], w[at(X2 + i)]
     position = w[at(YM + i)] + (x * w[at(B1 + i)] + y * w[at(B2 + i)])
     velocity = w[at(VM + i)] + (x * w[at(D1 + i)] + y * w[at(D2 + i)])
@@ -145,69 +177,119 @@ def series_at(w: Any, i: int, harmonics: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def guess_of(harmonics: int) -> Callable[[Any, int], None]:
-    """Return the first part of the solver of impacts; in two loops, because short ones overlap in the processor."""
-
-    @inlined
-    def guess(w: Any, count: int) -> None:
-        """Find the impact at place i to about eight digits: Newton's method on the first seven coefficients."""
-        for base in range(0, count, 8):
-            for k in range(8):
-                i = base + k
-                a = series_at(w, i, harmonics)
-                low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
-                s = clamped(descending(a[0], a[1], a[2]), low, high)
-                y, v = rough(a, s)
-                inverse = 1.0 / v
-                s = clamped(s - y * inverse, low, high)
-                y, v = rough(a, s)
-                w[at(WHEN + i)] = s - y * (inverse * (2.0 - v * inverse))
-
-    return guess
-
-
-@lru_cache(maxsize=64)
 def solve_of(harmonics: int) -> Callable[[Any, int], None]:
-    """Return the second part of the solver of impacts."""
+    """Return the solver of impacts for a number of harmonics.
+
+    Some impacts pass through one short loop after the other: what one loop waits for, the next has long had. A single
+    loop would be a chain of two hundred cycles, of which the processor cannot overlap enough.
+    """
 
     @inlined
-    def solve(w: Any, count: int) -> None:
-        """Find the impact at place i, where the series falls through zero, by one step of third order from the guess.
+    def unfold(w: Any, base: int) -> None:
+        """Find the derivatives of the flights in the middles of their cells."""
+        for k in range(SOME):
+            i, y = base + k, series_at(w, base + k, harmonics)
+            w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)] = y[0], y[1], y[2], y[3]
+            w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)], w[at(Y7 + i)] = y[4], y[5], y[6], y[7]
+            w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)] = y[8], y[9], y[10]
+            w[at(Y11 + i)], w[at(Y12 + i)], w[at(Y13 + i)] = y[11], y[12], y[13]
+
+    @inlined
+    def unfolded(w: Any, i: int) -> Any:
+        """Return the derivatives that ``unfold`` found."""
+        return (
+            w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)], w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)],
+            w[at(Y7 + i)], w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)], w[at(Y11 + i)], w[at(Y12 + i)],
+            w[at(Y13 + i)],
+        )  # fmt: skip
+
+    @inlined
+    def begin(w: Any, base: int) -> None:
+        """Guess the impacts from position, velocity and acceleration."""
+        for k in range(SOME):
+            i, y = base + k, unfolded(w, base + k)
+            w[at(WHEN + i)] = clamped(descending(y[0], y[1], y[2]), w[at(SINCE + i)], w[at(UNTIL + i)])
+
+    @inlined
+    def improve(w: Any, base: int) -> None:
+        """Take a step of Newton's method on the first seven derivatives."""
+        for k in range(SOME):
+            i = base + k
+            s = w[at(WHEN + i)]
+            y, v = rough(unfolded(w, i), s)
+            inverse = 1.0 / v
+            w[at(INVERSE + i)] = inverse
+            w[at(WHEN + i)] = clamped(s - y * inverse, w[at(SINCE + i)], w[at(UNTIL + i)])
+
+    @inlined
+    def improve_again(w: Any, base: int) -> None:
+        """Take another one, to about eight digits; the inverse of the velocity needs no division any more."""
+        for k in range(SOME):
+            i = base + k
+            s, inverse = w[at(WHEN + i)], w[at(INVERSE + i)]
+            y, v = rough(unfolded(w, i), s)
+            inverse = inverse * (2.0 - v * inverse)
+            w[at(INVERSE + i)] = inverse
+            w[at(WHEN + i)] = s - y * inverse
+
+    @inlined
+    def arrive(w: Any, base: int) -> None:
+        """Find position, velocity, acceleration and jerk there; the first two go to AFTER and BEFORE."""
+        for k in range(SOME):
+            i, y = base + k, unfolded(w, base + k)
+            s = w[at(WHEN + i)]
+            w[at(AFTER + i)], w[at(BEFORE + i)] = value(y, s)
+            w[at(PULL + i)], w[at(STEEP + i)] = bends(y, s)
+
+    @inlined
+    def accept(w: Any, base: int) -> None:
+        """Find the impacts, where the series fall through zero, by one step of third order.
 
         A cell holds at most one such point (the lemma), so a point where the series falls through zero, inside the
         cell and fast enough for rounding, is the impact.
         """
-        for base in range(0, count, 8):
-            for k in range(8):
-                i = base + k
-                a = series_at(w, i, harmonics)
-                low, high, s = w[at(SINCE + i)], w[at(UNTIL + i)], w[at(WHEN + i)]
-                y, v = value(a, s)
-                acceleration, jerk = bends(a, s)
-                inverse = 1.0 / v
-                step = -y * inverse
-                bent = acceleration * step * inverse
-                step = step * (1.0 - 0.5 * bent)
-                v = v + step * (acceleration + 0.5 * step * jerk)
-                s = s + step
-                w[at(WHEN + i)] = s
-                w[at(PULL + i)] = acceleration
-                sure = (
-                    (s > low)
-                    & (s < high * (1.0 - 1e-7))
-                    & (v < -w[at(SLOWEST_ALLOWED + i)])
-                    & (abs(bent) < 1e-5)
-                    & (abs(step) < 1e-5 * high)
-                )
-                w[at(BEFORE + i)] = v if sure else -1.0  # no law is asked about nonsense
-                w[at(PROVEN + i)] = 1.0 if sure else 0.0
+        for k in range(SOME):
+            i = base + k
+            y, v, acceleration, jerk = w[at(AFTER + i)], w[at(BEFORE + i)], w[at(PULL + i)], w[at(STEEP + i)]
+            s, inverse = w[at(WHEN + i)], w[at(INVERSE + i)]
+            low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
+            inverse = inverse * (2.0 - v * inverse)
+            wrong = 1.0 - v * inverse
+            inverse = inverse + inverse * wrong
+            step = -y * inverse
+            bent = acceleration * step * inverse
+            step = step * (1.0 - 0.5 * bent)
+            v = v + step * (acceleration + 0.5 * step * jerk)
+            s = s + step
+            w[at(WHEN + i)] = s
+            sure = (
+                (s > low)
+                & (s < high * (1.0 - 1e-7))
+                & (v < -w[at(SLOWEST_ALLOWED + i)])
+                & (abs(bent) < 1e-5)
+                & (abs(step) < 1e-5 * high)
+                & (abs(wrong) < 1e-5)
+            )
+            w[at(BEFORE + i)] = v if sure else -1.0  # no law is asked about nonsense
+            w[at(INVERSE + i)] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
+            w[at(PROVEN + i)] = 1.0 if sure else 0.0
+
+    @inlined
+    def solve(w: Any, count: int) -> None:
+        for base in range(0, count, SOME):
+            unfold(w, base)
+            begin(w, base)
+            improve(w, base)
+            improve_again(w, base)
+            arrive(w, base)
+            accept(w, base)
 
     return solve
 
 
 @inlined
 def kick(w: Any, count: int) -> None:
-    """Find the flights after the impacts at hand; FLIES gets 0 where that is not to be done here."""
+    """Find the flights after the impacts at hand; WIDER gets NaN where that is not to be done here."""
     for base in range(0, count, 8):
         for k in range(8):
             i = base + k
@@ -216,20 +298,38 @@ def kick(w: Any, count: int) -> None:
             # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
             press = -(w[at(PULL + i)] + alpha * v)
             ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[at(GAP + i)])
-            free = expand(0.0, 1.0, alpha, w[at(K + i)], (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-            y, d = value(free, -s)
+            y, d = impulse(s, alpha, w[at(Q2 + i)])
             change = u - v
-            b1, d1, b2, d2 = w[at(B1 + i)], w[at(D1 + i)], w[at(B2 + i)], w[at(D2 + i)]
-            scale = change / (b1 * d2 - b2 * d1)
-            z1 = w[at(X1 + i)] + (d2 * y - b2 * d) * scale
-            z2 = w[at(X2 + i)] + (b1 * d - d1 * y) * scale
+            scale = change * w[at(UNMIX + i)]
+            z1 = w[at(X1 + i)] + (w[at(D2 + i)] * y - w[at(B2 + i)] * d) * scale
+            z2 = w[at(X2 + i)] + (w[at(B1 + i)] * d - w[at(D1 + i)] * y) * scale
             w[at(Z1 + i)], w[at(Z2 + i)] = z1, z2
             flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
-            w[at(FLIES + i)] = 1.0 if flies else 0.0
             # what an impact makes of the errors before it, see next_launch in contact.py
             worse, steep = w[at(WORSE + i)], 1.0 + w[at(STEEP + i)]
             carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
-            w[at(WIDER + i)] = w[at(DOUBT + i)] * (worse * steep - carried / v)
+            wider = w[at(DOUBT + i)] * (worse * steep - carried * w[at(INVERSE + i)])
+            w[at(WIDER + i)] = wider if flies else NAN
+            slowest = w[at(SLOWEST_YET + i)]
+            w[at(SLOWEST_YET + i)] = -v if flies & (-v < slowest) else slowest
+
+
+@inlined
+def still_at_hand(w: Any, count: int) -> int:
+    """Give the impacts at hand the pairs of those that the certificate settled, and list the others in REST."""
+    for base in range(0, count, 32):
+        for k in range(32):
+            i = base + k
+            done = w[at(LOW + i)] >= w[at(WIDER + i)]
+            w[at(X1 + i)] = w[at(Z1 + i)] if done else w[at(X1 + i)]
+            w[at(X2 + i)] = w[at(Z2 + i)] if done else w[at(X2 + i)]
+            w[at(MET + i)] = w[at(MET + i)] + 1.0 if done else w[at(MET + i)]
+    for k in range(8):  # nobody is there
+        w[at(LOW + count + k)], w[at(WIDER + count + k)] = 0.0, 0.0
+    rest = 0
+    for base in range(0, count, 8):
+        rest = appended(w, base, LOW, WIDER, (NUMBER,), (REST,), rest)
+    return rest
 
 
 @lru_cache(maxsize=64)
@@ -248,7 +348,7 @@ def dip_of(harmonics: int) -> Callable[[Any, int], None]:
                 i = base + k
                 a = series_at(w, i, harmonics)
                 low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
-                s = clamped(-0.5 * a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
+                s = clamped(-a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
                 _y, v = rough(a, s)
                 acceleration, _jerk = bends(a, s)
                 s = clamped(s - v / acceleration, low, high)
@@ -283,15 +383,16 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any], fields: int
             while last < end and w[at(COLUMN + last)] == column:
                 last += 1
             p = unpack(rows, fields * int(column))
-            for j in range(i, last):
-                v = w[at(BEFORE + j)]
-                # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                rough_rate = (w[at(WORSE + j)] - 1.0) / w[at(FAR + j)] + w[at(A + j)]
-                error = w[at(DOUBT + j)] * (rough_rate - w[at(M + j)] / v) * 0.015625
-                h = min(max(1e-8 * -v, error), -v)
-                u, less, more = law(v, p), law(v - h, p), law(v + h, p)
-                w[at(STEEP + j)] = abs(less - more) / h
-                w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
+            for base in range(i, last, 16):  # what runs over the end is for the next column
+                for k in range(16):
+                    j = base + k
+                    v = w[at(BEFORE + j)]
+                    # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
+                    error = w[at(DOUBT + j)] * (w[at(RATE + j)] - w[at(M + j)] * w[at(INVERSE + j)]) * 0.015625
+                    h = min(max(1e-8 * -v, error), -v)
+                    u, less, more = law(v, p), law(v - h, p), law(v + h, p)
+                    w[at(STEEP + j)] = abs(less - more) / h
+                    w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
             i = last
 
     return strike

@@ -19,35 +19,39 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
-from grazing.oscillator.constants import Constants, steady_response
+from grazing.kernel.primitives import at
+from grazing.oscillator.constants import Constants
 from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
+from grazing.oscillator.windows import summed
 
 #: Cells of one period beyond which a parameter value is left to the scalar routine.
 MAX_CELLS = 96
 #: Decay of the fast mode over a period beyond which the pair (c1, c2) would lose its digits.
 MAX_DECAY = 30.0
 
-# ---- where things stand in a table: the constants of the parameter value,
-# the last three being how far a velocity carries, the slowest impact to be solved here, and the growth of errors there,
-ALPHA, K2, F0, OMEGA2, FORCE, LEVER, SLOWEST, GROWTH = 0, 1, 2, 3, 4, 5, 6, 7
+# ---- where things stand in a table: the constants of the parameter value, the last being how far a velocity carries,
+# the slowest impact to be solved here, the growth of errors there, its rate, alpha^2/4 - k^2, and 1 less the
+# contraction of the law near zero speed;
+ALPHA, K2, F0, OMEGA2, FORCE, LEVER, SLOWEST, GROWTH, RATE, SQUARE, GAP = range(11)
+CONSTANTS = 11
 # margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|; the band;
-MARGIN, BAND = 8, 11
+MARGIN, BAND = 11, 14
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
-ONWARD, STATE, PAIR = 12, 18, 24
-# how many rows the certificate has, and how many all lists together, both padded to a multiple of 8; the wall, the
-# contraction of the law near zero speed, and 1 where p = 1 in all rows;
-COUNT, ROW_COUNT, SIGMA, RATIO, UPRIGHT = 28, 29, 30, 31, 32
+ONWARD, STATE, PAIR = 15, 21, 27
+# how many rows the certificate has, and how many all lists together, both padded to a multiple of 8; the wall, and 1
+# where p = 1 in all rows;
+COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
 # then the certificate and the list of all rows, both in the order of time: eight rows (p, q, r) and their places,
 # as eight p, eight q, eight r, eight places, and so on;
 CERTIFICATE = 40
 MAX_ROWS = 3 * MAX_CELLS + 8
 ROWS = CERTIFICATE + 4 * MAX_ROWS
 # and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the place
-# from which to go on after an impact, 1 - RATIO; the harmonics.
+# from which to go on after an impact, the inverse of the Wronskian b1 b2' - b2 b1'; the harmonics.
 CELLS = ROWS + 4 * MAX_ROWS
-HALF, TIME_LEFT, GO_ON, GAP = 6, 7, 8, 9
+HALF, TIME_LEFT, GO_ON, UNMIX = 6, 7, 8, 9
 CELL = 10
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
@@ -70,15 +74,39 @@ def exponential(c: Constants) -> bool:
     return c.q2 * c.T * c.T >= 1.0
 
 
-def basis(t: float, c: Constants) -> tuple[float, float, float, float, float, float]:
+class Instant(NamedTuple):
+    """Sine and cosine of the forcing's phase, and e^{l1 t}, e^{l2 t} where these are the free flights."""
+
+    sine: float
+    cosine: float
+    e1: float
+    e2: float
+
+
+def instant(t: float, phase: float, c: Constants) -> Instant:
+    """Return the instant at local time t, with the given phase of the forcing."""
+    sine, cosine = sincos(phase)
+    if exponential(c):
+        return Instant(sine, cosine, exp(c.l1 * t), exp(c.l2 * t))
+    return Instant(sine, cosine, 0.0, 0.0)
+
+
+def later(now: Instant, step: Instant) -> Instant:
+    """Return the instant a step later: products instead of functions, for a rounding more."""
+    return Instant(
+        now.sine * step.cosine + now.cosine * step.sine, now.cosine * step.cosine - now.sine * step.sine,
+        now.e1 * step.e1, now.e2 * step.e2,
+    )  # fmt: skip
+
+
+def basis(t: float, now: Instant, c: Constants) -> tuple[float, float, float, float, float, float]:
     """Return Y, Y', b1, b1', b2, b2' at local time t."""
     if c.steady:
-        Y, dY = steady_response(t, c)
+        Y, dY = summed(c.Y0, c.hc, c.hs, c.omega, now.sine, now.cosine)
     else:
         Y, dY = duhamel(t, 0.0, c)
     if exponential(c):
-        e1, e2 = exp(c.l1 * t), exp(c.l2 * t)
-        return Y, dY, e1, c.l1 * e1, e2, c.l2 * e2
+        return Y, dY, now.e1, c.l1 * now.e1, now.e2, c.l2 * now.e2
     E11, E12, E21, E22 = modes(t, c)
     half = 0.5 * c.alpha
     return Y, dY, E11 - half * E12, E21 - half * E22, E12, E22
@@ -102,9 +130,9 @@ def windows_in(c: Constants) -> int:
     return count
 
 
-def put_row(t: Any, q: int, at: int, step: int, p: float, r: float, s: float) -> None:
+def put_row(t: Any, q: int, i: int, step: int, p: float, r: float, s: float) -> None:
     """Write a row (p, r, s); its numbers lie ``step`` apart."""
-    t[q, at], t[q, at + step], t[q, at + 2 * step] = p, r, s
+    t[at(q), at(i)], t[at(q), at(i + step)], t[at(q), at(i + 2 * step)] = p, r, s
 
 
 class Extent(NamedTuple):
@@ -121,26 +149,26 @@ class Extent(NamedTuple):
 
 def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: int) -> int:
     """Write row n of the list that begins at ``rows``; return n + 1."""
-    at = rows + 32 * (n // 8) + n % 8
-    put_row(t, q, at, 8, p, r, s)
-    t[q, at + 24] = place
+    i = rows + 32 * (n // 8) + n % 8
+    put_row(t, q, i, 8, p, r, s)
+    t[at(q), at(i + 24)] = place
     return n + 1
 
 
 def put_cell(
-    t: Any, q: int, cell: int, time: float, at_time: tuple[float, float, float, float, float, float], c: Constants
+    t: Any, q: int, cell: int, now: Instant, at_time: tuple[float, float, float, float, float, float], c: Constants
 ) -> int:
-    """Write what a Taylor series about ``time`` needs; return where the cell's entries begin."""
-    at = CELLS + cell * cell_size(len(c.cos))
+    """Write what a Taylor series about an instant needs; return where the cell's entries begin."""
+    i = CELLS + cell * cell_size(len(c.cos))
     for k in range(6):
-        t[q, at + k] = at_time[k]
-    sine, cosine = sincos(c.omega * time + c.theta)
+        t[at(q), at(i + k)] = at_time[k]
+    sine, cosine = now.sine, now.cosine
     sj, cj = sine, cosine
     for h in range(len(c.cos)):
-        t[q, at + CELL + 2 * h] = c.cos[h] * cj + c.sin[h] * sj
-        t[q, at + CELL + 2 * h + 1] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
+        t[at(q), at(i + CELL + 2 * h)] = c.cos[h] * cj + c.sin[h] * sj
+        t[at(q), at(i + CELL + 2 * h + 1)] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
         sj, cj = sj * cosine + cj * sine, cj * cosine - sj * sine
-    return at
+    return i
 
 
 def chord(
@@ -178,6 +206,8 @@ def fill_window(
     length = (b - a) / count
     piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
     positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
+    half = instant(0.5 * length, c.omega * (0.5 * length), c)
+    now = half
     f1, f2, last, drawn = 1.0, 0.0, 0, True
     g1, g2, before1, before2 = 0.0, 0.0, 0.0, 0.0  # states that graze half a cell ago, and a whole one
     for k in range(2 * count + 1):
@@ -188,18 +218,21 @@ def fill_window(
             if c.q2 < 0.0:
                 sine, cosine = sincos(c.spread * (a + 0.5 * length * (j + last)))
                 f1, f2 = cosine, c.spread * sine
-        at_time = basis(time, c)
+        between = k % 2 == 0 and 0 < k < 2 * count  # an end between two cells: no flight starts from its numbers
+        now = later(now, half) if between else instant(time, c.omega * time + c.theta, c)
+        at_time = basis(time, now, c)
         Y, dY, b1, d1, b2, d2 = at_time
+        unmix = 1.0 / (b1 * d2 - b2 * d1)
         if k % 2 == 1:
-            at = put_cell(t, q, cell + j, time, at_time, c)
-            t[q, at + HALF], t[q, at + GAP] = 0.5 * length, 1.0 - t[q, RATIO]
-            t[q, at + TIME_LEFT] = 0.0 if positive else b - time
-            t[q, at + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
+            record = put_cell(t, q, cell + j, now, at_time, c)
+            t[q, record + HALF], t[q, record + UNMIX] = 0.5 * length, unmix
+            t[q, record + TIME_LEFT] = 0.0 if positive else b - time
+            t[q, record + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
             for h in range(6):
                 t[q, (STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
-        phi, W = f1 * b1 + f2 * b2, b1 * d2 - b2 * d1
-        h1, h2 = (b2 * dY - d2 * Y) / W, (d1 * Y - b1 * dY) / W  # the state that grazes now
+        phi = f1 * b1 + f2 * b2
+        h1, h2 = (b2 * dY - d2 * Y) * unmix, (d1 * Y - b1 * dY) * unmix  # the state that grazes now
         p, r, s = b1 / phi, b2 / phi, Y / phi
         extent = Extent(
             max(extent.r, abs(s)), max(extent.p, abs(p)), max(extent.q, abs(r)), max(extent.b1, abs(b1)),
@@ -244,7 +277,6 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
     extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
-    t[q, RATIO] = ratio
     cell, n, m = 0, 0, 0
     for i in range(windows):
         cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
@@ -257,7 +289,8 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
-    t[q, SLOWEST] = 1e-5 * c.force * reach
+    t[q, SLOWEST], t[q, RATE] = 1e-5 * c.force * reach, 4.0 * fastest(c) + c.alpha
+    t[q, SQUARE], t[q, GAP] = c.q2, 1.0 - ratio
     t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
     t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
@@ -269,8 +302,10 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
 
 def put_maps(t: Any, q: int, c: Constants) -> None:
     """Write how pairs go over to the next period, and what they are as states."""
-    at, end = STATE, ONWARD  # the windows left the basis at t = 0 and t = T here
-    Y, dY, b1, d1, b2, d2 = t[q, at], t[q, at + 1], t[q, at + 2], t[q, at + 3], t[q, at + 4], t[q, at + 5]
+    first, end = STATE, ONWARD  # the windows left the basis at t = 0 and t = T here
+    Y, dY, b1, d1, b2, d2 = (
+        t[q, first], t[q, first + 1], t[q, first + 2], t[q, first + 3], t[q, first + 4], t[q, first + 5],
+    )  # fmt: skip
     Y_T, dY_T, e1, f1, e2, f2 = t[q, end], t[q, end + 1], t[q, end + 2], t[q, end + 3], t[q, end + 4], t[q, end + 5]
     W = b1 * d2 - b2 * d1
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W

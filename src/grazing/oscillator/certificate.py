@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from grazing.kernel.primitives import appended, at, inlined
+from grazing.kernel.primitives import appended, at, filled, inlined
 from grazing.oscillator.cells import (
     CERTIFICATE,
     COUNT,
@@ -32,10 +32,13 @@ from grazing.oscillator.workspace import (
     LEAST,
     LIMIT,
     LOW,
+    MET,
     NAN,
     NUMBER,
     ONE_ON,
     ORBIT,
+    SLOW,
+    SLOWEST_YET,
     X1,
     X2,
     Z1,
@@ -46,7 +49,10 @@ from grazing.oscillator.workspace import (
 @inlined
 def eight(t: Any, q: int, i: int) -> tuple[float, float, float, float, float, float, float, float]:
     """Return eight numbers of table q."""
-    return t[q, i], t[q, i + 1], t[q, i + 2], t[q, i + 3], t[q, i + 4], t[q, i + 5], t[q, i + 6], t[q, i + 7]
+    return (
+        t[at(q), at(i)], t[at(q), at(i + 1)], t[at(q), at(i + 2)], t[at(q), at(i + 3)], t[at(q), at(i + 4)],
+        t[at(q), at(i + 5)], t[at(q), at(i + 6)], t[at(q), at(i + 7)],
+    )  # fmt: skip
 
 
 @inlined
@@ -59,9 +65,9 @@ def lower(a: float, b: float) -> float:
 def onward(w: Any, t: Any, columns: int, stride: int) -> None:
     """Take all pairs over to the next period; LIMIT gets their margins, NaN where a row could overflow."""
     for q in range(columns):
-        s0, a00, a01 = t[q, ONWARD], t[q, ONWARD + 1], t[q, ONWARD + 2]
-        s1, a10, a11 = t[q, ONWARD + 3], t[q, ONWARD + 4], t[q, ONWARD + 5]
-        m0, m1, m2 = t[q, MARGIN], t[q, MARGIN + 1], t[q, MARGIN + 2]
+        s0, a00, a01 = t[at(q), ONWARD], t[at(q), ONWARD + 1], t[at(q), ONWARD + 2]
+        s1, a10, a11 = t[at(q), ONWARD + 3], t[at(q), ONWARD + 4], t[at(q), ONWARD + 5]
+        m0, m1, m2 = t[at(q), MARGIN], t[at(q), MARGIN + 1], t[at(q), MARGIN + 2]
         for base in range(q * stride, (q + 1) * stride, 16):
             for k in range(16):
                 i = base + k
@@ -83,7 +89,7 @@ def certify_of(upright: bool) -> Callable[..., None]:
         LEAST >= LIMIT is proof that there is no impact in the period. Numbers that are no numbers may drop out of the
         least, but never with a LIMIT that is one, see :func:`onward`.
         """
-        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
+        last = CERTIFICATE + 4 * int(t[at(q), COUNT]) - 32
         for j in range(CERTIFICATE, last + 1, 32):
             p, c, r = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16)
             for base in range(start, end, 16):
@@ -113,7 +119,7 @@ def certify_rest_of(upright: bool) -> Callable[..., None]:
     @inlined
     def certify_rest(w: Any, t: Any, q: int, start: int, end: int) -> None:
         """Ask the certificate about the flights after impacts, from ONE_ON on: LOW gets the least row."""
-        last = CERTIFICATE + 4 * int(t[q, COUNT]) - 32
+        last = CERTIFICATE + 4 * int(t[at(q), COUNT]) - 32
         for j in range(CERTIFICATE, last + 1, 32):
             p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
             for base in range(start, end, 8):
@@ -129,16 +135,14 @@ def certify_rest_of(upright: bool) -> Callable[..., None]:
                     z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
                     z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
                     z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    z0 = z0 if o[0] >= since else HIGH
-                    z1 = z1 if o[1] >= since else HIGH
-                    z2 = z2 if o[2] >= since else HIGH
-                    z3 = z3 if o[3] >= since else HIGH
-                    z4 = z4 if o[4] >= since else HIGH
-                    z5 = z5 if o[5] >= since else HIGH
-                    z6 = z6 if o[6] >= since else HIGH
-                    z7 = z7 if o[7] >= since else HIGH
-                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
-                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
+                    least = lower(z0, least) if o[0] >= since else least
+                    least = lower(z1, least) if o[1] >= since else least
+                    least = lower(z2, least) if o[2] >= since else least
+                    least = lower(z3, least) if o[3] >= since else least
+                    least = lower(z4, least) if o[4] >= since else least
+                    least = lower(z5, least) if o[5] >= since else least
+                    least = lower(z6, least) if o[6] >= since else least
+                    least = lower(z7, least) if o[7] >= since else least
                     w[at(LOW + i)] = x + least if upright and j == last else least
 
     return certify_rest
@@ -151,7 +155,7 @@ def locate_of(upright: bool) -> Callable[..., None]:
     @inlined
     def locate(w: Any, t: Any, q: int, start: int, end: int) -> None:
         """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
-        last = ROWS + 4 * int(t[q, ROW_COUNT]) - 32
+        last = ROWS + 4 * int(t[at(q), ROW_COUNT]) - 32
         for j in range(last, ROWS - 1, -32):
             p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
             for base in range(start, end, 8):
@@ -190,7 +194,7 @@ locate_upright, locate_any = locate_of(True), locate_of(False)
 def certify(w: Any, t: Any, columns: int, stride: int) -> None:
     """Ask the certificate about all orbits."""
     for q in range(columns):
-        if t[q, UPRIGHT] > 0.0:
+        if t[at(q), UPRIGHT] > 0.0:
             certify_upright(w, t, q, q * stride, (q + 1) * stride)
         else:
             certify_any(w, t, q, q * stride, (q + 1) * stride)
@@ -201,7 +205,7 @@ def certify_rest(w: Any, t: Any, runs: Any, count: int) -> None:
     """Ask the certificate about all flights after impacts; results of a run may be written over by the next."""
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
-        if t[q, UPRIGHT] > 0.0:
+        if t[at(q), UPRIGHT] > 0.0:
             certify_rest_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
         else:
             certify_rest_any(w, t, q, runs[at(n)], runs[at(n + 1)])
@@ -212,30 +216,34 @@ def locate(w: Any, t: Any, runs: Any, count: int) -> None:
     """Find the next events of all impacts at hand."""
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
-        if t[q, UPRIGHT] > 0.0:
+        if t[at(q), UPRIGHT] > 0.0:
             locate_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
         else:
             locate_any(w, t, q, runs[at(n)], runs[at(n + 1)])
 
 
 @inlined
-def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, met: Any) -> int:
-    """Put the orbits that the certificate did not settle to the impacts at hand; return their number."""
-    places = 0
+def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any) -> tuple[int, int]:
+    """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs."""
+    places, count = 0, 0
     for q in range(columns):
         first, end = q * stride, q * stride + starts if tabled[q] else q * stride
         for i in range(end, first + stride):  # nobody is there
             w[at(LEAST + i)], w[at(LIMIT + i)] = 0.0, 0.0
+        runs[at(count)] = places
         for base in range(first, end, 8):
-            places = appended(w, base, LEAST, LIMIT, (C1, C2, LIMIT, NUMBER), (X1, X2, DOUBT, ORBIT), places)
+            places = appended(
+                w, base, LEAST, LIMIT, (C1, C2, LIMIT, NUMBER, SLOW), (X1, X2, DOUBT, ORBIT, SLOWEST_YET), places
+            )
+        for base in range(runs[at(count)], places, 8):
+            filled(w, COLUMN + base, float(q))
+        count += 1 if places > runs[at(count)] else 0
+    runs[at(count)] = places
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            w[at(COLUMN + i)] = float(int(w[at(ORBIT + i)] / stride))
-            w[at(ONE_ON + i)], w[at(BACK + i)] = 0.0, -1.0
-    for k in range(places):
-        met[at(k)] = 0
-    return places
+            w[at(ONE_ON + i)], w[at(BACK + i)], w[at(MET + i)] = 0.0, -1.0, 0.0
+    return places, count
 
 
 @inlined

@@ -12,17 +12,17 @@ from grazing.kernel.primitives import inlined
 #: (fastest rate) * (length of a cell) is at most this.
 REACH = 0.6
 
-Coefficients = tuple[
+Derivatives = tuple[
     float, float, float, float, float, float, float, float, float, float, float, float, float, float
-]  # of s^0 ... s^13
+]  # 0 to 13
 
 
 @inlined
 def expand(
     y: float, v: float, alpha: float, k2: float, F: tuple[float, float, float, float, float, float, float, float,
                                                          float, float, float, float]
-) -> Coefficients:  # fmt: skip
-    """Return the coefficients of the flight from (y, v); F are the derivatives 0 to 11 of the force at the middle.
+) -> Derivatives:  # fmt: skip
+    """Return the derivatives of the flight from (y, v); F are the derivatives 0 to 11 of the force at the middle.
 
     y'' = F - alpha y' - k^2 y, differentiated again and again; the terms are grouped so that each derivative waits
     for only one operation of the one before.
@@ -40,47 +40,37 @@ def expand(
     y11 = (F9 - k2 * y9) - alpha * y10
     y12 = (F10 - k2 * y10) - alpha * y11
     y13 = (F11 - k2 * y11) - alpha * y12
-    return (
-        y, v, y2 * (1.0 / 2.0), y3 * (1.0 / 6.0), y4 * (1.0 / 24.0), y5 * (1.0 / 120.0), y6 * (1.0 / 720.0),
-        y7 * (1.0 / 5040.0), y8 * (1.0 / 40320.0), y9 * (1.0 / 362880.0), y10 * (1.0 / 3628800.0),
-        y11 * (1.0 / 39916800.0), y12 * (1.0 / 479001600.0), y13 * (1.0 / 6227020800.0),
-    )  # fmt: skip
+    return y, v, y2, y3, y4, y5, y6, y7, y8, y9, y10, y11, y12, y13
 
 
 @inlined
-def value(a: Coefficients, s: float) -> tuple[float, float]:
+def even(z: float, y0: float, y2: float, y4: float, y6: float, y8: float, y10: float, y12: float) -> float:
+    """Return y0 + y2 z/2! + y4 z^2/4! + ... + y12 z^6/12!; the factors wait for z alone."""
+    tail = y8 + z * (1.0 / 90.0) * (y10 + z * (1.0 / 132.0) * y12)
+    return y0 + z * 0.5 * (y2 + z * (1.0 / 12.0) * (y4 + z * (1.0 / 30.0) * (y6 + z * (1.0 / 56.0) * tail)))
+
+
+@inlined
+def odd(z: float, y1: float, y3: float, y5: float, y7: float, y9: float, y11: float) -> float:
+    """Return y1 + y3 z/3! + y5 z^2/5! + ... + y11 z^5/11!."""
+    tail = y9 + z * (1.0 / 110.0) * y11
+    return y1 + z * (1.0 / 6.0) * (y3 + z * (1.0 / 20.0) * (y5 + z * (1.0 / 42.0) * (y7 + z * (1.0 / 72.0) * tail)))
+
+
+@inlined
+def value(y: Derivatives, s: float) -> tuple[float, float]:
     """Return position and velocity at s; even and odd powers apart, for half the waiting."""
-    a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13 = a
+    y0, y1, y2, y3, y4, y5, y6, y7, y8, y9, y10, y11, y12, y13 = y
     z = s * s
-    e = a12 * z + a10
-    de = a12 * z + e
-    e = e * z + a8
-    de = de * z + e
-    e = e * z + a6
-    de = de * z + e
-    e = e * z + a4
-    de = de * z + e
-    e = e * z + a2
-    de = de * z + e
-    e = e * z + a0
-    o = a13 * z + a11
-    do = a13 * z + o
-    o = o * z + a9
-    do = do * z + o
-    o = o * z + a7
-    do = do * z + o
-    o = o * z + a5
-    do = do * z + o
-    o = o * z + a3
-    do = do * z + o
-    o = o * z + a1
-    return o * s + e, (2.0 * s) * de + (o + (2.0 * z) * do)
+    position = even(z, y0, y2, y4, y6, y8, y10, y12) + s * odd(z, y1, y3, y5, y7, y9, y11 + z * (1.0 / 156.0) * y13)
+    return position, even(z, y1, y3, y5, y7, y9, y11, y13) + s * odd(z, y2, y4, y6, y8, y10, y12)
 
 
 @inlined
-def rough(a: Coefficients, s: float) -> tuple[float, float]:
-    """Return position and velocity to about eight digits, from the first seven coefficients."""
-    a0, a1, a2, a3, a4, a5, a6 = a[:7]
+def rough(y: Derivatives, s: float) -> tuple[float, float]:
+    """Return position and velocity to about eight digits, from the first seven derivatives."""
+    y0, y1, y2, y3, y4, y5, y6 = y[:7]
+    a2, a3, a4, a5, a6 = y2 * (1.0 / 2.0), y3 * (1.0 / 6.0), y4 * (1.0 / 24.0), y5 * (1.0 / 120.0), y6 * (1.0 / 720.0)
     p = a6 * s + a5
     d = a6 * s + p
     p = p * s + a4
@@ -89,17 +79,30 @@ def rough(a: Coefficients, s: float) -> tuple[float, float]:
     d = d * s + p
     p = p * s + a2
     d = d * s + p
-    p = p * s + a1
+    p = p * s + y1
     d = d * s + p
-    return p * s + a0, d
+    return p * s + y0, d
 
 
 @inlined
-def bends(a: Coefficients, s: float) -> tuple[float, float]:
+def bends(y: Derivatives, s: float) -> tuple[float, float]:
     """Return acceleration and jerk to about four digits; a step from a good guess needs no more."""
-    a2, a3, a4, a5, a6, a7, a8 = a[2:9]
-    acceleration = 2.0 * a2 + s * (
-        6.0 * a3 + s * (12.0 * a4 + s * (20.0 * a5 + s * (30.0 * a6 + s * (42.0 * a7 + s * (56.0 * a8)))))
-    )
-    jerk = 6.0 * a3 + s * (24.0 * a4 + s * (60.0 * a5 + s * (120.0 * a6 + s * (210.0 * a7))))
+    y2, y3, y4, y5, y6, y7, y8 = y[2:9]
+    z = s * s
+    acceleration = y2 + z * 0.5 * (y4 + z * (1.0 / 12.0) * (y6 + z * (1.0 / 30.0) * y8))
+    acceleration += s * (y3 + z * (1.0 / 6.0) * (y5 + z * (1.0 / 20.0) * y7))
+    jerk = (y3 + z * 0.5 * (y5 + z * (1.0 / 12.0) * y7)) + s * (y4 + z * (1.0 / 6.0) * y6)
     return acceleration, jerk
+
+
+@inlined
+def impulse(s: float, alpha: float, q2: float) -> tuple[float, float]:
+    """Return position and velocity, s earlier, of the free flight that passes (0, 1); q2 = alpha^2/4 - k^2.
+
+    At time t it is (E12, E22) = e^{-alpha t/2} (S, C - alpha S/2) with S = sinh(q t)/q, C = cosh(q t).
+    """
+    h = 0.5 * alpha * s
+    x, z = h * h, q2 * (s * s)
+    grown = even(x, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0) + h * odd(x, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 + x * (1.0 / 156.0))
+    S, C = -s * odd(z, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), even(z, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    return grown * S, grown * (C - 0.5 * alpha * S)

@@ -18,6 +18,13 @@ def series(
 ) -> tuple[float, float]:
     """Return F0 + sum_j cos_j cos(j phi) + sin_j sin(j phi), phi = omega t + theta, and its derivative in t."""
     s1, c1 = sincos(omega * t + theta)
+    return summed(F0, cos, sin, omega, s1, c1)
+
+
+def summed(
+    F0: float, cos: tuple[float, ...], sin: tuple[float, ...], omega: float, s1: float, c1: float
+) -> tuple[float, float]:
+    """Return :func:`series` where the phase has sine s1 and cosine c1."""
     F, dF = F0, 0.0
     sj, cj = s1, c1
     for j in range(len(cos)):

@@ -9,24 +9,30 @@ from grazing.oscillator.cells import cell_size
 
 #: Orbits of a block, and the room of an array in the workspace: loops may run over by up to 64.
 LANES = 512
-WIDTH = LANES + 64
+WIDTH = LANES + 72
+#: Impacts that are solved together, step by step.
+SOME = 32
 
 # Arrays over the orbits of a block: the pair (c1, c2), the margin, the least row, the narrowest miss, the slowest
-# impact, the state where the scalar routine is needed, the number of the orbit.
-C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V, NUMBER = (i * WIDTH for i in range(9))
-# Arrays over the impacts at hand: pair, margin, which orbit, the place of what comes next, its cell, where the table of
-# its column and the cell begin, the cell of the impact before, the column;
-X1, X2, DOUBT, ORBIT, EVENT, INSIDE, TABLE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(9, 19))
-# constants as they stand in the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the slowest impact
-# allowed, the growth of errors there;
-A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE = (i * WIDTH for i in range(19, 27))
-# where to look from, time of the impact, velocity before and after, slope of the law, acceleration, 1 where proven,
-SINCE, WHEN, BEFORE, AFTER, STEEP, PULL, PROVEN = (i * WIDTH for i in range(27, 34))
-# after the impact: pair, margin, 1 where the ball flies, the least row;
-Z1, Z2, WIDER, FLIES, LOW = (i * WIDTH for i in range(34, 39))
+# impact, the state where the scalar routine is needed, the number of the orbit, how often it hit the wall.
+C1, C2, LIMIT, LEAST, NEAR, SLOW, U, V, NUMBER, HITS = (i * WIDTH for i in range(10))
+# Arrays over the impacts at hand: pair, margin, which orbit, the slowest of its impacts, how many it had in this
+# period, the place of what comes next, its cell, where the cell begins in the tables, the cell of the impact before,
+# the column;
+X1, X2, DOUBT, ORBIT, SLOWEST_YET, MET, EVENT, INSIDE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(10, 21))
+# constants of the column in the order of the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the
+# slowest impact allowed, the growth of errors there, its rate, alpha^2/4 - k^2, 1 less the contraction of the law;
+A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in range(21, 32))
+# where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
+# acceleration, 1 where proven,
+SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 40))
+# after the impact: pair, margin (NaN where the ball does not fly), the least row; the list of those still at hand;
+Z1, Z2, WIDER, LOW, REST = (i * WIDTH for i in range(40, 45))
+# derivatives 0 to 13 of the flight at the middle of the cell;
+Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(45, 59))
 # the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window,
-# place to go on from, 1 less the contraction of the law; the harmonics.
-YM, VM, B1, D1, B2, D2, UNTIL, ROOM, ONE_ON, GAP, WAVES = (i * WIDTH for i in range(39, 50))
+# place to go on from, the inverse of the Wronskian; the harmonics.
+YM, VM, B1, D1, B2, D2, UNTIL, ROOM, ONE_ON, UNMIX, WAVES = (i * WIDTH for i in range(59, 70))
 
 NAN = float("nan")
 #: Above every row that counts; a margin above this would let rows overflow.
