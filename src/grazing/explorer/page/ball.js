@@ -4,15 +4,17 @@ import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
+import { tidy } from "./state.js";
 
 const CAPACITY = 512, WIDTH = 9, AHEAD = 3;
 /** Periods of forcing in a second at speed 1, and samples in a period. */
 const PACE = 0.7, SAMPLES = 160;
 
 export class BallView {
-  constructor(machine, described, { problem, done }) {
+  constructor(machine, described, { change, problem, done }) {
     this.machine = machine;
     this.tolerance = described.tolerance;
+    this.change = change;
     this.problem = problem;
     this.told = done;
     this.axes = new Axes(document.getElementById("phase"));
@@ -21,7 +23,7 @@ export class BallView {
     this.canvas.addEventListener("click", (event) => {
       const { left, top } = this.canvas.getBoundingClientRect();
       const u = this.axes.atX(event.clientX - left), v = this.axes.atY(event.clientY - top);
-      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.start(Math.max(u, this.state.sigma), v);
+      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.throw(Math.max(u, this.state.sigma), v);
     });
     this.canvas.addEventListener("keydown", (event) => {
       if (event.key === " ") this.play(!this.playing);
@@ -35,22 +37,30 @@ export class BallView {
     return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
   }
 
-  /** Show a state: find what random starts settle on, and follow it in time. */
+  panels() {
+    return [{ sheet: this.axes, draw: () => this.draw() }];
+  }
+
+  /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. */
   show(state) {
+    if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     this.state = state;
     const { machine } = this;
     this.row = rowOf(machine, state);
     this.T = (2 * Math.PI) / state.omega;
-    const key = JSON.stringify(Array.from(this.row));
-    if (key === this.key) return this.draw();
+    const key = JSON.stringify(Array.from(this.row)), thrown = JSON.stringify(state.ball);
+    if (key === this.key && thrown === this.thrown) return this.draw();
+    this.thrown = thrown;
+    if (key === this.key) return this.begin();
     this.key = key;
     const which = machine.fields.indexOf(state.vary);
     this.classes = found(machine, { row: this.row, which, value: this.row[which], transient: 400, keep: 64, seed: state.seed, tolerance: this.tolerance });
-    this.settle();
+    this.#portrait();
+    this.begin();
   }
 
-  /** Begin on the attractor that most starts reach, and draw the whole of it. */
-  settle() {
+  /** Follow the attractor that most starts reach once around, and choose axes that show it. */
+  #portrait() {
     const most = this.classes[0];
     const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
@@ -60,12 +70,38 @@ export class BallView {
     const top = Math.max(...us, this.state.sigma + 0.05);
     const room = 0.08 * (high - low) || 0.1;
     this.axes.span(this.state.sigma - 0.06 * (top - this.state.sigma), top + 0.06 * (top - this.state.sigma), low - room, high + room);
-    this.start(u, v);
+    this.home = [u, v, this.state.phase];
   }
 
   /** Throw the ball from a state at the section. */
-  start(u, v) {
-    this.begun = [u, v];
+  throw(u, v) {
+    const [width, height] = [this.axes.x1 - this.axes.x0, this.axes.y1 - this.axes.y0];
+    this.change({ ball: [Math.max(tidy(u, width), this.state.sigma), tidy(v, height), this.state.phase] });
+  }
+
+  /** Begin on the attractor again. */
+  settle() {
+    if (this.state.ball) this.change({ ball: null });
+    else this.begin();
+  }
+
+  /** Put where the ball is into the state, and so into the link: who opens it sees the ball go on from there. */
+  record() {
+    if (!this.attractor || !this.now) return;
+    const [u, v] = this.trail.at(-1) ?? this.begun;
+    const time = this.begun[2] + this.now;
+    const ball = [u, v, time - this.T * Math.floor(time / this.T)];
+    this.thrown = JSON.stringify(ball); // it is there already
+    this.change({ ball });
+  }
+
+  /** Begin the flight: from where the ball is thrown, or on the attractor. */
+  begin() {
+    this.begun = this.state.ball ?? this.home;
+    const [u, v, time] = this.begun;
+    /** The parameters of the flight: its clock begins at the throw, as in `gz.trajectory`. */
+    this.flying = Float64Array.from(this.row);
+    this.flying[this.machine.fields.indexOf("phase")] = time;
     this.now = 0;
     this.known = 0;
     this.ball = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
@@ -101,7 +137,7 @@ export class BallView {
   #ahead(until) {
     while (this.known <= until) {
       const goal = this.known + AHEAD * this.T;
-      const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.row, state: this.ball, until: goal, patience: 1e-6 }, ["legs", "state"]);
+      const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.flying, state: this.ball, until: goal, patience: 1e-6 }, ["legs", "state"]);
       const count = Number(result);
       const reached = state[0] * this.T + state[1];
       if (count === 0 || !(reached > this.known)) {
@@ -127,7 +163,7 @@ export class BallView {
     const samples = Math.max(2, Math.ceil((time / this.T) * SAMPLES));
     const times = Float64Array.from({ length: samples }, (_, i) => this.now + ((i + 1) / samples) * time);
     const legs = Float64Array.from(this.legs);
-    const { u, v } = this.machine.call("sample", { count: legs.length / WIDTH, samples, row: this.row, legs, times }, ["u", "v"]);
+    const { u, v } = this.machine.call("sample", { count: legs.length / WIDTH, samples, row: this.flying, legs, times }, ["u", "v"]);
     const hits = this.#hits(legs).filter((hit) => hit.t > this.now && hit.t <= until);
     for (let i = 0; i < samples; i++) {
       for (const hit of hits.filter((each) => each.t <= times[i] && each.t > times[i] - time / samples)) {
@@ -148,7 +184,6 @@ export class BallView {
     this.playing = on;
     const button = document.getElementById("play");
     button.textContent = on ? "Pause" : "Play";
-    button.setAttribute("aria-pressed", String(on));
     this.last = undefined;
     if (on && !this.frame && !this.canvas.closest("section").hidden) this.frame = requestAnimationFrame(this.#tick);
   }
@@ -169,6 +204,7 @@ export class BallView {
     const next = this.#hits(this.legs).find((hit) => hit.t > this.now + 1e-12);
     this.#advance(next && next.t <= this.now + 20 * this.T ? next.t - this.now + 1e-9 : this.T);
     this.draw();
+    this.record();
     this.told();
   }
 
@@ -267,19 +303,20 @@ export class BallView {
     c.fillStyle = shown.faint;
     c.textAlign = "right";
     c.textBaseline = "top";
-    c.fillText(`t = ${(state.phase + this.now).toFixed(2)} · period ${Math.floor(this.now / this.T) + 1} · ${this.impacts} impact${this.impacts === 1 ? "" : "s"}`, axes.box.x + axes.box.w - 4, axes.box.y + 2);
+    c.fillText(`t = ${(this.begun[2] + this.now).toFixed(2)} · period ${Math.floor(this.now / this.T) + 1} · ${this.impacts} impact${this.impacts === 1 ? "" : "s"}`, axes.box.x + axes.box.w - 4, axes.box.y + 2);
     axes.frame("u", "v");
     this.canvas.dataset.stage = "done";
   }
 
   raster() {
-    return { u: this.begun[0], v: this.begun[1], periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
+    return { u: this.begun[0], v: this.begun[1], start: this.begun[2], periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
   }
 
   summary() {
     const { state } = this;
     const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    if (state.ball) said.push({ text: `Thrown from (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
     const hits = this.attractor?.hits ?? [];
     if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;

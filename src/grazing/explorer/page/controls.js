@@ -75,8 +75,8 @@ export function slider(field, [low, high], change, problem) {
   };
 }
 
-/** Two number fields, low and high. */
-export function pair(text, change, problem) {
+/** Two number fields, low and high; `refused` says what else is wrong with `low:high`. */
+export function pair(text, change, problem, refused) {
   const box = document.createElement("div");
   box.className = "pair";
   const name = document.createElement("span");
@@ -88,9 +88,10 @@ export function pair(text, change, problem) {
     input.setAttribute("aria-label", `${text}, ${end}`);
     input.addEventListener("change", () => {
       const [low, high] = fields.map((field) => (field.value === "" ? NaN : Number(field.value)));
-      if (!(low < high)) {
+      const why = refused?.(`${low}:${high}`) ?? [];
+      if (why.length || !(low < high || (refused && low === high))) {
         input.setAttribute("aria-invalid", "true");
-        problem(`${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
+        problem(why.length ? `${why.join("; ")}.` : `${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
         return;
       }
       fields.forEach((field) => field.removeAttribute("aria-invalid"));

@@ -38,6 +38,11 @@ export class FlowView {
     return this.diagram.axes.canvas;
   }
 
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [this.diagram, this.reduced].map((each) => ({ sheet: each.axes, draw: () => each.draw() }));
+  }
+
   show(state) {
     this.state = state;
     const { machine } = this;

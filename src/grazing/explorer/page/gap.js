@@ -4,8 +4,7 @@ import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-
-export const LONGEST = 60;
+import { LONGEST } from "./state.js";
 
 /** Edges of the windows: [{N, graze, doubling, collision}], empty outside 0 < lam < 1, l >= 0. */
 export function windows(machine, lam, l) {
@@ -88,6 +87,11 @@ export class GapView {
 
   get canvas() {
     return this.diagram.axes.canvas;
+  }
+
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb, draw: () => this.drawCobweb() }];
   }
 
   range(state) {

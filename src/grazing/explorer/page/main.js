@@ -2,29 +2,50 @@
 /** The page: loads the kernels, keeps the state, and shows the view that the state names. */
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
-import { dark } from "./colours.js";
+import { dark, theme } from "./colours.js";
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
 import { Machine } from "./machine.js";
 import { Pool } from "./pool.js";
 import { PRESETS } from "./presets.js";
-import { DEFAULTS, GAP_EXTENTS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment } from "./state.js";
+import { DEFAULTS, GAP_EXTENTS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
+import { canvasOf, svgOf } from "./svg.js";
 import { command, python } from "./text.js";
 import { TOUR } from "./tour.js";
 
 const KERNELS = new URL("../kernels/", import.meta.url);
+const ZOOM = "drag to zoom, double click to see all. Keys: arrows, +, −, 0.";
+/** What to do in each scene: a view, and in charts what is charted. @type {Record<string, string>} */
 const HINTS = {
-  basins: "Each point is an initial state at the strobe; its colour is the period of what it settles on.",
-  strobe: "Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump.",
-  chart: "Colours name the period that most random starts settle on. Click, or use the arrow keys, to choose both parameters.",
-  gap: "Click in the diagram to choose μ, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.",
-  oscillator: "Click to choose the parameter, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Shaded windows are those that the normal form predicts; dotted: the graze.",
+  gap: `Click in the diagram to choose μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
+  edges: `Click to choose l and μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; between them the orbit is stable.`,
+  oscillator: `Click to choose the parameter, ${ZOOM} Shaded windows are those that the normal form predicts; dotted: the graze.`,
   ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
+  "chart-gap": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
+  "chart-oscillator": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
+  "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
+  strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump. Click to choose the start of the zero-time map, ${ZOOM}`,
 };
-const STEPS = ["starts", "transient", "keep"];
-const NEEDS = { gap: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
+/** The scenes in which a control is shown; one not named here is shown with its section. @type {Record<string, string>} */
+const SHOWN = {
+  span: "gap edges chart-gap", range: "gap", gaps: "edges chart-gap", periods: "edges",
+  vary: "oscillator chart-oscillator", reach: "oscillator chart-oscillator", second: "chart-oscillator", heights: "chart-oscillator",
+  coordinate: "oscillator strobe", window: "oscillator", reduced: "oscillator",
+  positions: "chart-basins", velocities: "chart-basins", u0: "strobe", v0: "strobe", line: "strobe", order: "strobe",
+  chart: "chart-gap chart-oscillator chart-basins", chart_columns: "chart-gap chart-oscillator chart-basins", chart_rows: "chart-gap chart-oscillator chart-basins",
+  theory: "gap oscillator", colour: "gap oscillator", columns: "gap oscillator", bins: "gap oscillator",
+  starts: "gap oscillator", transient: "gap oscillator", keep: "gap oscillator", flow_starts: "oscillator", flow_transient: "oscillator", flow_keep: "oscillator",
+  seed: "gap edges oscillator chart-gap chart-oscillator", accuracy: "gap edges oscillator chart-gap chart-oscillator chart-basins",
+};
+/** Axes that a picture zooms, by scene. @type {Record<string, string[]>} */
+const ZOOMED = {
+  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: [], "chart-gap": ["span", "gaps"],
+  "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
+};
+const NEEDS = { gap: "gap", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
 
 const $ = (id) => /** @type {any} */ (document.getElementById(id));
 const views = {}, controls = {}, problems = new Map();
@@ -66,12 +87,14 @@ async function loadModules() {
   return { described, machines, pool };
 }
 
+/** What is on screen: the view, and in charts what is charted. */
+const scene = () => (state.view === "chart" ? `chart-${state.chart}` : state.view);
+
 function change(part) {
   const next = { ...part };
-  for (const key of ["span", "reach"]) {
+  for (const key of Object.values(ZOOMED).flat()) {
     if (key in next) next[key] = next[key] ? trimmed(next[key]) : home[key];
   }
-  for (const key of ["range", "window"]) if (next[key]) next[key] = trimmed(next[key]);
   for (const key of Object.keys(next)) {
     if (key === "mu" || (key === state.vary && typeof next[key] === "number")) {
       const [from, to] = key === "mu" ? state.span : state.reach;
@@ -84,6 +107,7 @@ function change(part) {
     next.window = null;
     home.reach = next.reach;
   }
+  if ("second" in next) home.heights = next.heights = OSCILLATOR_EXTENTS[next.second];
   if ("coordinate" in next) next.window = null;
   Object.assign(state, next);
   refresh();
@@ -116,27 +140,13 @@ function refresh() {
 
 function render() {
   problem("", "picture");
-  for (const section of document.querySelectorAll("[data-for]")) {
-    /** @type {HTMLElement} */ (section).hidden = !section.getAttribute("data-for").split(" ").some((name) => name === state.view || name === `${state.view}-${state.chart}`);
-  }
+  const shown = scene();
+  const isIn = (scenes) => scenes.split(" ").includes(shown);
+  for (const section of document.querySelectorAll("[data-for]")) /** @type {HTMLElement} */ (section).hidden = !isIn(section.getAttribute("data-for"));
   for (const button of document.querySelectorAll("[data-view]")) button.setAttribute("aria-pressed", String(button.getAttribute("data-view") === state.view));
-  for (const [name, control] of Object.entries(controls)) control.set(state[name]);
-  const chart = state.view === "chart", strobe = state.view === "strobe";
-  const flow = state.view !== "gap" && !(chart && state.chart === "gap");
-  controls.span.box.hidden = flow;
-  controls.range.box.hidden = state.view !== "gap";
-  controls.reach.box.hidden = controls.vary.box.hidden = !flow || strobe || (chart && state.chart === "basins");
-  controls.positions.box.hidden = controls.velocities.box.hidden = !chart || state.chart !== "basins";
-  controls.v0.box.hidden = controls.line.box.hidden = controls.order.box.hidden = !strobe;
-  controls.window.box.hidden = controls.reduced.box.hidden = controls.coordinate.box.hidden = state.view !== "oscillator";
-  controls.chart.box.hidden = controls.chart_columns.box.hidden = controls.chart_rows.box.hidden = !chart;
-  controls.gaps.box.hidden = !chart || flow;
-  controls.second.box.hidden = controls.heights.box.hidden = !chart || state.chart !== "oscillator";
-  for (const name of ["columns", "bins", "colour", "theory"]) controls[name].box.hidden = chart || strobe;
-  $("picture").parentElement.hidden = state.view === "ball";
-  for (const name of STEPS) {
-    controls[name].box.hidden = flow || chart || strobe;
-    controls[`flow_${name}`].box.hidden = !flow || chart || strobe;
+  for (const [name, control] of Object.entries(controls)) {
+    control.set(state[name]);
+    if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
   controls.window.name(`${state.coordinate} from, to`);
   if (fields[state.second]) controls.heights.name(`${plainSymbol(fields[state.second])} from, to`);
@@ -149,7 +159,7 @@ function render() {
     $("back").disabled = state.tour === 1;
     $("next").disabled = state.tour === TOUR.length;
   }
-  $("hint").textContent = HINTS[chart && state.chart === "basins" ? "basins" : state.view];
+  $("hint").textContent = HINTS[shown];
   const link = toFragment(state);
   if (link !== location.hash) history.replaceState(null, "", link);
   const view = views[state.view];
@@ -162,7 +172,7 @@ function render() {
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
   if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
-  $("all").hidden = state.view === "ball" || chart || strobe || (state.view === "gap" ? !state.range && same(state.span, home.span) : !state.window && same(state.reach, home.reach));
+  $("all").hidden = ZOOMED[shown].every((key) => same(state[key], home[key]));
   tell();
 }
 
@@ -197,6 +207,9 @@ function present(shown) {
   refresh();
 }
 
+/** Show all of every axis. */
+const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
+
 function build() {
   const own = (name) => (value) => change({ [name]: value });
   for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
@@ -221,17 +234,19 @@ function build() {
     picture.append(control.box);
   };
   const varied = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
+  put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", pair("u(0) from, to", (line) => change({ line }), problem));
   put("order", choice("local map", ["lowest", "full", "corrected"].map((order) => [order, order]), own("order")));
   put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
   put("vary", choice("axis", varied, own("vary")));
-  put("second", choice("second axis", varied, (second) => change({ second, heights: OSCILLATOR_EXTENTS[second] })));
+  put("second", choice("second axis", varied, own("second")));
   put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
   put("span", pair("μ from, to", (span) => change({ span }), problem));
   put("range", pair("x from, to", (range) => change({ range }), problem));
   put("positions", pair("u from, to", (positions) => change({ positions }), problem));
   put("velocities", pair("v from, to", (velocities) => change({ velocities }), problem));
+  put("periods", pair("periods from, to", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems));
   put("gaps", pair("l from, to", (gaps) => change({ gaps }), problem));
   put("heights", pair("from, to", (heights) => change({ heights }), problem));
   put("reach", pair("from, to", (reach) => change({ reach }), problem));
@@ -247,7 +262,7 @@ function build() {
     controls[name] = whole(name, text, least);
     finer.append(controls[name].box);
   }
-  picture.append(finer);
+  put("accuracy", { box: finer, set() {} });
 
   for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => change({ view: button.getAttribute("data-view") }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
@@ -261,9 +276,9 @@ function build() {
     problems.clear();
     problem("");
   });
-  $("all").addEventListener("click", () => change(state.view === "gap" ? { span: null, range: null } : { reach: null, window: null }));
+  $("all").addEventListener("click", showAll);
   for (const button of document.querySelectorAll("[data-copy]")) button.addEventListener("click", () => copy(button.getAttribute("data-copy")));
-  $("png").addEventListener("click", save);
+  for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.getAttribute("data-save")));
   $("play").addEventListener("click", () => views.ball?.play(!views.ball.playing));
   $("step").addEventListener("click", () => views.ball?.step());
   $("settle").addEventListener("click", () => views.ball?.settle());
@@ -300,16 +315,15 @@ function whole(name, text, least) {
 function read() {
   const { state: found, problems: wrong } = fromFragment(location.hash, fields);
   state = found;
-  home = { ...structuredClone(found), range: null, window: null };
-  if (found.range) home.span = DEFAULTS.span;
-  if (found.window) home.reach = found.vary === "offset" ? DEFAULTS.reach : OSCILLATOR_EXTENTS[found.vary];
+  home = zoomedOut(found);
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
 }
 
 async function copy(kind) {
   const view = views[state.view];
-  if (!view) return;
+  if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  view?.record?.(); // the ball's place goes into the link
   const text = kind === "link" ? location.href : (kind === "python" ? python : command)(state, view.raster());
   if (!text) return say("there is no command for this picture; copy the Python");
   try {
@@ -325,14 +339,30 @@ async function copy(kind) {
   }
 }
 
-function save() {
-  views[state.view]?.canvas.toBlob((blob) => {
+/** What is on screen: the sheets that are seen, of the view. */
+const panels = () => views[state.view].panels().filter(({ sheet }) => sheet.canvas.offsetParent);
+
+/** The picture on screen as an SVG file. */
+function vectors() {
+  const about = `${views[state.view].summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
+  return svgOf(panels(), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
+}
+
+/** Save the picture on screen, all of its sheets. */
+function save(kind) {
+  if (!views[state.view]) return say("there is no picture to save");
+  const keep = (blob) => {
+    if (!blob) return say("this browser gives the page no canvas: save the SVG");
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
-    link.download = `grazing-${state.view}.png`;
+    link.download = `grazing-${state.view}.${kind}`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  });
+  };
+  if (kind === "svg") return keep(new Blob([vectors()], { type: "image/svg+xml" }));
+  const canvas = canvasOf(panels(), theme().paper);
+  if (canvas) canvas.toBlob(keep);
+  else keep(null);
 }
 
 async function begin() {
@@ -346,10 +376,13 @@ async function begin() {
   const { described, machines, pool } = loaded;
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
   const events = { change, problem: (text) => problem(text, "picture"), done: tell };
-  if (machines.gap) views.gap = new GapView(machines.gap, pool, described, events);
+  if (machines.gap) {
+    views.gap = new GapView(machines.gap, pool, described, events);
+    views.edges = new EdgesView(machines.gap, described, events);
+  }
   if (machines.oscillator) {
     views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
-    views.strobe = new StrobeView(machines.oscillator);
+    views.strobe = new StrobeView(machines.oscillator, events);
     views.ball = new BallView(machines.oscillator, described, events);
   }
   if (machines.gap || machines.oscillator) views.chart = new ChartView(machines, pool, described, events);

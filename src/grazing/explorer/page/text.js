@@ -1,5 +1,7 @@
 // @ts-check
 /** What is shown, as a Python program and as a command: both make exactly the raster on screen. */
+import { PRESETS } from "./presets.js";
+import { DEFAULTS } from "./state.js";
 
 const numbers = (list) => `(${list.join(", ")}${list.length === 1 ? "," : ""})`;
 
@@ -30,12 +32,18 @@ function calledIn(state, name) {
 
 const called = (state) => calledIn(state, state.vary);
 
+/** Whether a state is that of a figure of the paper, whatever its colours. */
+function isFigure(state, name) {
+  const wanted = { ...DEFAULTS, ...PRESETS[name].state };
+  return Object.keys(DEFAULTS).every((key) => ["tour", "theory", "colour"].includes(key) || JSON.stringify(state[key]) === JSON.stringify(wanted[key]));
+}
+
 /** The oscillator of a state as options of a command, without the parameters that vary. */
-function options(state, varied) {
+function options(state, varied, section = true) {
   const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, d: state.offset, sigma: state.sigma, r: state.r };
   if (state.law !== "newton") own.V = state.V;
   if (state.law === "triggered") own.trigger = state.trigger;
-  own.phase = state.phase;
+  if (section) own.phase = state.phase;
   for (const name of varied) delete own[name === "offset" ? "d" : name];
   const text = Object.entries(own).map(([name, value]) => `--${name}=${value}`).join(" ");
   return isPinball(state) ? text : `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
@@ -51,15 +59,42 @@ export function steps(state) {
 export function python(state, raster) {
   const head = "import numpy as np\n\nimport grazing as gz\n\n";
   if (state.view === "ball") {
-    return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${state.phase}, ${state.phase} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
+    return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
   }
   if (state.view === "strobe") {
-    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nZ = gz.discontinuity_map(m, order="${state.order}", phase=${state.phase})\nu = np.linspace(${state.line[0]}, ${state.line[1]}, ${raster.samples})\nfull = np.array([P((x, ${state.v0}))[0][0] for x in u])\nlocal = np.array([Z((x, ${state.v0}))[0][0] for x in u])\n`;
+    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nZ = gz.discontinuity_map(m, order="${state.order}", phase=${state.phase})\nu = np.linspace(${raster.from}, ${state.line[1]}, ${raster.samples})\nfull, local = (gz.plot.graph_of(each, u, "u", v=${state.v0}) for each in (P, Z))\ndrawn = gz.plot.map_graph(full, coordinate="${state.coordinate}", label="stroboscopic map")\nax = drawn["figure"].axes[0]\ngz.plot.map_graph(local, ax, coordinate="${state.coordinate}", colour="#e69f00", ls="--", label="discontinuity map, ${state.order}")\nax.legend()\ngz.plot.save(drawn, "one-period.png")\n${raster.impact ? `four = gz.zdm_points(m, (${state.u0}, ${state.v0}), phase=${state.phase})\ngz.plot.save(gz.plot.zdm(four, sigma=${state.sigma}), "zero-time.png")\n` : ""}`;
+  }
+  if (state.view === "edges") {
+    const [low, high] = state.gaps, [bottom, top] = state.span, [first, last] = state.periods;
+    return `import matplotlib.pyplot as plt
+import numpy as np
+
+import grazing as gz
+
+lam, l = ${state.lam}, np.linspace(${low}, ${high}, ${raster.samples})
+doubling = {N: gz.theory.mu_pd(N, lam, l) for N in range(${first}, ${last + 1})}
+collision = {N: np.broadcast_to(gz.theory.mu_bc(N, lam, l), l.shape) for N in doubling}
+appears = {N: gz.theory.l_exist(N, lam) for N in doubling}
+meets = {(N, N + 1): gz.theory.l_coexist(N, lam) for N in range(${first}, ${last})}
+figure, ax = plt.subplots()
+for N in doubling:
+    colour = gz.plot.style.period_colour(N)
+    ends = np.minimum(collision[N], ${2 * top - bottom})
+    ax.fill_between(l, doubling[N], ends, where=doubling[N] < ends, color=colour, alpha=0.18, lw=0)
+    ax.plot(l, doubling[N], "--", color=colour, label=f"period doubling, {N}")
+    ax.plot(l, ends, color=colour, label=f"border collision, {N}")
+for value in [*appears.values(), *meets.values()]:
+    if ${low} < value < ${high}:
+        ax.axvline(value, color="k", ls=":", lw=0.8)
+ax.set(xlim=(${low}, ${high}), ylim=(${bottom}, ${top}), xlabel="gap, $l$", ylabel=r"$\\mu$")
+ax.legend()
+gz.plot.save(figure, "edges.png")
+`;
   }
   if (state.view === "chart") {
     if (state.chart === "basins") {
       const grid = raster.names.map((name, i) => `"${name}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`).join(", ");
-      return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result), "basins.png")\n`;
+      return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result, graze=-1), "basins.png")\n`;
     }
     const gap = raster.name === "gap";
     const axis = (i) => `"${gap ? raster.names[i] : calledIn(state, raster.names[i])}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`;
@@ -75,7 +110,11 @@ export function python(state, raster) {
 
 /** The same as a command. */
 export function command(state, raster) {
-  if (state.view === "strobe") return "";
+  if (state.view === "strobe") return isFigure(state, "2.2") ? "grazing paper --figures 2.1,2.2 --out paper" : "";
+  if (state.view === "edges") {
+    const [first, last] = state.periods;
+    return `grazing chart l=${state.gaps.join(":")}:${state.chart_columns} mu=${state.span.join(":")}:${state.chart_rows} --map gap --lam ${state.lam} --curves ${first === last ? first : `${first}:${last}`} --seed ${state.seed} --arithmetic strict -o edges.png`;
+  }
   if (state.view === "chart") {
     if (state.chart === "basins") {
       const grid = raster.names.map((name, i) => `${name}=${raster.ends[i].join(":")}:${raster.sizes[i]}`).join(" ");
@@ -90,6 +129,6 @@ export function command(state, raster) {
   const study = ([from, to], name, coordinate) =>
     `grazing density ${name}=${from}:${to}:${state.columns} --bins ${state.bins} --coordinate ${coordinate} --range=${raster.low}:${raster.high} --starts ${starts} --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict`;
   if (state.view === "gap") return `${study(state.span, "mu", "x")} --map gap --lam ${state.lam} --l ${state.l} -o density.png`;
-  if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --until ${raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [])} -o ball.png`;
+  if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --start=${raster.start} --until=${raster.start + raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [], false)} -o ball.png`;
   return `${study(state.reach, state.vary === "offset" ? "d" : state.vary, state.coordinate)} ${options(state, [state.vary])} -o density.png`;
 }
