@@ -4,8 +4,6 @@ import json
 import math
 import os
 import re
-import shutil
-import threading
 import time
 
 import numpy as np
@@ -13,9 +11,10 @@ import pytest
 
 import grazing as gz
 from grazing.explorer.build import shipped
-from grazing.explorer.server import FOLDER, files, server
+from grazing.explorer.server import FOLDER, files
 from grazing.plot.classes import attractor_colours
 from grazing.plot.style import PERIODS
+from tests.explorer.browser import Shown
 
 PAGE = FOLDER / "page"
 #: What the page and all it needs may weigh, in bytes.
@@ -78,82 +77,6 @@ def test_choices_are_those_of_the_kernels():
 
 
 # ---- in a browser
-
-CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None
-)
-SECONDS = 60
-
-
-@pytest.fixture(scope="module")
-def address():
-    with server() as ours:
-        thread = threading.Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.05})
-        thread.start()
-        yield ours.address
-        ours.shutdown()
-        thread.join()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
-    if CHROMIUM is None:
-        pytest.skip("no Chromium found: install one, or name it in GRAZING_CHROMIUM")
-    with playwright.sync_playwright() as found:
-        running = found.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield running
-        running.close()
-
-
-class Shown:
-    """A page with what it asked for, complained of and shows."""
-
-    def __init__(self, page):
-        self.page, self.asked, self.errors = page, [], []
-        page.on("request", lambda request: self.asked.append(request.url))
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-
-    def open(self, link):
-        self.page.goto(link)
-        self.settle()
-
-    def until(self, condition):
-        end = time.monotonic() + SECONDS
-        while not self.page.evaluate(condition):
-            assert time.monotonic() < end, f"not within {SECONDS} s: {condition}; {self.problem()}"
-            time.sleep(0.02)
-
-    def settle(self):
-        self.until(
-            "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => {"
-            " const seen = [...document.querySelectorAll('canvas[data-stage]')].filter(c => c.offsetParent);"
-            " done(seen.length > 0 && seen.every(c => c.dataset.stage === 'done')); })))"
-        )
-
-    def problem(self):
-        return self.page.inner_text("#problem p") if self.page.is_visible("#problem") else ""
-
-    def raster(self, view):
-        found = self.page.evaluate(
-            f"() => {{ const d = explorer.views.{view}.diagram; return {{counts: [...d.counts], columns: d.columns, "
-            f"bins: d.bins, low: d.spec.low, high: d.spec.high, ambiguous: d.ambiguous}}; }}"
-        )
-        return found, np.array(found["counts"]).reshape(found["columns"], found["bins"] + 3)
-
-    def pixels(self, canvas):
-        return self.page.evaluate(f"() => document.getElementById('{canvas}').toDataURL()")
-
-
-@pytest.fixture
-def shown(browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page = Shown(context.new_page())
-    yield page
-    errors = page.errors
-    context.close()
-    assert errors == []
 
 
 @pytest.mark.parametrize(

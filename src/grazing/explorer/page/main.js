@@ -7,6 +7,7 @@ import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
+import { Here } from "./here.js";
 import { Machine } from "./machine.js";
 import { Pool } from "./pool.js";
 import { PRESETS } from "./presets.js";
@@ -65,12 +66,37 @@ function say(text) {
   setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
 }
 
+/** The workers or, where the browser starts none, the page in their place, which is said. */
+function workers(machines) {
+  const here = new Here(machines);
+  const why = "The browser started no workers, so the page computes by itself: the same pictures, more slowly.";
+  let now;
+  try {
+    now = new Pool();
+    for (const worker of now.workers) worker.addEventListener("error", () => now !== here && setTimeout(() => {
+      if (now === here) return;
+      now = here;
+      problem(why, "workers");
+      for (const view of Object.values(views)) view.key = undefined; // compute again
+      refresh();
+    }));
+  } catch {
+    now = here;
+    problem(why, "workers");
+  }
+  return { add: (...given) => now instanceof Pool && now.add(...given), batch: (channel) => now.batch(channel), get workers() { return now.workers; } };
+}
+
 async function loadModules() {
   const answer = await fetch(new URL("kernels.json", KERNELS));
   if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
   const described = await answer.json();
-  const pool = new Pool();
   const machines = {};
+  if (typeof WebAssembly !== "object") {
+    problem("This browser has no WebAssembly, by which the page computes, or it is switched off, as some browsers do in their strictest mode. Allow it for this page, or use another browser; links can be made and copied all the same.", "kernels");
+    return { described, machines, pool: null };
+  }
+  const pool = workers(machines);
   await Promise.all(
     Object.entries(described.modules).map(async ([name, each]) => {
       try {
@@ -164,6 +190,7 @@ function render() {
   if (link !== location.hash) history.replaceState(null, "", link);
   const view = views[state.view];
   $("summary").hidden = !view;
+  if (!view && problems.has("kernels")) return;
   if (!view) {
     problem(`This view needs the module ${NEEDS[state.view]}.wasm, which could not be loaded; choose another view.`, NEEDS[state.view]);
     return;
@@ -350,7 +377,7 @@ function vectors() {
 
 /** Save the picture on screen, all of its sheets. */
 function save(kind) {
-  if (!views[state.view]) return say("there is no picture to save");
+  if (!views[state.view] || problems.has("picture")) return say("there is no picture to save");
   const keep = (blob) => {
     if (!blob) return say("this browser gives the page no canvas: save the SVG");
     const link = document.createElement("a");
@@ -374,6 +401,7 @@ async function begin() {
     return;
   }
   const { described, machines, pool } = loaded;
+  if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
   const events = { change, problem: (text) => problem(text, "picture"), done: tell };
   if (machines.gap) {
@@ -389,7 +417,7 @@ async function begin() {
   build();
   read();
   // for tests and for the curious: what is on screen
-  Object.assign(globalThis, { explorer: { views, state: () => state, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
+  Object.assign(globalThis, { explorer: { views, state: () => state, svg: vectors, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
 }
 
 begin();

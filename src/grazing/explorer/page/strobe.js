@@ -52,7 +52,7 @@ export class StrobeView {
     return { u: points.subarray(0, starts), v: points.subarray(starts), letters };
   }
 
-  /** Where a map's letter changes along the line, to the last bit. @param {"orbits" | "orbits_local"} map @param {Images} images @returns {Jump[]} */
+  /** Where a map's letter changes along the line, halved until rounding decides. @param {"orbits" | "orbits_local"} map @param {Images} images @returns {Jump[]} */
   #jumps(map, { letters }) {
     const found = [];
     for (let i = 1; i < letters.length && found.length < 4; i++) {
