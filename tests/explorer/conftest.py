@@ -1,23 +1,29 @@
+import json
+import os
 import threading
+from pathlib import Path
 
 import pytest
 
-from grazing.explorer.build import FOLDER, MODULES, shipped
+from grazing.explorer.build import DESCRIPTION, FOLDER, MODULES
 from grazing.explorer.server import server
 from tests.explorer.browser import CHROMIUM, Shown
+
+#: The modules that are tested: those of the package, or those that another linker made of the same kernels.
+KERNELS = Path(os.environ.get("GRAZING_KERNELS") or FOLDER)
 
 
 @pytest.fixture(scope="session")
 def described():
-    return shipped()["modules"]
+    return json.loads((KERNELS / DESCRIPTION).read_text(encoding="utf-8"))["modules"]
 
 
 @pytest.fixture(scope="session")
 def machines(described):
-    """The shipped modules, running."""
+    """The modules, running."""
     from tests.explorer.machine import Module
 
-    return {name: Module((FOLDER / described[name]["file"]).read_bytes(), described[name]) for name in MODULES}
+    return {name: Module((KERNELS / described[name]["file"]).read_bytes(), described[name]) for name in MODULES}
 
 
 @pytest.fixture(scope="module")

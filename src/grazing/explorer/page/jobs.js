@@ -1,7 +1,16 @@
 // @ts-check
 /** What is computed: rasters, classes of orbits, the normal form. The same code runs in workers and in the page. */
 
-/** The numbers of numpy's linspace, to the bit. */
+/** @typedef {import("./machine.js").Machine} Machine */
+/** @typedef {import("./machine.js").Floats} Floats */
+/**
+ * Columns: a row of parameters, of which the one numbered `which` takes the `values`.
+ * @typedef {{row: Floats, which: number, values: Floats, seed: number}} Columns
+ */
+/** @typedef {{starts: number, transient: number, keep: number}} Steps */
+/** @typedef {{low: number, high: number, bins: number, coordinate: number}} Range */
+
+/** The numbers of numpy's linspace, to the bit. @param {number} from @param {number} to @param {number} count */
 export function linspace(from, to, count) {
   const step = (to - from) / (count - 1);
   const values = Float64Array.from({ length: count }, (_, i) => i * step + from);
@@ -9,7 +18,7 @@ export function linspace(from, to, count) {
   return values;
 }
 
-/** One row of parameters for each value of one of them. */
+/** One row of parameters for each value of one of them. @param {Floats} row @param {number} which @param {Floats} values */
 function rowsOf(row, which, values) {
   const rows = new Float64Array(values.length * row.length);
   values.forEach((value, q) => {
@@ -19,13 +28,18 @@ function rowsOf(row, which, values) {
   return rows;
 }
 
+/** Random starts. @param {Machine} machine @param {Floats} rows @param {Floats} values @param {number} starts @param {number} seed */
 function drawn(machine, rows, values, starts, seed) {
   const columns = values.length;
   const { boxes } = machine.call("boxes", { columns, rows }, ["boxes"]);
   return machine.call("draw", { columns, starts, axes: 1, seed, names: values, boxes }, ["lanes"]).lanes;
 }
 
-/** Counts (columns, bins + 3): below, the parts of the range, above, what is no number. */
+/**
+ * Counts (columns, bins + 3): below, the parts of the range, above, what is no number.
+ * @param {Machine} machine
+ * @param {Columns & Steps & Range} job
+ */
 export function raster(machine, { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed }) {
   const columns = values.length;
   const rows = rowsOf(row, which, values);
@@ -38,7 +52,7 @@ export function raster(machine, { row, which, values, low, high, bins, coordinat
   return { counts: found.counts, ended: found.ended, ambiguous: found.ambiguous };
 }
 
-/** Follow orbits and find what they settle on. */
+/** Follow orbits and find what they settle on. @param {Machine} machine @param {Columns & Steps & {tolerance: number}} job */
 export function settled(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
   const columns = values.length;
   const rows = rowsOf(row, which, values);
@@ -50,7 +64,11 @@ export function settled(machine, { row, which, values, starts, transient, keep, 
   return { ...orbits, ...classes, ...ranks };
 }
 
-/** The period of the orbits that visit each part of the raster; 0 where none was found. */
+/**
+ * The period of the orbits that visit each part of the raster; 0 where none was found.
+ * @param {Machine} machine
+ * @param {Columns & Steps & Range & {tolerance: number}} job
+ */
 export function periods(machine, job) {
   const { values, low, high, bins, coordinate, starts, keep } = job;
   const dimension = machine.described.coordinates.length;
@@ -70,7 +88,7 @@ export function periods(machine, job) {
   return { codes };
 }
 
-/** Where a few orbits have a coordinate, and a little more. */
+/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & {coordinate: number}} job */
 export function extent(machine, { row, which, values, coordinate, seed }) {
   const dimension = machine.described.coordinates.length;
   const starts = 6, keep = 40, columns = values.length;
@@ -92,7 +110,13 @@ export function extent(machine, { row, which, values, coordinate, seed }) {
   return { low: low - room, high: high + room };
 }
 
-/** The normal form at the nearest graze in one parameter, or null. */
+/**
+ * The normal form at the nearest graze in one parameter, or null.
+ * @param {Machine} machine
+ * @param {Floats} row
+ * @param {number} which
+ * @param {import("./machine.js").Field} field that parameter
+ */
 export function normalForm(machine, row, which, field) {
   const far = 1e3 * Math.max(1, Math.abs(row[which]));
   const low = field.low ?? row[which] - far, high = field.high ?? row[which] + far;
@@ -104,14 +128,18 @@ export function normalForm(machine, row, which, field) {
   const [time, acceleration, lam, l, b, det, scale] = numbers;
   if (!(Number.isFinite(lam) && Number.isFinite(l))) return null;
   const factor = numbers[12];
-  const mu = (values) => {
+  const mu = (/** @type {Floats} */ values) => {
     const { heights } = machine.call("clearance", { count: values.length, row: at, which, values }, ["heights"]);
     return heights.map((height) => factor * height);
   };
   return { graze, time, acceleration, lam, l, b, det, scale, mu };
 }
 
-/** The period that most starts settle on, for pairs of two parameters' values; 0 where none was found. */
+/**
+ * The period that most starts settle on, for pairs of two parameters' values; 0 where none was found.
+ * @param {Machine} machine
+ * @param {Omit<Columns, "which"> & Steps & {which: number[], tolerance: number}} job
+ */
 export function chart(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
   const columns = values.length / 2;
   const rows = new Float64Array(columns * row.length);
