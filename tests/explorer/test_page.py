@@ -75,6 +75,8 @@ def test_choices_are_those_of_the_kernels():
     fields = {field["name"]: field for field in shipped()["modules"]["oscillator"]["fields"]}
     named = re.search(r'law: (\["newton".*?\])', text_of("state.js")).group(1)
     assert json.loads(named) == fields["law"]["choices"]
+    orders = re.search(r"ORDERS = (\[.*?\])", text_of("state.js")).group(1)
+    assert json.loads(orders) == fields["order"]["choices"]
 
 
 # ---- in a browser

@@ -4,13 +4,43 @@ import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-import { tidy } from "./state.js";
+import { later, tidy } from "./state.js";
 
 const CAPACITY = 512, WIDTH = 9, AHEAD = 3;
 /** Periods of forcing in a second at speed 1, and samples in a period. */
 const PACE = 0.7, SAMPLES = 160;
 
+/** @typedef {import("./state.js").State} State */
+/** @typedef {[number, number, number]} Thrown u, v and the time */
+/** @typedef {{t: number, before: number, after: number}} Hit an impact: its time since the throw, and the velocities */
+
 export class BallView {
+  /** @type {State} */ state = later();
+  /** @type {import("./machine.js").Floats} parameters at the section */ row = later();
+  /** @type {import("./machine.js").Floats} the same, with the time of the throw as the section's */ flying = later();
+  /** The period of the forcing. */ T = 1;
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+  /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
+  /** @type {import("./orbits.js").Class[]} */ classes = [];
+  /** @type {{times: Float64Array, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on */ attractor = later();
+  /** @type {Thrown} on the attractor */ home = later();
+  /** @type {Thrown} where the flight began */ begun = later();
+  /** Time since the throw, and how far the flight is known. */
+  now = 0;
+  known = 0;
+  /** @type {import("./machine.js").Floats} the state of the flight at its known end */ ball = later();
+  /** @type {number[]} what is known of the flight */ legs = [];
+  /** @type {([number, number] | null)[]} where the ball was, null at impacts */ trail = [];
+  /** @type {(Hit & {at: number})[]} impacts that are seen to flash */ flash = [];
+  impacts = 0;
+  /** @type {number | undefined} */ last = undefined;
+  frame = 0;
+
+  /**
+   * @param {import("./machine.js").Machine} machine
+   * @param {{tolerance: number}} described
+   * @param {import("./state.js").Events} events
+   */
   constructor(machine, described, { change, problem, done }) {
     this.machine = machine;
     this.tolerance = described.tolerance;
@@ -37,11 +67,12 @@ export class BallView {
     return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
   }
 
+  /** @returns {import("./svg.js").Panel[]} */
   panels() {
     return [{ sheet: this.axes, draw: () => this.draw() }];
   }
 
-  /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. */
+  /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. @param {State} state */
   show(state) {
     if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     this.state = state;
@@ -73,7 +104,7 @@ export class BallView {
     this.home = [u, v, this.state.phase];
   }
 
-  /** Throw the ball from a state at the section. */
+  /** Throw the ball from a state at the section. @param {number} u @param {number} v */
   throw(u, v) {
     const [width, height] = [this.axes.x1 - this.axes.x0, this.axes.y1 - this.axes.y0];
     this.change({ ball: [Math.max(tidy(u, width), this.state.sigma), tidy(v, height), this.state.phase] });
@@ -114,6 +145,7 @@ export class BallView {
     this.play(this.playing);
   }
 
+  /** @param {number} u @param {number} v @param {number} periods */
   #fly(u, v, periods) {
     const { machine, row, T } = this;
     const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
@@ -125,7 +157,9 @@ export class BallView {
     return { times, u: Array.from(path.u), v: Array.from(path.v), hits: this.#hits(flown).filter((hit) => hit.t <= periods * T) };
   }
 
+  /** @param {ArrayLike<number>} legs */
   #hits(legs) {
+    /** @type {Hit[]} */
     const found = [];
     for (let k = 0; k < legs.length; k += WIDTH) {
       if (!Number.isNaN(legs[k + 5])) found.push({ t: legs[k] * this.T + legs[k + 4], before: legs[k + 5], after: legs[k + 6] });
@@ -133,7 +167,7 @@ export class BallView {
     return found;
   }
 
-  /** Follow the ball a few periods further than it is needed. */
+  /** Follow the ball a few periods further than it is needed. @param {number} until */
   #ahead(until) {
     while (this.known <= until) {
       const goal = this.known + AHEAD * this.T;
@@ -156,7 +190,7 @@ export class BallView {
     return true;
   }
 
-  /** Move the ball on by a time; returns the states passed. */
+  /** Move the ball on by a time. @param {number} time */
   #advance(time) {
     const until = this.now + time;
     if (!this.#ahead(until)) return;
@@ -180,17 +214,22 @@ export class BallView {
     this.now = until;
   }
 
+  /** @param {boolean} on */
   play(on) {
     this.playing = on;
-    const button = document.getElementById("play");
-    button.textContent = on ? "Pause" : "Play";
+    /** @type {HTMLElement} */ (document.getElementById("play")).textContent = on ? "Pause" : "Play";
     this.last = undefined;
-    if (on && !this.frame && !this.canvas.closest("section").hidden) this.frame = requestAnimationFrame(this.#tick);
+    if (!on) this.record();
+    if (on && !this.frame && !this.#hidden) this.frame = requestAnimationFrame(this.#tick);
   }
 
-  #tick = (at) => {
+  get #hidden() {
+    return Boolean(this.canvas.closest("section")?.hidden);
+  }
+
+  #tick = (/** @type {number} */ at) => {
     this.frame = 0;
-    if (!this.playing || this.canvas.closest("section").hidden) return;
+    if (!this.playing || this.#hidden) return;
     if (this.last !== undefined) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
     this.draw();
@@ -251,11 +290,12 @@ export class BallView {
       c.strokeStyle = shown.accent;
       const tail = this.trail.slice(-1.2 * SAMPLES);
       for (let i = 1; i < tail.length; i++) {
-        if (!tail[i - 1] || !tail[i]) continue;
+        const from = tail[i - 1], to = tail[i];
+        if (!from || !to) continue;
         c.globalAlpha = i / tail.length;
         c.beginPath();
-        c.moveTo(axes.x(tail[i - 1][0]), axes.y(tail[i - 1][1]));
-        c.lineTo(axes.x(tail[i][0]), axes.y(tail[i][1]));
+        c.moveTo(axes.x(from[0]), axes.y(from[1]));
+        c.lineTo(axes.x(to[0]), axes.y(to[1]));
         c.stroke();
       }
       c.globalAlpha = 1;
@@ -309,11 +349,13 @@ export class BallView {
   }
 
   raster() {
-    return { u: this.begun[0], v: this.begun[1], start: this.begun[2], periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
+    const [u, v, start] = this.state.ball ?? this.begun;
+    return { u, v, start, periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
   }
 
   summary() {
     const { state } = this;
+    /** @type {import("./state.js").Line[]} */
     const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (state.ball) said.push({ text: `Thrown from (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });

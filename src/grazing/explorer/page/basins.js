@@ -8,7 +8,7 @@ import { PERIODS, periodColour, rgb } from "./colours.js";
 /** Points of one attractor differ by less than this share of the picture, as in `gz.basins`. */
 const SAME = 1e-6;
 
-/** How far points of one attractor may differ, in both directions. @param {number[][]} ends of the picture @param {Float64Array} box where starts are drawn */
+/** How far points of one attractor may differ, in both directions. @param {number[][]} ends of the picture @param {Float64Array} box where starts are drawn @returns {import("./machine.js").Floats} */
 export const sameWithin = (ends, box) => Float64Array.from(ends, ([low, high], i) => SAME * Math.max(high - low, box[2 * i + 1] - box[2 * i]));
 
 /** Find rows of a piece among those known already, adding what is new; returns their numbers. @param {Reached[]} known @param {Reached[]} reached @param {Float64Array} same */

@@ -3,7 +3,7 @@
 import { merged, ordered, percent, sameWithin } from "./basins.js";
 import { periodColour, rgb, theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
-import { rowOf } from "./flow.js";
+import { rowOf, valueOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { basins, linspace } from "./jobs.js";
 import { found, words } from "./orbits.js";
@@ -15,7 +15,7 @@ import { tidy } from "./state.js";
 /** @typedef {import("./machine.js").Machine} Machine */
 /**
  * What is computed: `keys` are the parts of the state with the ends of the axes, `names` those that a click sets.
- * @typedef {{machine: Machine, name: "gap" | "oscillator", basins: boolean, names: string[], which: number[], row: Float64Array, keys: [string, string], ends: [Pair, Pair], sizes: Pair, settings: {starts: number, transient: number, keep: number}, cost: number}} Plan
+ * @typedef {{machine: Machine, name: "gap" | "oscillator", basins: boolean, names: string[], which: number[], row: import("./machine.js").Floats, keys: [string, string], ends: [Pair, Pair], sizes: Pair, settings: {starts: number, transient: number, keep: number}, cost: number}} Plan
  */
 
 const NONE = -1; // no cell yet
@@ -25,6 +25,7 @@ const number = (/** @type {number} */ value) => Number(value.toPrecision(6)).toS
 
 export class ChartView {
   /** @type {import("./jobs.js").Reached[]} */ reached = [];
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
   #asked = 0;
 
   /**
@@ -67,7 +68,7 @@ export class ChartView {
     if (!plan || !state) return [low, high];
     if (plan.basins) return [i === 0 ? Math.max(low, state.sigma) : low, high];
     const field = plan.machine.described.fields[plan.which[i]];
-    const least = field.low === null ? -Infinity : field.open_low ? field.low + 1e-3 * (high - low) : field.low;
+    const least = (field.low ?? -Infinity) + (field.open_low ? 1e-3 * (high - low) : 0);
     return [Math.max(low, least), Math.min(high, field.high ?? Infinity)];
   }
 
@@ -83,7 +84,7 @@ export class ChartView {
   #chosen() {
     const { plan, state } = this;
     if (!plan || !state) return [NaN, NaN];
-    if (!plan.basins) return /** @type {Pair} */ (plan.names.map((name) => /** @type {any} */ (state)[name]));
+    if (!plan.basins) return /** @type {Pair} */ (plan.names.map((name) => valueOf(state, name)));
     const [low, high] = plan.ends;
     return state.ball ? [state.ball[0], state.ball[1]] : [(low[0] + low[1]) / 2, (high[0] + high[1]) / 2];
   }
@@ -142,7 +143,12 @@ export class ChartView {
     const [xs, ys] = plan.sizes.map((size, i) => linspace(...plan.ends[i], size));
     const { reached } = this, seed = this.state?.seed ?? 0;
     const same = plan.basins ? sameWithin(plan.ends, plan.machine.call("boxes", { columns: 1, rows: plan.row }, ["boxes"]).boxes) : new Float64Array(2);
-    const given = { row: plan.row, which: plan.which, ...plan.settings, seed, tolerance: this.tolerance, same };
+    const given = { row: plan.row, which: plan.which, ...plan.settings, seed, tolerance: this.tolerance };
+    const reach = async (/** @type {import("./machine.js").Floats} */ values) => {
+      const { which, reached: some } = await batch.run(plan.name, "basins", { ...given, values, same });
+      const known = merged(reached, some, same);
+      return which.map((k) => known[k]);
+    };
     const cells = (/** @type {number[]} */ columns, /** @type {number[]} */ rows) => {
       const size = Math.max(1, Math.round(8e5 / (plan.settings.starts * (plan.settings.transient + 64) * plan.cost * columns.length)));
       const chunks = [];
@@ -150,9 +156,8 @@ export class ChartView {
       return chunks.map(async (chunk) => {
         const pairs = chunk.flatMap((j) => columns.map((i) => [i, j]));
         const values = Float64Array.from(pairs.flatMap(([i, j]) => [xs[i], ys[j]]));
-        const made = await batch.run(plan.name, plan.basins ? "basins" : "chart", { ...given, values });
-        const rowsOf = plan.basins ? merged(reached, made.reached, same) : [];
-        pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = plan.basins ? rowsOf[made.which[k]] : made.codes[k]));
+        const made = await (plan.basins ? reach(values) : batch.run(plan.name, "chart", { ...given, values }).then((found) => found.codes));
+        pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = made[k]));
         this.#soon();
       });
     };
@@ -293,7 +298,7 @@ export class ChartView {
     if (!plan || !state) return [];
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
-    const at = symbols.map((symbol, i) => `${symbol} = ${/** @type {any} */ (state)[plan.names[i]]}`).join(", ");
+    const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
     return [{ text: `At ${at}:` }, ...(this.classes ?? []).map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
   }
 

@@ -28,6 +28,8 @@ export const appears = (N, lam) => (N === 1 ? -Infinity : lam ** (N - 1) * ((sum
 export const meets = (N, lam) => lam ** (N - 1) * 0.1875 * (3 * sum(N, lam) - 4);
 
 export class EdgesView {
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+
   /** @param {Machine} machine @param {{tolerance: number}} described @param {{change: (part: object) => void}} events */
   constructor(machine, described, { change }) {
     this.machine = machine;

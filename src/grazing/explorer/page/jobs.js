@@ -164,8 +164,8 @@ const modulo = (n, N) => ((n % N) + N) % N;
 
 /**
  * Follow initial states (u, v) and say what each reaches: the number of a row of `reached`.
- * @param {import("./machine.js").Machine} machine
- * @param {{row: Float64Array, values: Float64Array, transient: number, keep: number, tolerance: number, same: Float64Array}} given
+ * @param {Machine} machine
+ * @param {{row: Floats, values: Floats, transient: number, keep: number, tolerance: number, same: Floats}} given
  */
 export function basins(machine, { row, values, transient, keep, tolerance, same }) {
   const starts = values.length / 2;

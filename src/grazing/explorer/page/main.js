@@ -11,7 +11,7 @@ import { Here } from "./here.js";
 import { Machine } from "./machine.js";
 import { Pool } from "./pool.js";
 import { PRESETS } from "./presets.js";
-import { DEFAULTS, GAP_EXTENTS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
+import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, python } from "./text.js";
@@ -46,13 +46,40 @@ const ZOOMED = {
   gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: [], "chart-gap": ["span", "gaps"],
   "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
 };
+/** @type {Record<string, string>} */
 const NEEDS = { gap: "gap", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
 
-const $ = (id) => /** @type {any} */ (document.getElementById(id));
-const views = {}, controls = {}, problems = new Map();
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), fields = {}, scheduled = 0, waiting = false;
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./state.js").Pair} Pair */
+/** @typedef {import("./controls.js").Control} Control */
+/** @typedef {Record<string, Machine>} Machines */
+/**
+ * What the page asks of a view; `record` puts what has moved since into the state.
+ * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
+ */
 
-/** Say a problem in words, one for each subject; an empty text takes it back. */
+const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+/** @type {Record<string, View>} */
+const views = {};
+/** @type {BallView | undefined} */
+let ball;
+/** @type {Record<string, Control>} */
+const controls = {};
+/** @type {Map<string, string>} */
+const problems = new Map();
+/** @type {import("./state.js").Fields} */
+const fields = {};
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false;
+/** A part of a state by its name. @param {State} of @param {string} key */
+const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
+/** @returns {View | undefined} */
+const current = () => views[state.view];
+/** @param {unknown} error */
+const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
+/** @param {string} selector @returns {HTMLElement[]} */
+const all = (selector) => [...document.querySelectorAll(selector)].map((each) => /** @type {HTMLElement} */ (each));
+
+/** Say a problem in words, one for each subject; an empty text takes it back. @param {string} text */
 function problem(text, about = "input") {
   if (text) problems.set(about, text);
   else problems.delete(about);
@@ -61,36 +88,48 @@ function problem(text, about = "input") {
   if ($("problem").firstElementChild.textContent !== shown) $("problem").firstElementChild.textContent = shown;
 }
 
+/** @param {string} text */
 function say(text) {
   $("said").textContent = text;
   setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
 }
 
-/** The workers or, where the browser starts none, the page in their place, which is said. */
+/** The workers or, where the browser starts none, the page in their place, which is said. @param {Machines} machines */
 function workers(machines) {
   const here = new Here(machines);
   const why = "The browser started no workers, so the page computes by itself: the same pictures, more slowly.";
-  let now;
-  try {
-    now = new Pool();
-    for (const worker of now.workers) worker.addEventListener("error", () => now !== here && setTimeout(() => {
-      if (now === here) return;
-      now = here;
-      problem(why, "workers");
-      for (const view of Object.values(views)) view.key = undefined; // compute again
-      refresh();
-    }));
-  } catch {
+  /** @type {Pool | Here} */
+  let now = here;
+  const instead = () => {
+    if (now === here) return;
     now = here;
     problem(why, "workers");
+    for (const view of Object.values(views)) view.key = undefined; // compute again
+    refresh();
+  };
+  try {
+    const pool = new Pool();
+    now = pool;
+    for (const worker of pool.workers) worker.addEventListener("error", () => setTimeout(instead));
+  } catch {
+    problem(why, "workers");
   }
-  return { add: (...given) => now instanceof Pool && now.add(...given), batch: (channel) => now.batch(channel), get workers() { return now.workers; } };
+  const jobs = {
+    add: (/** @type {Parameters<Pool["add"]>} */ ...given) => now instanceof Pool && now.add(...given),
+    batch: (/** @type {string} */ channel) => now.batch(channel),
+    get workers() {
+      return now.workers;
+    },
+  };
+  return /** @type {Pool} */ (/** @type {unknown} */ (jobs));
 }
 
 async function loadModules() {
   const answer = await fetch(new URL("kernels.json", KERNELS));
   if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
+  /** @type {import("./machine.js").Kernels} */
   const described = await answer.json();
+  /** @type {Machines} */
   const machines = {};
   if (typeof WebAssembly !== "object") {
     problem("This browser has no WebAssembly, by which the page computes, or it is switched off, as some browsers do in their strictest mode. Allow it for this page, or use another browser; links can be made and copied all the same.", "kernels");
@@ -106,7 +145,7 @@ async function loadModules() {
         machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
         pool.add(name, module, each);
       } catch (error) {
-        problem(`The module ${each.file} could not be loaded (${error.message}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
+        problem(`The module ${each.file} could not be loaded (${wordsOf(error)}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
       }
     }),
   );
@@ -116,10 +155,12 @@ async function loadModules() {
 /** What is on screen: the view, and in charts what is charted. */
 const scene = () => (state.view === "chart" ? `chart-${state.chart}` : state.view);
 
-function change(part) {
-  const next = { ...part };
+/** Change parts of the state; null for an axis shows all of it. @param {object} given */
+function change(given) {
+  /** @type {Record<string, any>} */
+  const next = { ...given };
   for (const key of Object.values(ZOOMED).flat()) {
-    if (key in next) next[key] = next[key] ? trimmed(next[key]) : home[key];
+    if (key in next) next[key] = next[key] ? trimmed(next[key]) : part(home, key);
   }
   for (const key of Object.keys(next)) {
     if (key === "mu" || (key === state.vary && typeof next[key] === "number")) {
@@ -139,6 +180,7 @@ function change(part) {
   refresh();
 }
 
+/** @param {Pair} ends @returns {Pair} */
 const trimmed = ([low, high]) => {
   const width = high - low;
   return width > 1e-12 ? [tidy(low, width), tidy(high, width)] : [low, low + 1e-12];
@@ -159,7 +201,7 @@ function refresh() {
   try {
     render();
   } catch (error) {
-    problem(`The picture could not be made: ${error.message}.`, "picture");
+    problem(`The picture could not be made: ${wordsOf(error)}.`, "picture");
     console.error(error);
   }
 }
@@ -167,16 +209,16 @@ function refresh() {
 function render() {
   problem("", "picture");
   const shown = scene();
-  const isIn = (scenes) => scenes.split(" ").includes(shown);
-  for (const section of document.querySelectorAll("[data-for]")) /** @type {HTMLElement} */ (section).hidden = !isIn(section.getAttribute("data-for"));
-  for (const button of document.querySelectorAll("[data-view]")) button.setAttribute("aria-pressed", String(button.getAttribute("data-view") === state.view));
+  const isIn = (/** @type {string | undefined} */ scenes) => (scenes ?? "").split(" ").includes(shown);
+  for (const section of all("[data-for]")) section.hidden = !isIn(section.dataset.for);
+  for (const button of all("[data-view]")) button.setAttribute("aria-pressed", String(button.dataset.view === state.view));
   for (const [name, control] of Object.entries(controls)) {
-    control.set(state[name]);
+    control.set(part(state, name));
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
-  controls.window.name(`${state.coordinate} from, to`);
-  if (fields[state.second]) controls.heights.name(`${plainSymbol(fields[state.second])} from, to`);
-  if (fields[state.vary]) controls.reach.name(`${plainSymbol(fields[state.vary])} from, to`);
+  controls.window.name?.(`${state.coordinate} from, to`);
+  if (fields[state.second]) controls.heights.name?.(`${plainSymbol(fields[state.second])} from, to`);
+  if (fields[state.vary]) controls.reach.name?.(`${plainSymbol(fields[state.vary])} from, to`);
   const step = TOUR[state.tour - 1];
   $("guide").hidden = !step;
   if (step) {
@@ -188,7 +230,7 @@ function render() {
   $("hint").textContent = HINTS[shown];
   const link = toFragment(state);
   if (link !== location.hash) history.replaceState(null, "", link);
-  const view = views[state.view];
+  const view = current();
   $("summary").hidden = !view;
   if (!view && problems.has("kernels")) return;
   if (!view) {
@@ -199,14 +241,15 @@ function render() {
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
   if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
-  $("all").hidden = ZOOMED[shown].every((key) => same(state[key], home[key]));
+  $("all").hidden = ZOOMED[shown].every((key) => same(part(state, key), part(home, key)));
   tell();
 }
 
-const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
 
+/** Say in words what is shown. */
 function tell() {
-  const view = views[state.view];
+  const view = current();
   if (!view) return;
   const made = view.summary();
   const diagram = view.diagram;
@@ -227,7 +270,7 @@ function tell() {
   );
 }
 
-/** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. */
+/** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
   state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
   home = structuredClone(state);
@@ -238,7 +281,9 @@ function present(shown) {
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
 function build() {
-  const own = (name) => (value) => change({ [name]: value });
+  const own = (/** @type {string} */ name) => (/** @type {unknown} */ value) => change({ [name]: value });
+  /** @param {string[]} names @returns {[string, string][]} */
+  const named = (names) => names.map((name) => [name, name]);
   for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
     controls[name] = slider(fields[name], /** @type {[number, number]} */ (extent), own(name), problem);
     $("gap-sliders").append(controls[name].box);
@@ -247,7 +292,7 @@ function build() {
   const title = document.createElement("summary");
   title.textContent = "Wall, time shift and harmonics";
   more.append(title);
-  controls.law = choice("reset law", ["newton", "active", "triggered"].map((law) => [law, law]), own("law"));
+  controls.law = choice("reset law", named(["newton", "active", "triggered"]), own("law"));
   $("oscillator-sliders").append(controls.law.box);
   const first = ["offset", "V", "r", "omega", "alpha", "k"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
@@ -256,15 +301,16 @@ function build() {
   }
   $("oscillator-sliders").append(more);
   const picture = $("picture");
-  const put = (name, control) => {
+  const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
     controls[name] = control;
     picture.append(control.box);
   };
+  /** @type {[string, string][]} */
   const varied = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
   put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", pair("u(0) from, to", (line) => change({ line }), problem));
-  put("order", choice("local map", ["lowest", "full", "corrected"].map((order) => [order, order]), own("order")));
+  put("order", choice("local map", named(ORDERS), own("order")));
   put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
   put("vary", choice("axis", varied, own("vary")));
   put("second", choice("second axis", varied, own("second")));
@@ -291,10 +337,10 @@ function build() {
   }
   put("accuracy", { box: finer, set() {} });
 
-  for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => change({ view: button.getAttribute("data-view") }));
+  for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const visit = (n) => present({ ...TOUR[n - 1].state, tour: n });
+  const visit = (/** @type {number} */ n) => present({ ...TOUR[n - 1].state, tour: n });
   $("tour").addEventListener("click", () => visit(1));
   $("back").addEventListener("click", () => state.tour > 1 && visit(state.tour - 1));
   $("next").addEventListener("click", () => state.tour < TOUR.length && visit(state.tour + 1));
@@ -304,23 +350,23 @@ function build() {
     problem("");
   });
   $("all").addEventListener("click", showAll);
-  for (const button of document.querySelectorAll("[data-copy]")) button.addEventListener("click", () => copy(button.getAttribute("data-copy")));
-  for (const button of document.querySelectorAll("[data-save]")) button.addEventListener("click", () => save(button.getAttribute("data-save")));
-  $("play").addEventListener("click", () => views.ball?.play(!views.ball.playing));
-  $("step").addEventListener("click", () => views.ball?.step());
-  $("settle").addEventListener("click", () => views.ball?.settle());
-  $("speed").addEventListener("input", () => views.ball && (views.ball.speed = Number($("speed").value)));
-  $("controls").addEventListener("submit", (event) => event.preventDefault());
+  for (const button of all("[data-copy]")) button.addEventListener("click", () => copy(button.dataset.copy ?? ""));
+  for (const button of all("[data-save]")) button.addEventListener("click", () => save(button.dataset.save ?? ""));
+  $("play").addEventListener("click", () => ball?.play(!ball.playing));
+  $("step").addEventListener("click", () => ball?.step());
+  $("settle").addEventListener("click", () => ball?.settle());
+  $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
+  $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
   addEventListener("hashchange", () => location.hash !== toFragment(state) && read());
-  const again = () => views[state.view]?.repaint();
+  const again = () => current()?.repaint();
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
 }
 
-/** A number field for a whole number. */
+/** A number field for a whole number. @param {string} name @param {string} text @param {number} least @returns {Control} */
 function whole(name, text, least) {
   const made = pair(text, () => {}, problem);
-  const [name_, field, second] = made.box.children;
+  const [, field, second] = made.box.children;
   second.remove();
   const input = /** @type {HTMLInputElement} */ (field.cloneNode());
   field.replaceWith(input);
@@ -333,9 +379,9 @@ function whole(name, text, least) {
     const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
     input.toggleAttribute("aria-invalid", why.length > 0);
     problem(why.join("; "));
-    if (!why.length) change({ [name]: found[name] });
+    if (!why.length) change({ [name]: part(found, name) });
   });
-  return { box: made.box, set: (value) => (input.value = String(value)) };
+  return { box: made.box, set: (/** @type {number} */ value) => (input.value = String(value)) };
 }
 
 /** Take the state from the link. */
@@ -347,11 +393,12 @@ function read() {
   refresh();
 }
 
+/** @param {string} kind link, python or command */
 async function copy(kind) {
-  const view = views[state.view];
-  if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  const view = current();
   view?.record?.(); // the ball's place goes into the link
-  const text = kind === "link" ? location.href : (kind === "python" ? python : command)(state, view.raster());
+  if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
   if (!text) return say("there is no command for this picture; copy the Python");
   try {
     await navigator.clipboard.writeText(text);
@@ -366,19 +413,20 @@ async function copy(kind) {
   }
 }
 
-/** What is on screen: the sheets that are seen, of the view. */
-const panels = () => views[state.view].panels().filter(({ sheet }) => sheet.canvas.offsetParent);
+/** The sheets of a view that are seen. @param {View} view */
+const panels = (view) => view.panels().filter(({ sheet }) => sheet.canvas.offsetParent);
 
-/** The picture on screen as an SVG file. */
-function vectors() {
-  const about = `${views[state.view].summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
-  return svgOf(panels(), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
+/** The picture on screen as an SVG file. @param {View} view */
+function vectors(view) {
+  const about = `${view.summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
+  return svgOf(panels(view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
 }
 
-/** Save the picture on screen, all of its sheets. */
+/** Save the picture on screen, all of its sheets. @param {string} kind png or svg */
 function save(kind) {
-  if (!views[state.view] || problems.has("picture")) return say("there is no picture to save");
-  const keep = (blob) => {
+  const view = current();
+  if (!view || problems.has("picture")) return say("there is no picture to save");
+  const keep = (/** @type {Blob | null} */ blob) => {
     if (!blob) return say("this browser gives the page no canvas: save the SVG");
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
@@ -386,8 +434,8 @@ function save(kind) {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
-  if (kind === "svg") return keep(new Blob([vectors()], { type: "image/svg+xml" }));
-  const canvas = canvasOf(panels(), theme().paper);
+  if (kind === "svg") return keep(new Blob([vectors(view)], { type: "image/svg+xml" }));
+  const canvas = canvasOf(panels(view), theme().paper);
   if (canvas) canvas.toBlob(keep);
   else keep(null);
 }
@@ -397,27 +445,27 @@ async function begin() {
   try {
     loaded = await loadModules();
   } catch (error) {
-    problem(`The kernels could not be loaded (${error.message}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
+    problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;
   }
   const { described, machines, pool } = loaded;
   if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
-  const events = { change, problem: (text) => problem(text, "picture"), done: tell };
-  if (machines.gap) {
+  const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };
+  if (machines.gap && pool) {
     views.gap = new GapView(machines.gap, pool, described, events);
     views.edges = new EdgesView(machines.gap, described, events);
   }
-  if (machines.oscillator) {
+  if (machines.oscillator && pool) {
     views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
     views.strobe = new StrobeView(machines.oscillator, events);
-    views.ball = new BallView(machines.oscillator, described, events);
+    views.ball = ball = new BallView(machines.oscillator, described, events);
   }
-  if (machines.gap || machines.oscillator) views.chart = new ChartView(machines, pool, described, events);
+  if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
   build();
   read();
   // for tests and for the curious: what is on screen
-  Object.assign(globalThis, { explorer: { views, state: () => state, svg: vectors, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
+  Object.assign(globalThis, { explorer: { views, state: () => state, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
 }
 
 begin();

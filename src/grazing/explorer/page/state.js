@@ -7,7 +7,10 @@ export const VERSION = "1";
 export const VIEWS = ["gap", "edges", "oscillator", "ball", "chart", "strobe"];
 
 /** @typedef {[number, number]} Pair */
-/** @typedef {Record<string, import("./controls.js").Field>} Fields parameters by name, from kernels.json */
+/** @typedef {Record<string, import("./machine.js").Field>} Fields parameters by name, from kernels.json */
+
+/** Orders of the discontinuity map, as the kernels number them. */
+export const ORDERS = ["lowest", "full", "corrected"];
 
 /** @param {number} low @param {number} high */
 const pair = (low, high) => /** @type {Pair} */ ([low, high]);
@@ -46,13 +49,18 @@ export const DEFAULTS = {
 };
 
 /** @typedef {typeof DEFAULTS} State */
+/** @typedef {{colour?: string, text: string}} Line a line of what is shown, in words, with a chip of colour */
+/** @typedef {{change: (part: object) => void, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
+
+/** In place of what a view gets when it is shown for the first time. @returns {any} */
+export const later = () => undefined;
 
 /** @type {Record<string, Pair>} */
 const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
 const SWITCHES = ["reduced", "theory", "colour"];
 /** @type {Record<string, string[]>} */
-const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ["lowest", "full", "corrected"] };
+const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
 /** Axes that zoom, with the whole of each. @param {State} state @returns {Record<string, Pair>} */
 function whole(state) {

@@ -5,19 +5,26 @@ import { rowOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
+import { ORDERS } from "./state.js";
 import { drawZeroTime, zeroTime } from "./zdm.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
 
 const SAMPLES = 600;
-/** @typedef {{u: Float64Array, v: Float64Array, letters: Int32Array}} Images after one period, and impacts in it */
+/** @typedef {import("./machine.js").Floats} Floats */
+/** @typedef {{u: Floats, v: Floats, letters: Int32Array}} Images after one period, and impacts in it */
 /** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number}} Jump first start beyond a change of letter */
 
 const number = (/** @type {number} */ value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 const impacts = (/** @type {number} */ count) => `${count} impact${count === 1 ? "" : "s"}`;
 
 export class StrobeView {
+  /** The starts. */
+  u = new Float64Array(0);
+  /** The parameters, with the order of the discontinuity map. */
+  rows = new Float64Array(0);
+
   /** @param {Machine} machine @param {{change: (part: object) => void}} events */
   constructor(machine, { change }) {
     this.machine = machine;
@@ -43,7 +50,7 @@ export class StrobeView {
     return [{ sheet: this.axes, draw: () => this.#drawMaps() }, { sheet: this.zero, draw: () => this.#drawZero() }];
   }
 
-  /** One period from each start (u, v0). @param {Float64Array} u @param {"orbits" | "orbits_local"} map @returns {Images} */
+  /** One period from each start (u, v0). @param {Floats} u @param {"orbits" | "orbits_local"} map @returns {Images} */
   #once(u, map) {
     const starts = u.length;
     const lanes = new Float64Array(2 * starts).fill(/** @type {State} */ (this.state).v0);
@@ -75,7 +82,7 @@ export class StrobeView {
     this.state = state;
     const { machine } = this;
     this.rows = rowOf(machine, state);
-    this.rows[machine.fields.indexOf("order")] = machine.described.fields.find((/** @type {any} */ field) => field.name === "order").choices.indexOf(state.order);
+    this.rows[machine.fields.indexOf("order")] = ORDERS.indexOf(state.order);
     const row = rowOf(machine, state);
     this.u = linspace(Math.max(state.line[0], state.sigma), state.line[1], SAMPLES);
     this.full = this.#once(this.u, "orbits");
@@ -86,12 +93,13 @@ export class StrobeView {
     this.paint();
   }
 
-  /** The exact flow from the start over the first half of a period, broken at impacts. @param {Float64Array} row @param {State} state */
+  /** The exact flow from the start over the first half of a period, broken at impacts. @param {Floats} row @param {State} state */
   #flow(row, state) {
     const until = Math.PI / state.omega, samples = 400;
     const start = Float64Array.of(0, 0, state.u0 - state.sigma, state.v0, 0, 0, 0);
     const { result, legs } = this.machine.call("legs", { capacity: 64, row, state: start, until, patience: 1e-6 }, ["legs"]);
     const flown = legs.subarray(0, Number(result) * 9);
+    /** @type {{t: number, before: number, after: number}[]} */
     const hits = [];
     for (let k = 0; k < flown.length; k += 9) if (!Number.isNaN(flown[k + 5])) hits.push({ t: flown[k + 4], before: flown[k + 5], after: flown[k + 6] });
     const times = linspace(0, until, samples);
@@ -99,7 +107,7 @@ export class StrobeView {
     const pieces = [/** @type {[number, number][]} */ ([])];
     times.forEach((t, i) => {
       while (hits.length && hits[0].t <= t) {
-        const hit = /** @type {typeof hits[0]} */ (hits.shift());
+        const hit = /** @type {typeof hits[number]} */ (hits.shift());
         pieces[pieces.length - 1].push([state.sigma, hit.before]);
         pieces.push([[state.sigma, hit.after]]);
       }
@@ -168,12 +176,12 @@ export class StrobeView {
   }
 
   raster() {
-    return { samples: SAMPLES, from: this.u?.[0] ?? 0, impact: Boolean(this.four) };
+    return { samples: SAMPLES, from: this.u[0], impact: Boolean(this.four) };
   }
 
   summary() {
     const { u, full, local, jumps, four } = this, state = /** @type {State} */ (this.state);
-    if (!u || !full || !local || !jumps) return [];
+    if (!full || !local || !jumps) return [];
     const said = [{ text: `One period of the forcing from u(0) between ${number(u[0])} and ${number(u[SAMPLES - 1])}, v(0) = ${number(state.v0)}.` }];
     for (const { map, at, below, above } of jumps) {
       if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${number(at, 10)}, and ${above} above: there one is gained or lost, at a graze or across the strobe.` });
