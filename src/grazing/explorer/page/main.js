@@ -14,7 +14,7 @@ import { PRESETS } from "./presets.js";
 import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
 import { canvasOf, svgOf } from "./svg.js";
-import { command, python } from "./text.js";
+import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
 
 const KERNELS = new URL("../kernels/", import.meta.url);
@@ -228,6 +228,7 @@ function render() {
     $("next").disabled = state.tour === TOUR.length;
   }
   $("hint").textContent = HINTS[shown];
+  if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   const link = toFragment(state);
   if (link !== location.hash) history.replaceState(null, "", link);
   const view = current();

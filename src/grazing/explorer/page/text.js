@@ -38,7 +38,7 @@ function calledIn(state, name) {
 const called = (/** @type {State} */ state) => calledIn(state, state.vary);
 
 /** Whether a state is that of a figure of the paper, whatever its colours. @param {State} state @param {string} name */
-function isFigure(state, name) {
+export function isFigure(state, name) {
   const [own, wanted] = /** @type {Record<string, unknown>[]} */ ([state, { ...DEFAULTS, ...PRESETS[name].state }]);
   return Object.keys(DEFAULTS).every((key) => ["tour", "theory", "colour"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
 }
