@@ -7,52 +7,18 @@ import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
-import { Here } from "./here.js";
-import { Machine } from "./machine.js";
-import { Pool } from "./pool.js";
+import { load } from "./load.js";
 import { PRESETS } from "./presets.js";
+import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
 import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
 
-const KERNELS = new URL("../kernels/", import.meta.url);
-const ZOOM = "drag to zoom, double click to see all. Keys: arrows, +, −, 0.";
-/** What to do in each scene: a view, and in charts what is charted. @type {Record<string, string>} */
-const HINTS = {
-  gap: `Click in the diagram to choose μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
-  edges: `Click to choose l and μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; between them the orbit is stable.`,
-  oscillator: `Click to choose the parameter, ${ZOOM} Shaded windows are those that the normal form predicts; dotted: the graze.`,
-  ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
-  "chart-gap": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
-  "chart-oscillator": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
-  "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
-  strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump. Click to choose the start of the zero-time map, ${ZOOM}`,
-};
-/** The scenes in which a control is shown; one not named here is shown with its section. @type {Record<string, string>} */
-const SHOWN = {
-  span: "gap edges chart-gap", range: "gap", gaps: "edges chart-gap", periods: "edges",
-  vary: "oscillator chart-oscillator", reach: "oscillator chart-oscillator", second: "chart-oscillator", heights: "chart-oscillator",
-  coordinate: "oscillator strobe", window: "oscillator", reduced: "oscillator",
-  positions: "chart-basins", velocities: "chart-basins", u0: "strobe", v0: "strobe", line: "strobe", order: "strobe",
-  chart: "chart-gap chart-oscillator chart-basins", chart_columns: "chart-gap chart-oscillator chart-basins", chart_rows: "chart-gap chart-oscillator chart-basins",
-  theory: "gap oscillator", colour: "gap oscillator", columns: "gap oscillator", bins: "gap oscillator",
-  starts: "gap oscillator", transient: "gap oscillator", keep: "gap oscillator", flow_starts: "oscillator", flow_transient: "oscillator", flow_keep: "oscillator",
-  seed: "gap edges oscillator chart-gap chart-oscillator", accuracy: "gap edges oscillator chart-gap chart-oscillator chart-basins",
-};
-/** Axes that a picture zooms, by scene. @type {Record<string, string[]>} */
-const ZOOMED = {
-  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: [], "chart-gap": ["span", "gaps"],
-  "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
-};
-/** @type {Record<string, string>} */
-const NEEDS = { gap: "gap", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
-
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
 /** @typedef {import("./controls.js").Control} Control */
-/** @typedef {Record<string, Machine>} Machines */
 /**
  * What the page asks of a view; `record` puts what has moved since into the state.
  * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
@@ -92,64 +58,6 @@ function problem(text, about = "input") {
 function say(text) {
   $("said").textContent = text;
   setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
-}
-
-/** The workers or, where the browser starts none, the page in their place, which is said. @param {Machines} machines */
-function workers(machines) {
-  const here = new Here(machines);
-  const why = "The browser started no workers, so the page computes by itself: the same pictures, more slowly.";
-  /** @type {Pool | Here} */
-  let now = here;
-  const instead = () => {
-    if (now === here) return;
-    now = here;
-    problem(why, "workers");
-    for (const view of Object.values(views)) view.key = undefined; // compute again
-    refresh();
-  };
-  try {
-    const pool = new Pool();
-    now = pool;
-    for (const worker of pool.workers) worker.addEventListener("error", () => setTimeout(instead));
-  } catch {
-    problem(why, "workers");
-  }
-  const jobs = {
-    add: (/** @type {Parameters<Pool["add"]>} */ ...given) => now instanceof Pool && now.add(...given),
-    batch: (/** @type {string} */ channel) => now.batch(channel),
-    get workers() {
-      return now.workers;
-    },
-  };
-  return /** @type {Pool} */ (/** @type {unknown} */ (jobs));
-}
-
-async function loadModules() {
-  const answer = await fetch(new URL("kernels.json", KERNELS));
-  if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
-  /** @type {import("./machine.js").Kernels} */
-  const described = await answer.json();
-  /** @type {Machines} */
-  const machines = {};
-  if (typeof WebAssembly !== "object") {
-    problem("This browser has no WebAssembly, by which the page computes, or it is switched off, as some browsers do in their strictest mode. Allow it for this page, or use another browser; links can be made and copied all the same.", "kernels");
-    return { described, machines, pool: null };
-  }
-  const pool = workers(machines);
-  await Promise.all(
-    Object.entries(described.modules).map(async ([name, each]) => {
-      try {
-        const file = await fetch(new URL(each.file, KERNELS));
-        if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
-        const module = await WebAssembly.compile(await file.arrayBuffer());
-        machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
-        pool.add(name, module, each);
-      } catch (error) {
-        problem(`The module ${each.file} could not be loaded (${wordsOf(error)}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
-      }
-    }),
-  );
-  return { described, machines, pool };
 }
 
 /** What is on screen: the view, and in charts what is charted. */
@@ -443,8 +351,12 @@ function save(kind) {
 
 async function begin() {
   let loaded;
+  const again = () => {
+    for (const view of Object.values(views)) view.key = undefined;
+    if (current()) refresh();
+  };
   try {
-    loaded = await loadModules();
+    loaded = await load({ problem, again });
   } catch (error) {
     problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;
