@@ -388,6 +388,19 @@ def test_a_link_begins_where_the_ball_is(shown, address):
     shown.until("() => !location.hash.includes('ball=')")
 
 
+def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
+    shown.open(f"{address}#version=1&view=ball&ball=1.5:1:0")
+    shown.page.click("#play")
+    x0, x1, y0, y1 = shown.page.evaluate(
+        "() => { const a = explorer.views.ball.axes; return [a.x0, a.x1, a.y0, a.y1]; }"
+    )
+    flown = known(shown)["result"]
+    assert flown["u"].max() > 1.5 and x0 < 0 and flown["u"].max() < x1
+    assert y0 < flown["v"].min() and flown["v"].max() < y1
+    shown.page.click("#settle")
+    shown.until("() => explorer.views.ball.axes.x1 < 0.6")
+
+
 def test_a_state_of_the_basins_is_thrown(shown, address):
     shown.open(f"{address}#version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20")
     box = shown.page.locator("#chart").bounding_box()

@@ -24,6 +24,7 @@ export class BallView {
   /** @type {import("./orbits.js").Class[]} */ classes = [];
   /** @type {{times: Float64Array, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on */ attractor = later();
   /** @type {Thrown} on the attractor */ home = later();
+  /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Thrown} where the flight began */ begun = later();
   /** Time since the throw, and how far the flight is known. */
   now = 0;
@@ -90,18 +91,22 @@ export class BallView {
     this.begin();
   }
 
-  /** Follow the attractor that most starts reach once around, and choose axes that show it. */
+  /** Follow the attractor that most starts reach once around. */
   #portrait() {
     const most = this.classes[0];
     const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
-    this.attractor = this.#fly(u, v, periods);
-    const us = this.attractor.u, vs = [...this.attractor.v, ...this.attractor.hits.flatMap((hit) => [hit.before, hit.after])];
-    const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = Math.max(...us, this.state.sigma + 0.05);
-    const room = 0.08 * (high - low) || 0.1;
-    this.axes.span(this.state.sigma - 0.06 * (top - this.state.sigma), top + 0.06 * (top - this.state.sigma), low - room, high + room);
+    this.attractor = this.#fly(u, v, periods, this.row);
+    this.ends = this.#around(this.attractor);
     this.home = [u, v, this.state.phase];
+  }
+
+  /** Axes in which a flight is seen. @param {{u: number[], v: number[], hits: Hit[]}} flight @returns {[number, number, number, number]} */
+  #around({ u, v, hits }) {
+    const { sigma } = this.state, vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
+    const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
+    const top = Math.max(...u, sigma + 0.05), room = 0.08 * (high - low) || 0.1;
+    return [sigma - 0.06 * (top - sigma), top + 0.06 * (top - sigma), low - room, high + room];
   }
 
   /** Throw the ball from a state at the section. @param {number} u @param {number} v */
@@ -133,6 +138,8 @@ export class BallView {
     /** The parameters of the flight: its clock begins at the throw, as in `gz.trajectory`. */
     this.flying = Float64Array.from(this.row);
     this.flying[this.machine.fields.indexOf("phase")] = time;
+    const [x0, x1, y0, y1] = this.ends, [a0, a1, b0, b1] = this.state.ball ? this.#around(this.#fly(u, v, 3, this.flying)) : this.ends;
+    this.axes.span(Math.min(x0, a0), Math.max(x1, a1), Math.min(y0, b0), Math.max(y1, b1));
     this.now = 0;
     this.known = 0;
     this.ball = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
@@ -145,9 +152,9 @@ export class BallView {
     this.play(this.playing);
   }
 
-  /** @param {number} u @param {number} v @param {number} periods */
-  #fly(u, v, periods) {
-    const { machine, row, T } = this;
+  /** @param {number} u @param {number} v @param {number} periods @param {import("./machine.js").Floats} row */
+  #fly(u, v, periods, row) {
+    const { machine, T } = this;
     const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
     const { result, legs } = machine.call("legs", { capacity: 4096, row, state, until: periods * T, patience: 1e-6 }, ["legs"]);
     const count = Number(result), samples = periods * SAMPLES + 1;

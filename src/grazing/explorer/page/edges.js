@@ -13,6 +13,8 @@ import { tidy } from "./state.js";
 /** @typedef {{periods: number[], l: number, mu: number}} Mark where a window appears, or two meet */
 
 const SAMPLES = 401;
+/** Periods of which the words tell. */
+const SAID = 6;
 
 /** K_N = 1 + lam + ... + lam^(N-1). @param {number} N @param {number} lam */
 function sum(N, lam) {
@@ -176,6 +178,7 @@ export class EdgesView {
     for (const { N, kind, at } of ends) {
       const y = Math.min(axes.y(at), below - 15), x = box.x + box.w + 5;
       below = y;
+      if (y < box.y) break; // no room for more
       c.fillStyle = periodColour(N);
       c.textAlign = "left";
       c.textBaseline = "middle";
@@ -197,15 +200,17 @@ export class EdgesView {
     const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${l}, μ = ${mu}, λ = ${lam}:` }]);
     for (const each of this.classes ?? []) said.push({ colour: periodColour(each.period), text: words(each) });
     const { table } = this.machine.call("edges", { periods: periods[1], lam, l: Math.max(l, 0) }, ["table"]);
-    for (let N = periods[0]; N <= periods[1]; N++) {
+    const last = Math.min(periods[1], periods[0] + SAID - 1);
+    for (let N = periods[0]; N <= last; N++) {
       const [doubling, collision] = [table[3 * N - 2], table[3 * N - 1]];
       const from = appears(N, lam);
       const window = doubling < collision ? `stable for ${doubling.toPrecision(8)} < μ${Number.isFinite(collision) ? ` < ${collision.toPrecision(8)}` : ""}` : "no window at this gap";
       said.push({ colour: periodColour(N), text: `Period ${N}: ${window}${from > 0 ? `; it has one from l = ${from.toFixed(10)} on` : ""}.` });
     }
     for (const { periods: both, l: from } of this.marks ?? []) {
-      if (both.length > 1) said.push({ text: `Windows ${both.join(" and ")} ${from > 0 ? `overlap from l = ${from.toFixed(10)} on` : "overlap at every gap"}.` });
+      if (both.length > 1 && both[1] <= last) said.push({ text: `Windows ${both.join(" and ")} ${from > 0 ? `overlap from l = ${from.toFixed(10)} on` : "overlap at every gap"}.` });
     }
+    if (last < periods[1]) said.push({ text: `${periods[1] - last} further periods are drawn and not listed.` });
     return said;
   }
 }

@@ -224,14 +224,14 @@ function build() {
   put("vary", choice("axis", varied, own("vary")));
   put("second", choice("second axis", varied, own("second")));
   put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
+  put("periods", pair("periods from, to", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems));
   put("span", pair("μ from, to", (span) => change({ span }), problem));
   put("range", pair("x from, to", (range) => change({ range }), problem));
   put("positions", pair("u from, to", (positions) => change({ positions }), problem));
   put("velocities", pair("v from, to", (velocities) => change({ velocities }), problem));
-  put("periods", pair("periods from, to", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems));
   put("gaps", pair("l from, to", (gaps) => change({ gaps }), problem));
-  put("heights", pair("from, to", (heights) => change({ heights }), problem));
   put("reach", pair("from, to", (reach) => change({ reach }), problem));
+  put("heights", pair("from, to", (heights) => change({ heights }), problem));
   put("window", pair("height", (window) => change({ window }), problem));
   put("theory", toggle("windows of theory", own("theory")));
   put("colour", toggle("colour by period", own("colour")));

@@ -156,13 +156,26 @@ export class StrobeView {
     axes.frame("u(0)", `${state.coordinate}(T)`);
     c.textAlign = "left";
     c.textBaseline = "middle";
+    const wide = 30 + Math.max(...curves.map(([, , , , text]) => c.measureText(text).width));
+    const [left, top] = this.#emptiest(wide, 40, [one, other]);
     curves.forEach(([, , colour, , text], k) => {
       c.fillStyle = colour;
-      c.fillRect(axes.box.x + 14, axes.box.y + axes.box.h - 34 + 18 * k, 11, 5);
+      c.fillRect(left, top + 8 + 18 * k, 11, 5);
       c.fillStyle = theme().faint;
-      c.fillText(text, axes.box.x + 31, axes.box.y + axes.box.h - 31 + 18 * k);
+      c.fillText(text, left + 17, top + 11 + 18 * k);
     });
     this.gestures.draw(c);
+  }
+
+  /** The corner of so many pixels in which fewest points of curves lie. @param {number} wide @param {number} high @param {Floats[]} curves */
+  #emptiest(wide, high, curves) {
+    const { axes } = this, { x, y, w, h } = axes.box;
+    const corners = [[x + 14, y + h - high - 6], [x + w - wide - 6, y + h - high - 6], [x + w - wide - 6, y + 6], [x + 14, y + 6]];
+    const inside = (/** @type {number[]} */ [left, top]) => curves.reduce((sum, values) => sum + values.filter((value, i) => {
+      const [a, b] = [axes.x(this.u[i]) - left, axes.y(value) - top];
+      return a >= 0 && a <= wide && b >= 0 && b <= high;
+    }).length, 0);
+    return corners.map((corner) => ({ corner, points: inside(corner) })).reduce((best, each) => (each.points < best.points ? each : best)).corner;
   }
 
   #drawZero() {
