@@ -159,7 +159,7 @@ export class EdgesView {
       }
       const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(box.w < 500 ? 4 : 10))}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
-      const x = left ? axes.x(l) - 6 - wide : axes.x(l) + 6, y = box.y + 10 + 18 * k;
+      const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 18 * k;
       c.fillStyle = theme().paper + "d0";
       c.fillRect(x - 2, y - 8, wide + 4, 16);
       c.fillStyle = theme().ink;
