@@ -17,7 +17,7 @@ export MPLBACKEND := Agg
 export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
 export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
 
-.PHONY: help paper test test-long check lint types layers bench docs explorer clean
+.PHONY: help paper test test-long check lint types types-page layers bench docs explorer clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -26,7 +26,7 @@ paper: .venv/ready ## draw the figures of the paper and check its claims
 	$(RUN) grazing paper $(ARGS)
 
 test: .venv/ready-test ## run the tests and every example in the documentation strings
-	$(PYTEST) $(ARGS)
+	$(PYTEST) -rs $(ARGS)
 
 test-long: .venv/ready-test ## run the tests that take long
 	$(PYTEST) -m long $(ARGS)
@@ -37,8 +37,11 @@ lint: .venv/ready-test ## style and common mistakes (ruff)
 	$(RUN) ruff check .
 	$(RUN) ruff format --check .
 
-types: .venv/ready-test ## type annotations (mypy, strict)
+types: .venv/ready-test types-page ## type annotations (mypy, strict), and those of the page
 	$(RUN) mypy
+
+types-page: ## type annotations of the explorer's page (tsc, strict); where no npm is, it says so
+	@sh scripts/page.sh types
 
 layers: .venv/ready-test ## the direction of imports
 	$(RUN) pytest -q tests/test_layers.py
@@ -53,7 +56,7 @@ explorer: .venv/ready ## compile the kernels of the explorer to WebAssembly (nee
 	$(RUN) grazing.explorer.build $(ARGS)
 
 clean: ## remove .venv and all caches; results stay
-	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist
+	rm -rf .venv node_modules .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist
 	find src tests -name __pycache__ -prune -exec rm -rf {} +
 
 # ---- the environment. Its stamp is written last, so an interrupted installation leaves none and is done again.

@@ -90,6 +90,29 @@ def test_without_a_linker_the_command_says_what_to_install(monkeypatch, capsys):
     assert "no WebAssembly linker: install lld (apt) or ziglang (pip)" in capsys.readouterr().err
 
 
+def test_another_toolchain_builds_for_a_comparison_of_what_is_computed(monkeypatch, tmp_path, capsys):
+    built = []
+    monkeypatch.setattr(build, "toolchain", lambda: {**shipped()["toolchain"], "linker": "LLD 99"})
+    monkeypatch.setattr(build, "rebuild", built.append)
+    assert main(["--check"]) == 0 and built == []
+    assert main(["--check", "--out", str(tmp_path / "other")]) == 0 and built == [tmp_path / "other"]
+    assert capsys.readouterr().err.count("bytes are not compared") == 2
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_the_same_toolchain_compares_bytes(monkeypatch, tmp_path, capsys, same):
+    def rebuilt(folder):
+        for name in MODULES:
+            (folder / f"{name}.wasm").write_bytes((FOLDER / f"{name}.wasm").read_bytes() if same else b"\0asm")
+
+    monkeypatch.setattr(build, "toolchain", lambda: shipped()["toolchain"])
+    monkeypatch.setattr(build, "rebuild", rebuilt)
+    assert main(["--check", "--out", str(tmp_path / "other")]) == (0 if same else 1)
+    assert not (tmp_path / "other").exists()
+    said = capsys.readouterr().err
+    assert ("byte by byte" in said) == same and ("gap.wasm, oscillator.wasm: other bytes" in said) != same
+
+
 def test_without_a_description_the_command_says_what_to_run(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(build, "FOLDER", tmp_path)
     assert main(["--check"]) == 2

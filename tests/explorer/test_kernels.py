@@ -57,6 +57,8 @@ def test_boxes_are_those_of_the_map(machines, described, case):
         ((0.5, 0.1, 0.1), "mu", (-0.05, 0.4), (-1.0, 0.5), 600, 1, 0, 333),
         ((0.9, 0.1, 0.0), "l", (0.0, 1.5), (-1.7, 0.2), 101, 130, 11, 32),
         ((0.3, 0.2, 0.4), "lam", (-1.2, 1.2), (-2.0, 0.3), 64, 64, 5, 65),
+        ((60.0, -0.1, 0.1), "mu", (-0.2, 0.2), (-2.0, 0.3), 50, 3, 120, 100),  # orbits that leave for infinity
+        ((0.5, 0.0, 0.0), "l", (0.0, 0.2), (-1.0, 0.3), 40, 5, 2000, 30),  # orbits that reach x = 0 itself
     ],
 )
 def test_raster_of_the_gap_map(machines, params, name, ends, range_, bins, starts, transient, keep):
@@ -72,6 +74,7 @@ def test_raster_of_the_gap_map(machines, params, name, ends, range_, bins, start
     np.testing.assert_array_equal(counts[:, -2], want["above"])
     np.testing.assert_array_equal(ended, want["ended"])
     np.testing.assert_array_equal(ambiguous, want["ambiguous"])
+    assert np.any(ended > 0) == (params[0] > 1.0) and np.any(ambiguous > 0) == (params[1] == 0.0)
 
 
 @pytest.mark.parametrize("case", CASES)

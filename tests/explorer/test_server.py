@@ -4,13 +4,15 @@ import http.client
 import os
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
+import webbrowser
 
 import pytest
 
-from grazing.explorer.server import FOLDER, HOST, TYPES, copy_to, files, server
+from grazing.explorer.server import FOLDER, HOST, TYPES, copy_to, files, serve, server
 from grazing.outcome import InputError
 
 
@@ -114,6 +116,133 @@ def test_a_copy_for_any_server(tmp_path):
     assert page.read_bytes() == (FOLDER / "page" / "index.html").read_bytes()
     copied = {f"/{path.relative_to(tmp_path / 'site').as_posix()}" for path in page.parents[1].rglob("*.*")}
     assert copied == files().keys() - {"/page/"}
+
+
+def test_a_copy_is_renewed_and_other_files_stay(tmp_path):
+    (tmp_path / "own.html").write_text("mine")
+    page = copy_to(tmp_path)
+    page.write_text("an older grazing explorer")
+    (page.parent / "gone.js").write_text("")
+    assert copy_to(tmp_path).read_bytes() == (FOLDER / "page" / "index.html").read_bytes()
+    assert (tmp_path / "own.html").read_text() == "mine"
+
+
+def test_a_copy_that_was_interrupted_is_completed(monkeypatch, tmp_path):
+    def copied(path, goal):
+        if path.suffix == ".js":
+            raise KeyboardInterrupt
+        goal.write_bytes(path.read_bytes())
+
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr("grazing.explorer.server.shutil.copyfile", copied)
+        copy_to(tmp_path)
+    copy_to(tmp_path)
+    assert all((tmp_path / name.lstrip("/")).exists() for name in files() if not name.endswith("/"))
+
+
+@pytest.mark.parametrize("part", ["page", "kernels"])
+@pytest.mark.parametrize("made", ["file", "site"])
+def test_a_folder_of_somebody_else_is_not_written_to(tmp_path, part, made):
+    if made == "file":
+        (tmp_path / part).write_text("")
+    else:
+        (tmp_path / part).mkdir()
+        (tmp_path / part / "index.html").write_text("<title>Another site</title>")
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InputError, match=r"is there and not a copy of the explorer; choose another folder"):
+        copy_to(tmp_path)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_copy_onto_itself():
+    with pytest.raises(InputError, match=r"cannot write to .*same file"):
+        copy_to(FOLDER)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="who may do everything may write here too")
+def test_a_copy_into_a_folder_that_may_only_be_read(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match=r"cannot write to .*Permission denied; choose a folder"):
+        copy_to(tmp_path / "site")
+
+
+@pytest.mark.parametrize("out", ["", " "])
+def test_a_copy_to_no_folder(out):
+    from grazing.cli.explore import explore
+
+    with pytest.raises(InputError, match=r"--out names no folder; give one"):
+        explore(out=out)
+
+
+def test_missing_files_are_named(monkeypatch, tmp_path):
+    (tmp_path / "page").mkdir()
+    (tmp_path / "page" / "index.html").write_text("")
+    monkeypatch.setattr("grazing.explorer.server.FOLDER", tmp_path)
+    with pytest.raises(InputError, match=r"kernels/kernels\.json is missing from .*install grazing again"):
+        server()
+
+
+def test_a_browser_that_leaves_in_the_middle_is_not_worth_a_word(running, capfd):
+    for _ in range(5):
+        with socket.create_connection(running.server_address[:2]) as leaving:
+            leaving.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # a reset, not an end
+            leaving.sendall(b"GET /kernels/oscillator.wasm HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+    assert asked(running, "/page/")[0] == 200
+    assert capfd.readouterr() == ("", "")
+
+
+def test_two_at_once_have_their_own_ports(running):
+    with server() as other:
+        assert other.address != running.address
+
+
+class Browser:
+    """Stands for a browser with a window."""
+
+    def __init__(self, answered):
+        self.answered = answered
+
+    def open(self, address):
+        return self.answered
+
+
+@pytest.mark.parametrize(
+    ("browser", "chosen", "answered"),
+    [
+        (Browser(True), "", True),
+        (Browser(False), "", False),
+        (webbrowser.GenericBrowser("true"), "", False),  # in the terminal
+        (webbrowser.GenericBrowser("true"), "true", True),  # what the user named is taken
+        (None, "", False),
+    ],
+)
+def test_only_browsers_with_windows_are_opened(monkeypatch, browser, chosen, answered):
+    from grazing.cli.explore import in_browser
+
+    def get():
+        if browser is None:
+            raise webbrowser.Error("none")
+        return browser
+
+    monkeypatch.setattr(webbrowser, "get", get)
+    monkeypatch.setattr(webbrowser, "open", lambda address: browser.open(address))
+    monkeypatch.setenv("BROWSER", chosen)
+    assert in_browser("http://127.0.0.1:1/page/") is answered
+
+
+def test_the_address_is_answered_when_it_is_told(capfd):
+    """A browser that holds up the command until it has the page does get it."""
+    statuses = []
+
+    def opened(address):
+        connection = http.client.HTTPConnection(HOST, int(address.split(":")[2].partition("/")[0]), timeout=10)
+        connection.request("GET", "/page/")
+        statuses.append(connection.getresponse().status)
+        connection.close()
+        raise KeyboardInterrupt  # Ctrl-C at that moment
+
+    serve(0, opened)
+    assert statuses == [200] and capfd.readouterr() == ("", "")
 
 
 def test_a_copy_where_nothing_can_be_written(tmp_path):

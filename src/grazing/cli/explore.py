@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import webbrowser
 from pathlib import Path
@@ -31,16 +32,30 @@ def explore(
         Folder for a copy of the page.
     """
     from grazing.explorer.server import copy_to, serve
+    from grazing.outcome import InputError
 
     if out is not None:
+        if not out.strip():
+            raise InputError("--out names no folder; give one, for example --out page")
         print(copy_to(Path(out)))
         return 0
 
     def opened(address: str) -> None:
         print(f"explorer at {address} (Ctrl-C ends it)")
         sys.stdout.flush()
-        if not no_open:
-            webbrowser.open(address)
+        if not no_open and not in_browser(address):
+            print("no browser with windows was found; open the address in one", file=sys.stderr)
 
     serve(port, opened)
     return 0
+
+
+def in_browser(address: str) -> bool:
+    """Open an address; whether there was a browser. One in the terminal would take it over, and runs no WebAssembly."""
+    try:
+        first = webbrowser.get()  # those with windows come before those without
+    except webbrowser.Error:
+        return False
+    if type(first) is webbrowser.GenericBrowser and not os.environ.get("BROWSER"):
+        return False
+    return webbrowser.open(address)

@@ -1,4 +1,8 @@
-"""Compile the kernels of the explorer: ``python -m grazing.explorer.build``, with ``--check`` to compare only."""
+"""Compile the kernels of the explorer: ``python -m grazing.explorer.build``, with ``--check`` to compare only.
+
+Bytes can be compared only if numba and the linker are those that the shipped modules were built with. With others,
+``--check --out FOLDER`` leaves the modules that it built there, so that what they compute can be compared.
+"""
 
 from __future__ import annotations
 
@@ -164,25 +168,33 @@ def stale() -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command."""
-    parser = argparse.ArgumentParser(prog="python -m grazing.explorer.build", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m grazing.explorer.build", description="Compile the kernels of the explorer to WebAssembly."
+    )
     parser.add_argument("--check", action="store_true", help="build elsewhere and compare with the shipped modules")
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, help="build to this folder; with --check only if bytes cannot be compared"
+    )
     parser.add_argument("--here", metavar="FOLDER", help=argparse.SUPPRESS)
     given = parser.parse_args(arguments)
     try:
         if given.here:
             build(Path(given.here))
         elif given.check:
-            return check()
+            return check(given.out)
         else:
-            rebuild(FOLDER)
+            rebuild(given.out or FOLDER)
     except GrazingError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def check() -> int:
-    """Compare the shipped modules with their kernels, and byte by byte where the toolchain is theirs."""
+def check(out: Path | None = None) -> int:
+    """Compare the shipped modules with their kernels, and byte by byte where the toolchain is theirs.
+
+    Where it is another one, modules are built to ``out``, if given, for whoever compares what they compute.
+    """
     said = stale()
     if said:
         print(f"not built from these kernels: {', '.join(said)}; run python -m grazing.explorer.build", file=sys.stderr)
@@ -190,6 +202,8 @@ def check() -> int:
     here, theirs = toolchain(), shipped()["toolchain"]
     if here != theirs:
         print(f"built with {theirs}, here are {here}: bytes are not compared", file=sys.stderr)
+        if out is not None:
+            rebuild(out)
         return 0
     with tempfile.TemporaryDirectory() as folder:
         rebuild(Path(folder))
@@ -197,6 +211,7 @@ def check() -> int:
     if differ:
         print(f"{', '.join(differ)}: other bytes than shipped, from the same toolchain", file=sys.stderr)
         return 1
+    print("the shipped modules are what these kernels compile to, byte by byte", file=sys.stderr)
     return 0
 
 

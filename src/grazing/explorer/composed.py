@@ -201,10 +201,11 @@ def points_letters_outcomes(dimension: int) -> tuple[Argument, Argument, Argumen
     )
 
 
-def entries_of(step: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int) -> list[Entry]:
-    """Return the functions that every map has: orbits, density, classify."""
+def entries_of(
+    step: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int, count: Step | None = None
+) -> list[Entry]:
+    """Return the functions that every map has: orbits, density, classify; ``count`` is a counter of the map's own."""
     fields = len(kind._fields)  # type: ignore[attr-defined]
-    run = loop_of(step, prepare, kind, dimension)
     rows, lanes = rows_lanes(fields, dimension)
     points, letters, outcomes = points_letters_outcomes(dimension)
     per_orbit = ("columns", "starts")
@@ -212,7 +213,7 @@ def entries_of(step: Step, tangent: Step, prepare: Step | None, kind: type, dime
         orbits_entry(step, prepare, kind, dimension, "orbits", "advance orbits by `transient` steps, then by `keep`"),
         Entry(
             "density",
-            counter_of(run, dimension),
+            count or counter_of(loop_of(step, prepare, kind, dimension), dimension),
             ("columns", "starts"),
             (
                 rows,

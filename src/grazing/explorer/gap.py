@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from math import floor
 from typing import Any
+
+import numpy as np
 
 from grazing.explorer.composed import Module, common_entries, entries_of
 from grazing.kernel.export import Argument, Entry
+from grazing.kernel.primitives import at, inlined
 from grazing.maps.gap import PARAMETERS, gap_map, gap_step, gap_tangent
+from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
 from grazing.theory.edges import collision_edge, doubling_edge, graze_edge
 
 INFINITY = float("inf")
 #: The parameters, in the order of a row.
 FIELDS = tuple(PARAMETERS)
+KIND = parameter_tuple(FIELDS)
 ((LOW, HIGH),) = gap_map(0.5, 0.1, 0.1).box
+#: Orbits side by side: enough to hide how long a square root takes, few enough to be written out one by one.
+BESIDE = 8
 
 
 def edges(lam: float, l: float, table: Any) -> None:
@@ -28,6 +36,56 @@ def edges(lam: float, l: float, table: Any) -> None:
         k += c
 
 
+@inlined
+def part_of(x: float, low: float, high: float, scale: float, bins: int) -> int:
+    """Return which number of a column counts a point, as :func:`grazing.studies.density.raster` does."""
+    inside = low <= x <= high
+    part = min(floor(((x if inside else low) - low) * scale), bins - 1.0) + 1.0
+    return int(part if inside else (0.0 if x < low else (bins + 1.0 if x > high else bins + 2.0)))
+
+
+def count(
+    rows: Any, lanes: Any, transient: int, keep: int, _i: int, low: float, high: float, bins: int, counts: Any,
+    ended: Any, ambiguous: Any,
+) -> None:  # fmt: skip
+    """Count orbits in a raster as the kernel for any map does, but each point as soon as it is found.
+
+    A picture of the page waits for this kernel: no point is written to memory, and what the loops read is not
+    handed to other kernels, which in a module would be counted as one more owner at each iterate.
+    """
+    columns, n = lanes.shape[0], lanes.shape[2]
+    scale, total = bins / (high - low), columns * n
+    for q in range(columns):
+        ended[q], ambiguous[q] = 0, 0
+        for k in range(counts.shape[1]):
+            counts[q, k] = 0
+    x, c = np.empty(BESIDE), np.empty((3, BESIDE))
+    said, which, part = np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int64)
+    for start in range(0, total, BESIDE):
+        width = min(BESIDE, total - start)
+        for j in range(BESIDE):  # beyond the last orbit, that one once more
+            orbit = min(start + j, total - 1)
+            q = orbit // n
+            which[j], said[j], x[j] = q, 0, lanes[q, 0, orbit % n]
+            c[0, j], c[1, j], c[2, j] = rows[q, 0], rows[q, 1], rows[q, 2]
+        for _ in range(transient):
+            for j in range(BESIDE):
+                (x[j],), _letter, outcome = gap_step((x[j],), KIND(c[0, j], c[1, j], c[2, j]))
+                said[j] |= outcome
+        for _ in range(keep):
+            for j in range(BESIDE):
+                (x[j],), _letter, outcome = gap_step((x[j],), KIND(c[0, j], c[1, j], c[2, j]))
+                said[j] |= outcome
+                part[j] = part_of(x[j], low, high, scale, bins)
+            for j in range(width):
+                counts[at(which[j]), at(part[j])] += 1
+        for j in range(width):
+            q = which[j]
+            lanes[q, 0, (start + j) % n] = x[j]
+            ended[q] += 0 if abs(x[j]) < INFINITY else 1
+            ambiguous[q] += 1 if said[j] & AMBIGUOUS else 0
+
+
 def boxes(rows: Any, boxes: Any) -> None:
     """Write where random starts are drawn, the same for all rows."""
     for q in range(rows.shape[0]):
@@ -38,7 +96,7 @@ def gap_module() -> Module:
     """Return the module."""
     entries = [
         *common_entries(boxes, len(FIELDS), 1),
-        *entries_of(gap_step, gap_tangent, None, parameter_tuple(FIELDS), 1),
+        *entries_of(gap_step, gap_tangent, None, KIND, 1, count),
         Entry(
             "edges",
             edges,

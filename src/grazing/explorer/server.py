@@ -5,11 +5,14 @@ It knows the folders ``page`` and ``kernels`` and nothing else, so there is noth
 
 from __future__ import annotations
 
+import os
 import shutil
+import sys
 from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 from urllib.parse import unquote, urlsplit
 
 from grazing.outcome import InputError
@@ -27,11 +30,24 @@ TYPES = {
 }
 
 
+#: The folders that are served, and the file that each of them cannot do without.
+PARTS = {"page": "index.html", "kernels": "kernels.json"}
+
+
 def files() -> dict[str, Path]:
-    """Return what is served: the path of each file in an address, and the file."""
+    """Return what is served: the path of each file in an address, and the file.
+
+    Raises
+    ------
+    InputError
+        If files are missing.
+    """
+    for part, needed in PARTS.items():
+        if not (FOLDER / part / needed).is_file():
+            raise InputError(f"{part}/{needed} is missing from {FOLDER}; install grazing again")
     found = {
         f"/{path.relative_to(FOLDER).as_posix()}": path
-        for part in ("page", "kernels")
+        for part in PARTS
         for path in sorted((FOLDER / part).iterdir())
         if path.suffix in TYPES
     }
@@ -56,7 +72,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def answer(self, body: bool) -> None:
         """Send a file, the way to the page, or 404."""
-        if not self.ours():
+        if not self.known():
             self.send_error(HTTPStatus.FORBIDDEN, "asked for under another name")
             return
         path = unquote(urlsplit(self.path).path)
@@ -80,7 +96,7 @@ class Handler(BaseHTTPRequestHandler):
         if body:
             self.wfile.write(data)
 
-    def ours(self) -> bool:
+    def known(self) -> bool:
         """Whether the request was sent to this machine by name: pages elsewhere cannot read through us."""
         name = self.headers.get("Host", HOST).rpartition(":")[0] or self.headers.get("Host", HOST)
         return name in (HOST, "localhost")
@@ -93,10 +109,17 @@ class Server(ThreadingHTTPServer):
     """The server; :attr:`address` is what to open."""
 
     daemon_threads = True
+    #: Elsewhere this lets a port be used again at once; Windows would let two servers share one.
+    allow_reuse_address = os.name != "nt"
 
     def __init__(self, port: int = 0) -> None:
         self.files = files()
         super().__init__((HOST, port), Handler)
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """Say nothing of a browser that left in the middle of an answer; anything else is shown."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)  # type: ignore[arg-type]
 
     @property
     def address(self) -> str:
@@ -135,29 +158,53 @@ def server(port: int = 0) -> Server:
 
 
 def serve(port: int, opened: Callable[[str], None]) -> None:
-    """Serve until interrupted; ``opened`` is told the address."""
+    """Serve until interrupted; ``opened`` is told the address once it is answered."""
     with server(port) as ours:
-        opened(ours.address)
+        thread = Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.2}, daemon=True)
+        thread.start()
         try:
-            ours.serve_forever(poll_interval=0.2)
+            opened(ours.address)
+            while thread.is_alive():
+                thread.join(0.5)  # without an end, some systems would not look for Ctrl-C
         except KeyboardInterrupt:
-            return
+            pass
+        finally:
+            ours.shutdown()
+
+
+def ours(file: Path) -> bool:
+    """Whether a file is one of the explorer's, of whatever version."""
+    try:
+        return b"grazing" in file.read_bytes()
+    except OSError:
+        return False
 
 
 def copy_to(folder: Path) -> Path:
     """Copy the page and its kernels to a folder, for any web server; return the page.
 
+    A copy that is there already is renewed; other files in the folder stay.
+
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or holds a ``page`` or ``kernels`` of somebody else.
     """
+    source = files()
+    for part, needed in PARTS.items():
+        there = folder / part
+        taken = any(there.iterdir()) if there.is_dir() else there.exists()
+        if taken and not ours(there / needed):
+            raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
+    first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     try:
-        for name, path in files().items():
+        for name, path in sorted(source.items(), key=lambda item: item[0] not in first):
             if not name.endswith("/"):
                 goal = folder / name.lstrip("/")
                 goal.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(path, goal)
     except OSError as error:
-        raise InputError(f"cannot write to {folder}: {error.strerror}; choose a folder that can be made") from None
+        raise InputError(
+            f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"
+        ) from None
     return folder / "page" / "index.html"

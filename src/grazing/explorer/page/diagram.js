@@ -1,17 +1,89 @@
 // @ts-check
 /** A diagram as density: computed by the pool, coarse at once, then refined; painted column by column. */
 import { periodColour, rgb, theme } from "./colours.js";
+import { Gestures } from "./gestures.js";
 import { linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
 
+/** @typedef {import("./machine.js").Floats} Floats */
+/** @typedef {import("./jobs.js").Steps} Steps */
+/** @typedef {[number, number]} Pair */
+/**
+ * What a diagram shows. `values` stands instead of an even `span`; `quick` is for the first picture, which has a
+ * column for every `stride` of them; `cost` is the time of a step beside that of the gap map.
+ * @typedef {{
+ *   machine: string, row: Floats, which: number, span: Pair, columns: number, values?: Floats, coordinate: number,
+ *   low: number, high: number, bins: number, seed: number, tolerance: number, cost: number, colour: boolean,
+ *   labels: [string, string], quick: Steps & {stride: number},
+ * } & Steps} Spec
+ */
+
+/** Steps of the gap map in one job: so short that a new picture need not wait for one that is under way. */
 const CHUNK_WORK = 4e5;
+/** Orbits and steps of a column that are asked for their periods. */
+const ASKED = 8, SEEN = 64;
+
+/** What is known of a diagram. Takes the arrays of another one that nobody needs any more, if they fit. */
+class Raster {
+  /** @param {Spec} spec @param {Raster | null} old */
+  constructor(spec, old) {
+    this.spec = spec;
+    this.values = spec.values ?? linspace(...spec.span, spec.columns);
+    this.columns = this.values.length;
+    this.bins = spec.bins;
+    const fitting = old && old.columns === this.columns && old.bins === this.bins ? old : null;
+    /** @type {Int32Array} */
+    this.counts = fitting?.counts ?? new Int32Array(this.columns * (this.bins + 3));
+    /** @type {Float64Array} points that were counted in each column */
+    this.totals = fitting?.totals ?? new Float64Array(this.columns);
+    /** @type {Uint8Array} periods, 0 where none is known */
+    this.codes = fitting?.codes.fill(0) ?? new Uint8Array(this.columns * this.bins);
+    this.ambiguous = this.ended = 0;
+    this.coloured = false;
+  }
+
+  /** Put columns that were counted into their places, each `stride` times. @param {number} from @param {Int32Array} counts @param {number} total @param {number} stride */
+  put(from, counts, total, stride = 1) {
+    const width = this.bins + 3, all = this.counts;
+    if (stride === 1) all.set(counts, from * width);
+    const end = Math.min(from + (counts.length / width) * stride, this.columns);
+    for (let q = from; stride > 1 && q < end; q++) {
+      const i = Math.floor((q - from) / stride) * width;
+      all.set(counts.subarray(i, i + width), q * width);
+    }
+    this.totals.fill(total, from, end);
+  }
+}
+
+/** The colours of periods as numbers of a pixel without its opacity: ABGR, as bytes lie in memory. */
+const shades = { ink: "", plain: 0, words: new Uint32Array(256) };
+function mixed() {
+  const { ink } = theme();
+  if (shades.ink !== ink) {
+    const word = (/** @type {string} */ colour) => rgb(colour).reduce((all, part, i) => all | (part << (8 * i)), 0);
+    Object.assign(shades, { ink, plain: word(ink), words: Uint32Array.from({ length: 256 }, (_, N) => word(periodColour(N || 1))) });
+  }
+  return shades;
+}
+
+/** The opacities of counts, of which the last stands for all above it. @param {number} bins @param {number} total of a column */
+function tonesOf(bins, total) {
+  const strength = bins / 12 / (total || 1);
+  return Uint8Array.from({ length: Math.ceil(1 / strength) + 1 }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, count * strength))));
+}
 
 export class Diagram {
+  /** @type {Raster | null} what is on screen */ #shown = null;
+  /** @type {Raster | null} one that is no more on screen */ #spare = null;
+  /** @type {Spec | null} what was asked for while a first picture was under way */ #wanted = null;
+  /** @type {ImageData | null} */ #pixels = null;
+  #asked = 0;
+
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => void, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: CanvasRenderingContext2D) => void, overlay?: (axes: Axes, c: CanvasRenderingContext2D) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
+   * @param {{pick?: (x: number, y: number) => void, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -20,237 +92,211 @@ export class Diagram {
     this.events = events;
     this.image = document.createElement("canvas");
     this.stage = "empty";
-    this.milliseconds = {};
-    this.#gestures(canvas);
-  }
-
-  /**
-   * Compute and show a raster; replaces whatever is under way.
-   * `spec`: machine, row, which, span, columns, bins, low, high, coordinate, starts, transient, keep, seed, tolerance,
-   * colour, labels; `values` instead of an even span; `quick` for the first picture.
-   */
-  show(spec) {
-    this.spec = spec;
-    const values = spec.values ?? linspace(...spec.span, spec.columns);
-    this.values = values;
-    this.columns = values.length;
-    this.bins = spec.bins;
-    this.counts = new Int32Array(this.columns * (this.bins + 3));
-    this.totals = new Float64Array(this.columns);
-    this.codes = new Uint8Array(this.columns * this.bins);
-    this.ambiguous = 0;
-    this.ended = 0;
-    this.stage = this.axes.canvas.dataset.stage = "computing";
-    const batch = this.pool.batch(this.channel);
-    const begun = performance.now();
-    return this.#compute(batch, begun).catch((error) => {
-      this.stage = this.axes.canvas.dataset.stage = "failed";
-      this.events.problem?.(`The diagram could not be computed: ${error.message}.`);
+    /** What was asked for last. */
+    this.spec = /** @type {Spec} */ (/** @type {unknown} */ (null));
+    /** Milliseconds from `show` to the stages, and pictures that were never begun because another one was asked for. */
+    this.milliseconds = { coarse: NaN, coarsePainted: NaN, full: NaN };
+    this.skipped = 0;
+    this.gestures = new Gestures(this.axes, {
+      ready: () => this.#shown !== null,
+      redraw: () => this.draw(),
+      pick: (x, y) => events.pick?.(x, y),
+      zoom: (x, y) => events.zoom?.(x, y),
+      zoomOut: () => events.zoomOut?.(),
+      chosen: () => [events.chosen?.() ?? NaN, NaN],
+      steps: () => [this.columns - 1, 1],
     });
   }
 
-  async #compute(batch, begun) {
-    const { spec } = this;
-    const quick = spec.quick;
-    const firsts = Array.from({ length: Math.ceil(this.columns / quick.stride) }, (_, i) => i * quick.stride);
-    const share = Math.ceil(firsts.length / this.pool.workers.length);
-    const parts = [];
-    for (let i = 0; i < firsts.length; i += share) parts.push(firsts.slice(i, i + share));
-    await Promise.all(
-      parts.map(async (some) => {
-        const settings = { ...this.#job(some.map((i) => this.values[i])), ...quick };
-        const found = await batch.run(spec.machine, "raster", settings);
-        some.forEach((q, i) => {
-          for (let k = q; k < Math.min(q + quick.stride, this.columns); k++) this.#put(k, found.counts, i, quick.starts * quick.keep);
-        });
-      }),
-    );
-    if (!batch.live()) return;
+  /** What is on screen; while a picture is being computed, that is not `spec`. */
+  get drawn() {
+    return this.#shown?.spec ?? null;
+  }
+
+  get columns() {
+    return this.#shown?.columns ?? 0;
+  }
+
+  get bins() {
+    return this.#shown?.bins ?? 0;
+  }
+
+  get counts() {
+    return this.#shown?.counts ?? new Int32Array(0);
+  }
+
+  get codes() {
+    return this.#shown?.codes ?? new Uint8Array(0);
+  }
+
+  get ambiguous() {
+    return this.#shown?.ambiguous ?? 0;
+  }
+
+  get ended() {
+    return this.#shown?.ended ?? 0;
+  }
+
+  /**
+   * Compute and show a raster; refinement that is under way is dropped. A first picture that is under way is finished
+   * and shown before, so that pictures follow a slider that is dragged faster than they come.
+   * @param {Spec} spec
+   */
+  show(spec) {
+    this.spec = spec;
+    if (this.stage === "computing") {
+      this.skipped += this.#wanted ? 1 : 0;
+      this.#wanted = spec;
+    } else this.#begin(spec);
+  }
+
+  /** @param {Spec} spec */
+  #begin(spec) {
+    this.#stage("computing");
+    this.#compute(spec).catch((error) => {
+      this.#stage("failed");
+      this.events.problem?.(`The diagram could not be computed: ${error.message}.`);
+      this.#next();
+    });
+  }
+
+  /** Begin what was asked for meanwhile; whether there was anything. */
+  #next() {
+    const spec = this.#wanted;
+    this.#wanted = null;
+    if (spec) this.#begin(spec);
+    return spec !== null;
+  }
+
+  /** @param {string} stage */
+  #stage(stage) {
+    this.stage = this.axes.canvas.dataset.stage = stage;
+  }
+
+  /** @param {Spec} spec */
+  async #compute(spec) {
+    const batch = this.pool.batch(this.channel), begun = performance.now();
+    const made = new Raster(spec, this.#spare);
+    this.#spare = null;
+    const { values, columns } = made, { quick } = spec;
+    const firsts = values.filter((_, q) => q % quick.stride === 0);
+    await this.#inParts(firsts, Math.ceil(firsts.length / this.pool.workers.length), async (some, from) => {
+      const found = await batch.run(spec.machine, "raster", { ...this.#job(spec, some), ...quick });
+      made.put(from * quick.stride, found.counts, quick.starts * quick.keep, quick.stride);
+    });
     this.milliseconds.coarse = performance.now() - begun;
+    [this.#shown, this.#spare] = [made, this.#shown];
     this.stage = "coarse";
     this.paint();
     this.milliseconds.coarsePainted = performance.now() - begun;
-    const size = Math.max(1, Math.round(CHUNK_WORK / (spec.starts * (spec.transient + spec.keep) * spec.cost)));
-    const chunks = [];
-    for (let q = 0; q < this.columns; q += size) chunks.push(q);
-    await Promise.all(
-      chunks.map(async (from) => {
-        const some = this.values.slice(from, from + size);
-        const found = await batch.run(spec.machine, "raster", this.#job(some));
-        for (let i = 0; i < some.length; i++) {
-          this.#put(from + i, found.counts, i, spec.starts * spec.keep);
-          this.ambiguous += found.ambiguous[i];
-          this.ended += found.ended[i];
-        }
-        this.#soon();
-      }),
-    );
-    if (!batch.live()) return;
+    if (this.#next()) return;
+
+    const size = CHUNK_WORK / spec.cost;
+    await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
+      const found = await batch.run(spec.machine, "raster", this.#job(spec, some));
+      made.put(from, found.counts, spec.starts * spec.keep);
+      for (let i = 0; i < some.length; i++) {
+        made.ambiguous += found.ambiguous[i];
+        made.ended += found.ended[i];
+      }
+      this.#soon();
+    });
     this.milliseconds.full = performance.now() - begun;
     this.stage = "full";
     if (spec.colour) {
-      const few = Math.max(1, Math.round(CHUNK_WORK / (8 * (spec.transient + 64) * spec.cost)));
-      const later = [];
-      for (let q = 0; q < this.columns; q += few) later.push(q);
-      await Promise.all(
-        later.map(async (from) => {
-          const settings = { ...this.#job(this.values.slice(from, from + few)), starts: Math.min(8, spec.starts), keep: 64, tolerance: spec.tolerance };
-          const found = await batch.run(spec.machine, "periods", settings);
-          this.codes.set(found.codes, from * this.bins);
-          this.#soon();
-        }),
-      );
-      if (!batch.live()) return;
+      made.coloured = true;
+      const starts = Math.min(ASKED, spec.starts);
+      await this.#inParts(values, size / (ASKED * (spec.transient + SEEN)), async (some, from) => {
+        const found = await batch.run(spec.machine, "periods", { ...this.#job(spec, some), starts, keep: SEEN, tolerance: spec.tolerance });
+        made.codes.set(found.codes, from * made.bins);
+        this.#soon();
+      });
     }
     this.stage = "done";
     this.paint();
     this.events.done?.();
   }
 
-  #job(values) {
-    const { row, which, low, high, bins, coordinate, starts, transient, keep, seed } = this.spec;
-    return { row, which, values: Float64Array.from(values), low, high, bins, coordinate, starts, transient, keep, seed };
+  /** Do a job for so many values at a time. @param {Floats} values @param {number} size @param {(some: Floats, from: number) => Promise<void>} job */
+  #inParts(values, size, job) {
+    const whole = Math.max(1, Math.round(size)), parts = [];
+    for (let q = 0; q < values.length; q += whole) parts.push(job(values.slice(q, q + whole), q));
+    return Promise.all(parts);
   }
 
-  #put(column, counts, i, total) {
-    const width = this.bins + 3;
-    this.counts.set(counts.subarray(i * width, (i + 1) * width), column * width);
-    this.totals[column] = total;
+  /** @param {Spec} spec @param {Floats} values */
+  #job({ row, which, low, high, bins, coordinate, starts, transient, keep, seed }, values) {
+    return { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed };
   }
 
   #soon() {
-    if (this.asked) return;
-    this.asked = requestAnimationFrame(() => {
-      this.asked = 0;
+    this.#asked ||= requestAnimationFrame(() => {
+      this.#asked = 0;
       this.paint();
     });
   }
 
   /** Draw what is known now: the strongest tone of all parts of the raster that share a pixel, so that no line is lost. */
   paint() {
-    if (!this.spec) return;
-    const { columns, bins, counts, codes, axes } = this;
-    axes.begin();
+    if (!this.#shown) return;
+    const image = this.image.getContext("2d");
+    if (!image) return this.draw();
+    const c = this.axes.begin();
     const ratio = window.devicePixelRatio || 1;
-    const W = Math.max(1, Math.round(axes.box.w * ratio)), H = Math.max(1, Math.round(axes.box.h * ratio));
-    if (!this.pixels || this.pixels.width !== W || this.pixels.height !== H) {
+    const W = Math.max(1, Math.round(this.axes.box.w * ratio)), H = Math.max(1, Math.round(this.axes.box.h * ratio));
+    if (this.#pixels?.width !== W || this.#pixels.height !== H) {
       this.image.width = W;
       this.image.height = H;
-      this.pixels = this.image.getContext("2d").createImageData(W, H);
+      this.#pixels = image.createImageData(W, H);
     }
-    const { ink } = theme();
-    const plain = rgb(ink), shades = Array.from({ length: 256 }, (_, N) => rgb(periodColour(N || 1)));
-    const colouring = this.spec.colour && this.stage !== "coarse" && this.stage !== "computing";
-    const data = this.pixels.data;
-    data.fill(0); // transparent: the paper, and what lies under the raster, shows
-    const width = bins + 3, thick = Math.max(1, Math.round(ratio));
+    this.#fill(this.#shown, new Uint32Array(this.#pixels.data.buffer), W, H, Math.max(1, Math.round(ratio)));
+    image.putImageData(this.#pixels, 0, 0);
+    this.#draw(c);
+  }
+
+  /** @param {Raster} raster @param {Uint32Array} pixels @param {number} W @param {number} H @param {number} thick lines of a period, in pixels */
+  #fill({ columns, bins, counts, codes, totals, coloured }, pixels, W, H, thick) {
+    const { plain, words } = mixed();
+    pixels.fill(0); // transparent: the paper, and what lies under the raster, shows
+    const bottoms = Int32Array.from({ length: bins }, (_, b) => H - 1 - Math.floor((b * H) / bins));
+    const tops = bottoms.map((bottom, b) => Math.min(bottom, H - Math.floor(((b + 1) * H) / bins)));
+    let tones = new Uint8Array(1), total = NaN;
     for (let q = 0; q < columns; q++) {
-      const strength = bins / 12 / (this.totals[q] || 1);
+      if (totals[q] !== total) {
+        total = totals[q];
+        tones = tonesOf(bins, total);
+      }
+      const strongest = tones.length - 1, first = q * (bins + 3) + 1, place = q * bins;
       const left = Math.floor((q * W) / columns), right = Math.max(left + 1, Math.floor(((q + 1) * W) / columns));
       for (let b = 0; b < bins; b++) {
-        const count = counts[q * width + b + 1];
+        const count = counts[first + b];
         if (count === 0) continue;
-        let code = 0;
-        if (colouring) {
-          const place = q * bins + b;
-          code = codes[place] || (b > 0 && codes[place - 1]) || (b + 1 < bins && codes[place + 1]) || 0;
-        }
-        const shade = code ? shades[code] : plain;
-        const tone = code ? 255 : 40 + 215 * Math.sqrt(Math.min(1, count * strength));
-        const high = H - 1 - Math.floor((b * H) / bins);
-        const low = Math.min(high, H - Math.floor(((b + 1) * H) / bins), high - (code ? thick : thick - 1));
-        for (let y = Math.max(low, 0); y <= high; y++) {
-          for (let x = left; x < right; x++) {
-            const at = (y * W + x) * 4;
-            if (data[at + 3] >= tone) continue;
-            data[at] = shade[0];
-            data[at + 1] = shade[1];
-            data[at + 2] = shade[2];
-            data[at + 3] = tone;
-          }
+        const code = coloured ? codes[place + b] || (b > 0 && codes[place + b - 1]) || (b + 1 < bins && codes[place + b + 1]) || 0 : 0;
+        const tone = code ? 255 : tones[count < strongest ? count : strongest];
+        const word = ((tone << 24) | (code ? words[code] : plain)) >>> 0;
+        const bottom = bottoms[b];
+        for (let y = Math.max(0, Math.min(tops[b], bottom - (code ? thick : thick - 1))); y <= bottom; y++) {
+          for (let at = y * W + left; at < y * W + right; at++) if (pixels[at] >>> 24 < tone) pixels[at] = word;
         }
       }
     }
-    this.image.getContext("2d").putImageData(this.pixels, 0, 0);
-    this.draw();
   }
 
   /** Draw the picture with its axes again, without painting the raster. */
   draw() {
-    if (!this.spec) return;
-    const { axes, spec } = this;
-    const c = axes.begin();
-    axes.span(this.spec.span[0], this.spec.span[1], spec.low, spec.high);
+    if (this.#shown) this.#draw(this.axes.begin());
+  }
+
+  /** @param {import("./svg.js").Pen} c a canvas that is empty */
+  #draw(c) {
+    if (!this.#shown) return;
+    const { axes } = this, { spec } = this.#shown;
+    axes.span(spec.span[0], spec.span[1], spec.low, spec.high);
     this.events.under?.(axes, c);
     axes.inside(() => c.drawImage(this.image, axes.box.x, axes.box.y, axes.box.w, axes.box.h));
     this.events.overlay?.(axes, c);
     axes.frame(spec.labels[0], spec.labels[1]);
-    if (this.selection) {
-      const [x0, y0, x1, y1] = this.selection;
-      c.strokeStyle = theme().accent;
-      c.fillStyle = theme().accent + "22";
-      c.fillRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
-      c.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
-    }
+    this.gestures.draw(c);
     this.axes.canvas.dataset.stage = this.stage;
-  }
-
-  /** Click picks, dragging zooms, double click and 0 zoom out; arrows move, + and - zoom. */
-  #gestures(canvas) {
-    const place = (event) => {
-      const { left, top } = canvas.getBoundingClientRect();
-      return [event.clientX - left, event.clientY - top];
-    };
-    let from = null;
-    canvas.addEventListener("pointerdown", (event) => {
-      if (event.button || !this.spec) return;
-      from = place(event);
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!from) return;
-      const [x, y] = place(event);
-      this.selection = Math.hypot(x - from[0], y - from[1]) > 6 ? [...from, x, y] : null;
-      this.draw();
-    });
-    const stop = (event) => {
-      if (!from) return;
-      const [x, y] = place(event), begun = from;
-      from = null;
-      const { axes } = this;
-      const kept = (value, low, high) => Math.min(Math.max(value, low), high);
-      if (!this.selection) this.events.pick?.(kept(axes.atX(x), axes.x0, axes.x1), axes.atY(y));
-      else {
-        this.selection = null;
-        const xs = [axes.atX(begun[0]), axes.atX(x)].map((v) => kept(v, axes.x0, axes.x1)).sort((a, b) => a - b);
-        const ys = [axes.atY(begun[1]), axes.atY(y)].map((v) => kept(v, axes.y0, axes.y1)).sort((a, b) => a - b);
-        // a flat or narrow rectangle zooms along its long side only
-        if (Math.abs(y - begun[1]) < 12) this.events.zoom?.(xs, [axes.y0, axes.y1]);
-        else if (Math.abs(x - begun[0]) < 12) this.events.zoom?.([axes.x0, axes.x1], ys);
-        else this.events.zoom?.(xs, ys);
-      }
-    };
-    canvas.addEventListener("pointerup", stop);
-    canvas.addEventListener("pointercancel", () => {
-      from = this.selection = null;
-      this.draw();
-    });
-    canvas.addEventListener("dblclick", () => this.events.zoomOut?.());
-    canvas.addEventListener("keydown", (event) => {
-      if (!this.spec || !this.events.chosen || event.ctrlKey || event.metaKey || event.altKey) return;
-      const { axes } = this;
-      const width = axes.x1 - axes.x0;
-      const chosen = Math.min(Math.max(this.events.chosen(), axes.x0), axes.x1);
-      const step = (width / Math.max(this.columns - 1, 1)) * (event.shiftKey ? 20 : 1);
-      const about = (factor) => this.events.zoom?.([chosen - (chosen - axes.x0) * factor, chosen + (axes.x1 - chosen) * factor], [axes.y0, axes.y1]);
-      const act = {
-        ArrowLeft: () => this.events.pick?.(Math.max(axes.x0, chosen - step), 0),
-        ArrowRight: () => this.events.pick?.(Math.min(axes.x1, chosen + step), 0),
-        "+": () => about(0.5), "=": () => about(0.5), "-": () => about(2), 0: () => this.events.zoomOut?.(),
-      }[event.key];
-      if (!act) return;
-      event.preventDefault();
-      act();
-    });
   }
 }

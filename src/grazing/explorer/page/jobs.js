@@ -1,7 +1,16 @@
 // @ts-check
 /** What is computed: rasters, classes of orbits, the normal form. The same code runs in workers and in the page. */
 
-/** The numbers of numpy's linspace, to the bit. */
+/** @typedef {import("./machine.js").Machine} Machine */
+/** @typedef {import("./machine.js").Floats} Floats */
+/**
+ * Columns: a row of parameters, of which the one numbered `which` takes the `values`.
+ * @typedef {{row: Floats, which: number, values: Floats, seed: number}} Columns
+ */
+/** @typedef {{starts: number, transient: number, keep: number}} Steps */
+/** @typedef {{low: number, high: number, bins: number, coordinate: number}} Range */
+
+/** The numbers of numpy's linspace, to the bit. @param {number} from @param {number} to @param {number} count */
 export function linspace(from, to, count) {
   const step = (to - from) / (count - 1);
   const values = Float64Array.from({ length: count }, (_, i) => i * step + from);
@@ -9,7 +18,7 @@ export function linspace(from, to, count) {
   return values;
 }
 
-/** One row of parameters for each value of one of them. */
+/** One row of parameters for each value of one of them. @param {Floats} row @param {number} which @param {Floats} values */
 function rowsOf(row, which, values) {
   const rows = new Float64Array(values.length * row.length);
   values.forEach((value, q) => {
@@ -19,13 +28,18 @@ function rowsOf(row, which, values) {
   return rows;
 }
 
+/** Random starts. @param {Machine} machine @param {Floats} rows @param {Floats} values @param {number} starts @param {number} seed */
 function drawn(machine, rows, values, starts, seed) {
   const columns = values.length;
   const { boxes } = machine.call("boxes", { columns, rows }, ["boxes"]);
   return machine.call("draw", { columns, starts, axes: 1, seed, names: values, boxes }, ["lanes"]).lanes;
 }
 
-/** Counts (columns, bins + 3): below, the parts of the range, above, what is no number. */
+/**
+ * Counts (columns, bins + 3): below, the parts of the range, above, what is no number.
+ * @param {Machine} machine
+ * @param {Columns & Steps & Range} job
+ */
 export function raster(machine, { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed }) {
   const columns = values.length;
   const rows = rowsOf(row, which, values);
@@ -38,7 +52,7 @@ export function raster(machine, { row, which, values, low, high, bins, coordinat
   return { counts: found.counts, ended: found.ended, ambiguous: found.ambiguous };
 }
 
-/** Follow orbits and find what they settle on. */
+/** Follow orbits and find what they settle on. @param {Machine} machine @param {Columns & Steps & {tolerance: number}} job */
 export function settled(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
   const columns = values.length;
   const rows = rowsOf(row, which, values);
@@ -50,7 +64,11 @@ export function settled(machine, { row, which, values, starts, transient, keep, 
   return { ...orbits, ...classes, ...ranks };
 }
 
-/** The period of the orbits that visit each part of the raster; 0 where none was found. */
+/**
+ * The period of the orbits that visit each part of the raster; 0 where none was found.
+ * @param {Machine} machine
+ * @param {Columns & Steps & Range & {tolerance: number}} job
+ */
 export function periods(machine, job) {
   const { values, low, high, bins, coordinate, starts, keep } = job;
   const dimension = machine.described.coordinates.length;
@@ -70,7 +88,7 @@ export function periods(machine, job) {
   return { codes };
 }
 
-/** Where a few orbits have a coordinate, and a little more. */
+/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & {coordinate: number}} job */
 export function extent(machine, { row, which, values, coordinate, seed }) {
   const dimension = machine.described.coordinates.length;
   const starts = 6, keep = 40, columns = values.length;
@@ -92,7 +110,13 @@ export function extent(machine, { row, which, values, coordinate, seed }) {
   return { low: low - room, high: high + room };
 }
 
-/** The normal form at the nearest graze in one parameter, or null. */
+/**
+ * The normal form at the nearest graze in one parameter, or null.
+ * @param {Machine} machine
+ * @param {Floats} row
+ * @param {number} which
+ * @param {import("./machine.js").Field} field that parameter
+ */
 export function normalForm(machine, row, which, field) {
   const far = 1e3 * Math.max(1, Math.abs(row[which]));
   const low = field.low ?? row[which] - far, high = field.high ?? row[which] + far;
@@ -104,14 +128,18 @@ export function normalForm(machine, row, which, field) {
   const [time, acceleration, lam, l, b, det, scale] = numbers;
   if (!(Number.isFinite(lam) && Number.isFinite(l))) return null;
   const factor = numbers[12];
-  const mu = (values) => {
+  const mu = (/** @type {Floats} */ values) => {
     const { heights } = machine.call("clearance", { count: values.length, row: at, which, values }, ["heights"]);
     return heights.map((height) => factor * height);
   };
   return { graze, time, acceleration, lam, l, b, det, scale, mu };
 }
 
-/** The period that most starts settle on, for pairs of two parameters' values; 0 where none was found. */
+/**
+ * The period that most starts settle on, for pairs of two parameters' values; 0 where none was found.
+ * @param {Machine} machine
+ * @param {Omit<Columns, "which"> & Steps & {which: number[], tolerance: number}} job
+ */
 export function chart(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
   const columns = values.length / 2;
   const rows = new Float64Array(columns * row.length);
@@ -129,8 +157,17 @@ export function chart(machine, { row, which, values, starts, transient, keep, se
   return { codes: Uint8Array.from({ length: columns }, (_, q) => Math.min(254, Math.max(0, period[q * starts + first[q * starts]]))) };
 }
 
-/** The period of the orbit of each initial state (u, v). */
-export function basins(machine, { row, values, transient, keep, tolerance }) {
+/** @typedef {{period: number, word: string, point: number[]}} Reached an attractor, or a kind of orbit without a period */
+
+/** @param {number} n @param {number} N */
+const modulo = (n, N) => ((n % N) + N) % N;
+
+/**
+ * Follow initial states (u, v) and say what each reaches: the number of a row of `reached`.
+ * @param {Machine} machine
+ * @param {{row: Floats, values: Floats, transient: number, keep: number, tolerance: number, same: Floats}} given
+ */
+export function basins(machine, { row, values, transient, keep, tolerance, same }) {
   const starts = values.length / 2;
   const lanes = new Float64Array(values.length);
   for (let j = 0; j < starts; j++) {
@@ -139,8 +176,34 @@ export function basins(machine, { row, values, transient, keep, tolerance }) {
   }
   const sizes = { columns: 1, starts, keep };
   const orbits = machine.call("orbits", { ...sizes, rows: row, lanes, transient }, ["points", "letters", "outcomes"]);
-  const { period } = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period"]);
-  return { codes: Uint8Array.from(period, (N) => Math.min(254, Math.max(0, N))) };
+  const classes = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period", "key", "begin", "length"]);
+  const { label } = machine.call("attractors", { ...sizes, points: orbits.points, ...classes, same }, ["label"]);
+  /** @type {Map<number, number>} */
+  const rows = new Map();
+  /** @type {Reached[]} */
+  const reached = [];
+  const which = new Int32Array(starts);
+  for (let j = 0; j < starts; j++) {
+    let k = rows.get(label[j]);
+    if (k === undefined) {
+      k = reached.length;
+      rows.set(label[j], k);
+      reached.push(described(orbits, classes, starts, keep, j));
+    }
+    which[j] = k;
+  }
+  return { which, reached };
+}
+
+/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @returns {Reached} */
+function described({ points, letters }, { period, begin, length }, starts, keep, j) {
+  const N = period[j], p = length[j], start = keep - N;
+  if (N < 1) return { period: N, word: "", point: [] };
+  const point = (/** @type {number} */ turn) => [points[2 * turn * starts + j], points[(2 * turn + 1) * starts + j]];
+  const turns = Array.from({ length: N / p }, (_, k) => point(start + modulo(begin[j] - 1 - start + k * p, N)));
+  turns.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const word = Array.from({ length: p }, (_, n) => letters[(start + modulo(begin[j] - start + n, N)) * starts + j]);
+  return { period: N, word: word.map((k) => (k > 9 ? `(${k})` : String(k))).join(""), point: turns[0] };
 }
 
 export const JOBS = { raster, periods, extent, chart, basins };

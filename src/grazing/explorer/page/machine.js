@@ -1,10 +1,32 @@
 // @ts-check
 /** Call the kernels: numbers as they are, arrays by address. How a module is called is said in kernels.json. */
 
+/** @typedef {{name: string, kind: "float64" | "int64" | "int32" | "int8", shape: (string | number)[], meaning: string}} Argument */
+/** @typedef {{name: string, sizes: string[], arguments: Argument[], result: string, meaning: string}} Described */
+/**
+ * A parameter, or a choice, which has `choices` and no limits; null for no limit.
+ * @typedef {{name: string, meaning: string, symbol?: string, low?: number | null, high?: number | null, open_low?: boolean, choices?: string[]}} Field
+ */
+/** @typedef {{file: string, coordinates: string[], letters: string | null, fields: Field[], functions: Described[]}} Module */
+/** @typedef {{tolerance: number, modules: Record<string, Module>}} Kernels what kernels.json says, as far as the page reads it */
+
+/** @typedef {Float64Array<ArrayBuffer> | BigInt64Array<ArrayBuffer> | Int32Array<ArrayBuffer> | Int8Array<ArrayBuffer>} Numbers */
+/** @typedef {Float64Array<ArrayBuffer>} Floats */
+/** @typedef {Int32Array<ArrayBuffer>} Whole */
+/**
+ * The arrays of the kernels by their names, which have the same kind in all functions.
+ * @typedef {{
+ *   boxes: Floats, lanes: Floats, points: Floats, table: Floats, state: Floats, legs: Floats, u: Floats, v: Floats,
+ *   heights: Floats, numbers: Floats, counts: Whole, ended: Whole, ambiguous: Whole, letters: Whole, outcomes: Whole,
+ *   period: Whole, begin: Whole, length: Whole, count: Whole, first: Whole, label: Whole, key: BigInt64Array<ArrayBuffer>,
+ * }} Arrays
+ */
+/** @typedef {Record<string, number | Numbers>} Given */
+
 const VIEWS = { float64: Float64Array, int64: BigInt64Array, int32: Int32Array, int8: Int8Array };
 const PAGE = 65536;
 
-/** A size: a number, a name, or a name plus a number. */
+/** A size: a number, a name, or a name plus a number. @param {string | number} expression @param {Given} known */
 function whole(expression, known) {
   if (typeof expression === "number") return expression;
   const [name, more] = expression.split(" + ");
@@ -12,10 +34,7 @@ function whole(expression, known) {
 }
 
 export class Machine {
-  /**
-   * @param {WebAssembly.Instance} instance
-   * @param {any} described the module's part of kernels.json
-   */
+  /** @param {WebAssembly.Instance} instance @param {Module} described the module's part of kernels.json */
   constructor(instance, described) {
     this.exports = /** @type {any} */ (instance.exports);
     this.described = described;
@@ -26,10 +45,17 @@ export class Machine {
   /**
    * Call a function. `given` holds sizes, numbers and the arrays that are read; arrays left out begin with zeros.
    * Returns copies of the arrays named in `wanted`, and `result`.
+   * @template {keyof Arrays} [Name=never]
+   * @param {string} name
+   * @param {Given} given
+   * @param {Name[]} wanted
+   * @returns {Pick<Arrays, Name> & {result: number}}
    */
   call(name, given, wanted = []) {
     const called = this.functions.get(name);
+    if (!called) throw new RangeError(`the module has no function ${name}`);
     let free = this.exports.__heap_base.value;
+    /** @type {(number | Numbers)[]} */
     const values = called.sizes.map((size) => given[size]);
     const places = [];
     for (const { name: key, kind, shape } of called.arguments) {
@@ -37,27 +63,29 @@ export class Machine {
         values.push(given[key]); // whole numbers are 32 bits wide, whatever their kind
         continue;
       }
-      const length = shape.reduce((product, size) => product * whole(size, given), 1);
+      const length = shape.reduce((/** @type {number} */ product, size) => product * whole(size, given), 1);
       const view = VIEWS[kind];
-      if (given[key] && given[key].length !== length) throw new RangeError(`${name}: ${key} has ${given[key].length} numbers, not ${length}`);
+      const array = /** @type {Numbers | undefined} */ (given[key]);
+      if (array && array.length !== length) throw new RangeError(`${name}: ${key} has ${array.length} numbers, not ${length}`);
       const place = Math.ceil(free / 64) * 64;
       free = place + length * view.BYTES_PER_ELEMENT;
-      places.push({ key, view, place, length });
+      places.push({ key, view, place, length, array });
       values.push(place);
     }
     const memory = this.exports.memory;
     const missing = Math.ceil(free / PAGE) - memory.buffer.byteLength / PAGE;
     if (missing > 0) memory.grow(missing);
-    for (const { key, view, place, length } of places) {
-      const array = new view(memory.buffer, place, length);
-      if (given[key]) array.set(given[key]);
-      else array.fill(/** @type {never} */ (view === BigInt64Array ? 0n : 0));
+    for (const { view, place, length, array } of places) {
+      const there = new view(memory.buffer, place, length);
+      if (array) there.set(/** @type {never} */ (array));
+      else there.fill(/** @type {never} */ (view === BigInt64Array ? 0n : 0));
     }
     this.exports.arena(free);
+    /** @type {Record<string, any>} */
     const found = { result: this.exports[name](...values) };
     for (const { key, view, place, length } of places) {
-      if (wanted.includes(key)) found[key] = new view(memory.buffer, place, length).slice();
+      if (wanted.includes(/** @type {Name} */ (key))) found[key] = new view(memory.buffer, place, length).slice();
     }
-    return found;
+    return /** @type {any} */ (found);
   }
 }

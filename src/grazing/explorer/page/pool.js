@@ -1,12 +1,24 @@
 // @ts-check
 /** A pool of workers. A batch of jobs replaces the one before it on the same channel: what waits is dropped. */
 
+/** @typedef {typeof import("./jobs.js").JOBS} Jobs */
+/** @typedef {{id: number, machine: string, job: keyof Jobs, given: unknown}} Message */
+/** @typedef {{channel: string, live: () => boolean, message: Message, resolve: (found: any) => void, reject: (error: Error) => void}} Task */
+/**
+ * `run` resolves with the result, or never if the batch has been replaced.
+ * @typedef {{
+ *   live: () => boolean,
+ *   run: <Job extends keyof Jobs>(machine: string, job: Job, given: Parameters<Jobs[Job]>[1]) => Promise<ReturnType<Jobs[Job]>>,
+ * }} Batch
+ */
+
 export class Pool {
-  constructor(size = Math.min(8, Math.max(1, (navigator.hardwareConcurrency || 2) - 0))) {
-    this.waiting = [];
-    this.running = new Map();
-    this.batches = new Map();
-    this.next = 0;
+  /** @type {Task[]} */ waiting = [];
+  /** @type {Map<number, Task & {worker: Worker}>} */ running = new Map();
+  /** @type {Map<string, number>} */ batches = new Map();
+  next = 0;
+
+  constructor(size = Math.min(8, Math.max(1, navigator.hardwareConcurrency || 2))) {
     this.workers = Array.from({ length: size }, () => {
       const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
       worker.onmessage = ({ data }) => this.#done(worker, data);
@@ -21,12 +33,16 @@ export class Pool {
     this.idle = [...this.workers];
   }
 
-  /** Give a compiled module to all workers. */
+  /** Give a compiled module to all workers. @param {string} name @param {WebAssembly.Module} module @param {import("./machine.js").Module} described */
   add(name, module, described) {
     for (const worker of this.workers) worker.postMessage({ name, module, described });
   }
 
-  /** Begin a batch on a channel; tasks of the batch before it that have not begun are dropped, the others ignored. */
+  /**
+   * Begin a batch on a channel; tasks of the batch before it that have not begun are dropped, the others ignored.
+   * @param {string} channel
+   * @returns {Batch}
+   */
   batch(channel) {
     const number = (this.batches.get(channel) ?? 0) + 1;
     this.batches.set(channel, number);
@@ -34,7 +50,6 @@ export class Pool {
     const live = () => this.batches.get(channel) === number;
     return {
       live,
-      /** Resolves with the result, or never if the batch has been replaced. */
       run: (machine, job, given) =>
         new Promise((resolve, reject) => {
           if (!live()) return;
@@ -45,14 +60,17 @@ export class Pool {
   }
 
   #feed() {
-    while (this.idle.length && this.waiting.length) {
-      const task = this.waiting.shift();
-      const worker = this.idle.pop();
+    for (;;) {
+      const worker = this.idle.at(-1), task = this.waiting[0];
+      if (!worker || !task) return;
+      this.idle.pop();
+      this.waiting.shift();
       this.running.set(task.message.id, { ...task, worker });
       worker.postMessage(task.message);
     }
   }
 
+  /** @param {Worker} worker @param {{id: number, found?: any, error?: string}} answer */
   #done(worker, { id, found, error }) {
     const task = this.running.get(id);
     if (!task) return;

@@ -3,8 +3,13 @@
 import { JOBS } from "./jobs.js";
 import { Machine } from "./machine.js";
 
+/** @type {Record<string, Machine>} */
 const machines = {};
 
+/** Send an answer; arrays go without being copied. @param {object} answer @param {ArrayBuffer[]} arrays */
+const send = (answer, arrays = []) => /** @type {any} */ (self).postMessage(answer, arrays);
+
+/** @param {MessageEvent<any>} event a module with its name and description, or a job of `pool.js` */
 self.onmessage = async ({ data }) => {
   if (data.module) {
     machines[data.name] = new Machine(await WebAssembly.instantiate(/** @type {WebAssembly.Module} */ (data.module), {}), data.described);
@@ -12,10 +17,9 @@ self.onmessage = async ({ data }) => {
   }
   try {
     if (!machines[data.machine]) throw new Error(`the module ${data.machine} is not loaded`);
-    const found = JOBS[data.job](machines[data.machine], data.given);
-    const arrays = Object.values(found).filter(ArrayBuffer.isView).map((array) => array.buffer);
-    self.postMessage({ id: data.id, found }, /** @type {any} */ (arrays));
+    const found = JOBS[/** @type {keyof typeof JOBS} */ (data.job)](machines[data.machine], data.given);
+    send({ id: data.id, found }, Object.values(found).filter(ArrayBuffer.isView).map((array) => /** @type {ArrayBuffer} */ (array.buffer)));
   } catch (error) {
-    self.postMessage({ id: data.id, error: String(error instanceof Error ? error.message : error) });
+    send({ id: data.id, error: String(error instanceof Error ? error.message : error) });
   }
 };
