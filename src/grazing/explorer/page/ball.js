@@ -4,15 +4,48 @@ import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
+import { later, tidy } from "./state.js";
 
 const CAPACITY = 512, WIDTH = 9, AHEAD = 3;
 /** Periods of forcing in a second at speed 1, and samples in a period. */
 const PACE = 0.7, SAMPLES = 160;
 
+/** @typedef {import("./state.js").State} State */
+/** @typedef {[number, number, number]} Thrown u, v and the time */
+/** @typedef {{t: number, before: number, after: number}} Hit an impact: its time since the throw, and the velocities */
+
 export class BallView {
-  constructor(machine, described, { problem, done }) {
+  /** @type {State} */ state = later();
+  /** @type {import("./machine.js").Floats} parameters at the section */ row = later();
+  /** @type {import("./machine.js").Floats} the same, with the time of the throw as the section's */ flying = later();
+  /** The period of the forcing. */ T = 1;
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+  /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
+  /** @type {import("./orbits.js").Class[]} */ classes = [];
+  /** @type {{times: Float64Array, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on */ attractor = later();
+  /** @type {Thrown} on the attractor */ home = later();
+  /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
+  /** @type {Thrown} where the flight began */ begun = later();
+  /** Time since the throw, and how far the flight is known. */
+  now = 0;
+  known = 0;
+  /** @type {import("./machine.js").Floats} the state of the flight at its known end */ ball = later();
+  /** @type {number[]} what is known of the flight */ legs = [];
+  /** @type {([number, number] | null)[]} where the ball was, null at impacts */ trail = [];
+  /** @type {(Hit & {at: number})[]} impacts that are seen to flash */ flash = [];
+  impacts = 0;
+  /** @type {number | undefined} */ last = undefined;
+  frame = 0;
+
+  /**
+   * @param {import("./machine.js").Machine} machine
+   * @param {{tolerance: number}} described
+   * @param {import("./state.js").Events} events
+   */
+  constructor(machine, described, { change, problem, done }) {
     this.machine = machine;
     this.tolerance = described.tolerance;
+    this.change = change;
     this.problem = problem;
     this.told = done;
     this.axes = new Axes(document.getElementById("phase"));
@@ -21,7 +54,7 @@ export class BallView {
     this.canvas.addEventListener("click", (event) => {
       const { left, top } = this.canvas.getBoundingClientRect();
       const u = this.axes.atX(event.clientX - left), v = this.axes.atY(event.clientY - top);
-      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.start(Math.max(u, this.state.sigma), v);
+      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.throw(Math.max(u, this.state.sigma), v);
     });
     this.canvas.addEventListener("keydown", (event) => {
       if (event.key === " ") this.play(!this.playing);
@@ -35,37 +68,78 @@ export class BallView {
     return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
   }
 
-  /** Show a state: find what random starts settle on, and follow it in time. */
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.axes, draw: () => this.draw() }];
+  }
+
+  /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. @param {State} state */
   show(state) {
+    if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     this.state = state;
     const { machine } = this;
     this.row = rowOf(machine, state);
     this.T = (2 * Math.PI) / state.omega;
-    const key = JSON.stringify(Array.from(this.row));
-    if (key === this.key) return this.draw();
+    const key = JSON.stringify(Array.from(this.row)), thrown = JSON.stringify(state.ball);
+    if (key === this.key && thrown === this.thrown) return this.draw();
+    this.thrown = thrown;
+    if (key === this.key) return this.begin();
     this.key = key;
     const which = machine.fields.indexOf(state.vary);
     this.classes = found(machine, { row: this.row, which, value: this.row[which], transient: 400, keep: 64, seed: state.seed, tolerance: this.tolerance });
-    this.settle();
+    this.#portrait();
+    this.begin();
   }
 
-  /** Begin on the attractor that most starts reach, and draw the whole of it. */
-  settle() {
+  /** Follow the attractor that most starts reach once around. */
+  #portrait() {
     const most = this.classes[0];
     const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
-    this.attractor = this.#fly(u, v, periods);
-    const us = this.attractor.u, vs = [...this.attractor.v, ...this.attractor.hits.flatMap((hit) => [hit.before, hit.after])];
-    const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = Math.max(...us, this.state.sigma + 0.05);
-    const room = 0.08 * (high - low) || 0.1;
-    this.axes.span(this.state.sigma - 0.06 * (top - this.state.sigma), top + 0.06 * (top - this.state.sigma), low - room, high + room);
-    this.start(u, v);
+    this.attractor = this.#fly(u, v, periods, this.row);
+    this.ends = this.#around(this.attractor);
+    this.home = [u, v, this.state.phase];
   }
 
-  /** Throw the ball from a state at the section. */
-  start(u, v) {
-    this.begun = [u, v];
+  /** Axes in which a flight is seen. @param {{u: number[], v: number[], hits: Hit[]}} flight @returns {[number, number, number, number]} */
+  #around({ u, v, hits }) {
+    const { sigma } = this.state, vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
+    const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
+    const top = Math.max(...u, sigma + 0.05), room = 0.08 * (high - low) || 0.1;
+    return [sigma - 0.06 * (top - sigma), top + 0.06 * (top - sigma), low - room, high + room];
+  }
+
+  /** Throw the ball from a state at the section. @param {number} u @param {number} v */
+  throw(u, v) {
+    const [width, height] = [this.axes.x1 - this.axes.x0, this.axes.y1 - this.axes.y0];
+    this.change({ ball: [Math.max(tidy(u, width), this.state.sigma), tidy(v, height), this.state.phase] });
+  }
+
+  /** Begin on the attractor again. */
+  settle() {
+    if (this.state.ball) this.change({ ball: null });
+    else this.begin();
+  }
+
+  /** Put where the ball is into the state, and so into the link: who opens it sees the ball go on from there. */
+  record() {
+    if (!this.attractor || !this.now) return;
+    const [u, v] = this.trail.at(-1) ?? this.begun;
+    const time = this.begun[2] + this.now;
+    const ball = [u, v, time - this.T * Math.floor(time / this.T)];
+    this.thrown = JSON.stringify(ball); // it is there already
+    this.change({ ball });
+  }
+
+  /** Begin the flight: from where the ball is thrown, or on the attractor. */
+  begin() {
+    this.begun = this.state.ball ?? this.home;
+    const [u, v, time] = this.begun;
+    /** The parameters of the flight: its clock begins at the throw, as in `gz.trajectory`. */
+    this.flying = Float64Array.from(this.row);
+    this.flying[this.machine.fields.indexOf("phase")] = time;
+    const [x0, x1, y0, y1] = this.ends, [a0, a1, b0, b1] = this.state.ball ? this.#around(this.#fly(u, v, 3, this.flying)) : this.ends;
+    this.axes.span(Math.min(x0, a0), Math.max(x1, a1), Math.min(y0, b0), Math.max(y1, b1));
     this.now = 0;
     this.known = 0;
     this.ball = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
@@ -78,8 +152,9 @@ export class BallView {
     this.play(this.playing);
   }
 
-  #fly(u, v, periods) {
-    const { machine, row, T } = this;
+  /** @param {number} u @param {number} v @param {number} periods @param {import("./machine.js").Floats} row */
+  #fly(u, v, periods, row) {
+    const { machine, T } = this;
     const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
     const { result, legs } = machine.call("legs", { capacity: 4096, row, state, until: periods * T, patience: 1e-6 }, ["legs"]);
     const count = Number(result), samples = periods * SAMPLES + 1;
@@ -89,7 +164,9 @@ export class BallView {
     return { times, u: Array.from(path.u), v: Array.from(path.v), hits: this.#hits(flown).filter((hit) => hit.t <= periods * T) };
   }
 
+  /** @param {ArrayLike<number>} legs */
   #hits(legs) {
+    /** @type {Hit[]} */
     const found = [];
     for (let k = 0; k < legs.length; k += WIDTH) {
       if (!Number.isNaN(legs[k + 5])) found.push({ t: legs[k] * this.T + legs[k + 4], before: legs[k + 5], after: legs[k + 6] });
@@ -97,11 +174,11 @@ export class BallView {
     return found;
   }
 
-  /** Follow the ball a few periods further than it is needed. */
+  /** Follow the ball a few periods further than it is needed. @param {number} until */
   #ahead(until) {
     while (this.known <= until) {
       const goal = this.known + AHEAD * this.T;
-      const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.row, state: this.ball, until: goal, patience: 1e-6 }, ["legs", "state"]);
+      const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.flying, state: this.ball, until: goal, patience: 1e-6 }, ["legs", "state"]);
       const count = Number(result);
       const reached = state[0] * this.T + state[1];
       if (count === 0 || !(reached > this.known)) {
@@ -120,14 +197,14 @@ export class BallView {
     return true;
   }
 
-  /** Move the ball on by a time; returns the states passed. */
+  /** Move the ball on by a time. @param {number} time */
   #advance(time) {
     const until = this.now + time;
     if (!this.#ahead(until)) return;
     const samples = Math.max(2, Math.ceil((time / this.T) * SAMPLES));
     const times = Float64Array.from({ length: samples }, (_, i) => this.now + ((i + 1) / samples) * time);
     const legs = Float64Array.from(this.legs);
-    const { u, v } = this.machine.call("sample", { count: legs.length / WIDTH, samples, row: this.row, legs, times }, ["u", "v"]);
+    const { u, v } = this.machine.call("sample", { count: legs.length / WIDTH, samples, row: this.flying, legs, times }, ["u", "v"]);
     const hits = this.#hits(legs).filter((hit) => hit.t > this.now && hit.t <= until);
     for (let i = 0; i < samples; i++) {
       for (const hit of hits.filter((each) => each.t <= times[i] && each.t > times[i] - time / samples)) {
@@ -144,18 +221,22 @@ export class BallView {
     this.now = until;
   }
 
+  /** @param {boolean} on */
   play(on) {
     this.playing = on;
-    const button = document.getElementById("play");
-    button.textContent = on ? "Pause" : "Play";
-    button.setAttribute("aria-pressed", String(on));
+    /** @type {HTMLElement} */ (document.getElementById("play")).textContent = on ? "Pause" : "Play";
     this.last = undefined;
-    if (on && !this.frame && !this.canvas.closest("section").hidden) this.frame = requestAnimationFrame(this.#tick);
+    if (!on) this.record();
+    if (on && !this.frame && !this.#hidden) this.frame = requestAnimationFrame(this.#tick);
   }
 
-  #tick = (at) => {
+  get #hidden() {
+    return Boolean(this.canvas.closest("section")?.hidden);
+  }
+
+  #tick = (/** @type {number} */ at) => {
     this.frame = 0;
-    if (!this.playing || this.canvas.closest("section").hidden) return;
+    if (!this.playing || this.#hidden) return;
     if (this.last !== undefined) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
     this.draw();
@@ -169,6 +250,7 @@ export class BallView {
     const next = this.#hits(this.legs).find((hit) => hit.t > this.now + 1e-12);
     this.#advance(next && next.t <= this.now + 20 * this.T ? next.t - this.now + 1e-9 : this.T);
     this.draw();
+    this.record();
     this.told();
   }
 
@@ -215,11 +297,12 @@ export class BallView {
       c.strokeStyle = shown.accent;
       const tail = this.trail.slice(-1.2 * SAMPLES);
       for (let i = 1; i < tail.length; i++) {
-        if (!tail[i - 1] || !tail[i]) continue;
+        const from = tail[i - 1], to = tail[i];
+        if (!from || !to) continue;
         c.globalAlpha = i / tail.length;
         c.beginPath();
-        c.moveTo(axes.x(tail[i - 1][0]), axes.y(tail[i - 1][1]));
-        c.lineTo(axes.x(tail[i][0]), axes.y(tail[i][1]));
+        c.moveTo(axes.x(from[0]), axes.y(from[1]));
+        c.lineTo(axes.x(to[0]), axes.y(to[1]));
         c.stroke();
       }
       c.globalAlpha = 1;
@@ -267,19 +350,22 @@ export class BallView {
     c.fillStyle = shown.faint;
     c.textAlign = "right";
     c.textBaseline = "top";
-    c.fillText(`t = ${(state.phase + this.now).toFixed(2)} · period ${Math.floor(this.now / this.T) + 1} · ${this.impacts} impact${this.impacts === 1 ? "" : "s"}`, axes.box.x + axes.box.w - 4, axes.box.y + 2);
+    c.fillText(`t = ${(this.begun[2] + this.now).toFixed(2)} · period ${Math.floor(this.now / this.T) + 1} · ${this.impacts} impact${this.impacts === 1 ? "" : "s"}`, axes.box.x + axes.box.w - 4, axes.box.y + 2);
     axes.frame("u", "v");
     this.canvas.dataset.stage = "done";
   }
 
   raster() {
-    return { u: this.begun[0], v: this.begun[1], periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
+    const [u, v, start] = this.state.ball ?? this.begun;
+    return { u, v, start, periods: Math.min(this.classes[0]?.period > 0 ? this.classes[0].period : 24, 24) };
   }
 
   summary() {
     const { state } = this;
+    /** @type {import("./state.js").Line[]} */
     const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    if (state.ball) said.push({ text: `Thrown from (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
     const hits = this.attractor?.hits ?? [];
     if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;

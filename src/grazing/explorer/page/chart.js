@@ -1,15 +1,39 @@
 // @ts-check
-/** A chart of two parameters by the period that most starts settle on, for either map; coarse at once, then refined. */
+/** A chart of two parameters by the period that most starts settle on, or basins over initial states by attractor; coarse at once, then refined. */
+import { merged, ordered, percent, sameWithin } from "./basins.js";
 import { periodColour, rgb, theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
-import { rowOf } from "./flow.js";
-import { linspace } from "./jobs.js";
+import { rowOf, valueOf } from "./flow.js";
+import { Gestures } from "./gestures.js";
+import { basins, linspace } from "./jobs.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
+import { tidy } from "./state.js";
 
-const NONE = 255; // no cell yet
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./state.js").Pair} Pair */
+/** @typedef {import("./machine.js").Machine} Machine */
+/**
+ * What is computed: `keys` are the parts of the state with the ends of the axes, `names` those that a click sets.
+ * @typedef {{machine: Machine, name: "gap" | "oscillator", basins: boolean, names: string[], which: number[], row: import("./machine.js").Floats, keys: [string, string], ends: [Pair, Pair], sizes: Pair, settings: {starts: number, transient: number, keep: number}, cost: number}} Plan
+ */
+
+const NONE = -1; // no cell yet
+/** The steps between cells of the pictures that refine one another. */
+const STEPS = [8, 2, 1];
+const number = (/** @type {number} */ value) => Number(value.toPrecision(6)).toString().replace("-", "−");
 
 export class ChartView {
+  /** @type {import("./jobs.js").Reached[]} */ reached = [];
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+  #asked = 0;
+
+  /**
+   * @param {Record<string, Machine>} machines
+   * @param {import("./pool.js").Pool} pool
+   * @param {{tolerance: number}} described
+   * @param {{change: (part: object) => void, problem: (text: string) => void, done: () => void}} events
+   */
   constructor(machines, pool, described, { change, problem, done }) {
     this.machines = machines;
     this.pool = pool;
@@ -18,51 +42,76 @@ export class ChartView {
     this.tolerance = described.tolerance;
     this.axes = new Axes(document.getElementById("chart"));
     this.image = document.createElement("canvas");
-    this.canvas.addEventListener("click", (event) => {
-      const { left, top } = this.canvas.getBoundingClientRect();
-      const x = this.axes.atX(event.clientX - left), y = this.axes.atY(event.clientY - top);
-      const { x0, x1, y0, y1 } = this.axes;
-      if (this.plan && !this.plan.basins && x >= x0 && x <= x1 && y >= y0 && y <= y1) change({ [this.plan.names[0]]: Number(x.toPrecision(5)), [this.plan.names[1]]: Number(y.toPrecision(5)) });
-    });
-    this.canvas.addEventListener("keydown", (event) => {
-      const way = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowDown: [1, -1], ArrowUp: [1, 1] }[event.key];
-      if (!way || !this.plan || this.plan.basins) return;
-      event.preventDefault();
-      const [i, sign] = way, [low, high] = this.plan.ends[i], name = this.plan.names[i];
-      const value = this.state[name] + (sign * (high - low)) / (this.plan.sizes[i] - 1);
-      change({ [name]: Number(Math.min(Math.max(value, low), high).toPrecision(6)) });
+    this.gestures = new Gestures(this.axes, {
+      ready: () => Boolean(this.plan),
+      redraw: () => this.#draw(),
+      pick: (x, y) => change(this.#picked(x, y)),
+      zoom: (x, y) => this.plan && change({ [this.plan.keys[0]]: this.#allowed(x, 0), [this.plan.keys[1]]: this.#allowed(y, 1) }),
+      zoomOut: () => this.plan && change({ [this.plan.keys[0]]: null, [this.plan.keys[1]]: null }),
+      chosen: () => this.#chosen(),
+      steps: () => /** @type {Pair} */ ((this.plan?.sizes ?? [101, 101]).map((size) => size - 1)),
     });
   }
 
   get canvas() {
-    return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
+    return this.axes.canvas;
   }
 
-  /** What is computed: machine, row, names and ends of both parameters, starts, steps. */
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.axes, draw: () => this.#draw() }];
+  }
+
+  /** The part of an interval that the kernels accept. @param {Pair} ends @param {number} i @returns {Pair} */
+  #allowed([low, high], i) {
+    const { plan, state } = this;
+    if (!plan || !state) return [low, high];
+    if (plan.basins) return [i === 0 ? Math.max(low, state.sigma) : low, high];
+    const field = plan.machine.described.fields[plan.which[i]];
+    const least = (field.low ?? -Infinity) + (field.open_low ? 1e-3 * (high - low) : 0);
+    return [Math.max(low, least), Math.min(high, field.high ?? Infinity)];
+  }
+
+  /** What a click chooses. @param {number} x @param {number} y */
+  #picked(x, y) {
+    const { plan, state } = this;
+    if (!plan || !state) return {};
+    const [a, b] = [x, y].map((value, i) => tidy(value, plan.ends[i][1] - plan.ends[i][0]));
+    return plan.basins ? { ball: [Math.max(a, state.sigma), b, state.phase] } : { [plan.names[0]]: a, [plan.names[1]]: b };
+  }
+
+  /** @returns {Pair} */
+  #chosen() {
+    const { plan, state } = this;
+    if (!plan || !state) return [NaN, NaN];
+    if (!plan.basins) return /** @type {Pair} */ (plan.names.map((name) => valueOf(state, name)));
+    const [low, high] = plan.ends;
+    return state.ball ? [state.ball[0], state.ball[1]] : [(low[0] + low[1]) / 2, (high[0] + high[1]) / 2];
+  }
+
+  /** @param {State} state @returns {Plan} */
   #planOf(state) {
     const gap = state.chart === "gap";
     const machine = this.machines[gap ? "gap" : "oscillator"];
     if (!machine) throw new Error(`the module ${gap ? "gap" : "oscillator"}.wasm is not loaded`);
+    const sizes = /** @type {Pair} */ ([state.chart_columns, state.chart_rows]);
+    const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
     if (state.chart === "basins") {
       if (state.positions[0] < state.sigma) throw new Error(`positions begin at ${state.positions[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
       return {
-        machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row: rowOf(machine, state), ends: [state.positions, state.velocities],
-        sizes: [state.chart_columns, state.chart_rows], settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
+        machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
+        ends: [state.positions, state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
     if (names[0] === names[1]) throw new Error("both axes show the same parameter; choose another one for the second axis");
-    const which = names.map((name) => machine.fields.indexOf(name));
-    return {
-      machine, name: gap ? "gap" : "oscillator", names, which,
-      row: gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state),
-      ends: [gap ? state.span : state.reach, gap ? state.gaps : state.heights],
-      sizes: [state.chart_columns, state.chart_rows],
-      settings: gap ? { starts: 8, transient: 500, keep: 64 } : { starts: 4, transient: 100, keep: 64 },
-      cost: gap ? 1 : 40,
-    };
+    const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
+    return gap
+      ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
+      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 };
   }
 
+  /** @param {State} state */
   show(state) {
     this.state = state;
     const plan = this.#planOf(state);
@@ -72,38 +121,48 @@ export class ChartView {
     this.plan = plan;
     if (key !== this.key) {
       this.key = key;
-      this.codes = new Uint8Array(plan.sizes[0] * plan.sizes[1]).fill(NONE);
+      /** Of each cell the period, 0 without one; in basins the row of `reached`. */
+      this.codes = new Int16Array(plan.sizes[0] * plan.sizes[1]).fill(NONE);
+      this.reached = [];
       this.canvas.dataset.stage = "computing";
-      this.#compute().catch((error) => {
+      this.#compute(plan, this.codes).catch((error) => {
         this.canvas.dataset.stage = "failed";
         this.problem(`The chart could not be computed: ${error.message}.`);
       });
     }
-    this.classes = found(plan.machine, { row: plan.row, which: plan.which[0] ?? 0, value: plan.row[plan.which[0] ?? 0], transient: plan.name === "gap" ? 2000 : 300, keep: plan.name === "gap" ? 128 : 64, seed: state.seed, tolerance: this.tolerance });
+    if (!plan.basins) {
+      const gap = plan.name === "gap", which = plan.which[0];
+      this.classes = found(plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : 300, keep: gap ? 128 : 64, seed: state.seed, tolerance: this.tolerance });
+    }
     this.paint();
   }
 
-  async #compute() {
-    const { plan, codes } = this;
+  /** @param {Plan} plan @param {Int16Array} codes */
+  async #compute(plan, codes) {
     const batch = this.pool.batch("chart");
     const [xs, ys] = plan.sizes.map((size, i) => linspace(...plan.ends[i], size));
-    this.xs = xs;
-    this.ys = ys;
-    const cells = (columns, rows) => {
+    const { reached } = this, seed = this.state?.seed ?? 0;
+    const same = plan.basins ? sameWithin(plan.ends, plan.machine.call("boxes", { columns: 1, rows: plan.row }, ["boxes"]).boxes) : new Float64Array(2);
+    const given = { row: plan.row, which: plan.which, ...plan.settings, seed, tolerance: this.tolerance };
+    const reach = async (/** @type {import("./machine.js").Floats} */ values) => {
+      const { which, reached: some } = await batch.run(plan.name, "basins", { ...given, values, same });
+      const known = merged(reached, some, same);
+      return which.map((k) => known[k]);
+    };
+    const cells = (/** @type {number[]} */ columns, /** @type {number[]} */ rows) => {
       const size = Math.max(1, Math.round(8e5 / (plan.settings.starts * (plan.settings.transient + 64) * plan.cost * columns.length)));
       const chunks = [];
       for (let i = 0; i < rows.length; i += size) chunks.push(rows.slice(i, i + size));
       return chunks.map(async (chunk) => {
         const pairs = chunk.flatMap((j) => columns.map((i) => [i, j]));
         const values = Float64Array.from(pairs.flatMap(([i, j]) => [xs[i], ys[j]]));
-        const made = await batch.run(plan.name, plan.basins ? "basins" : "chart", { row: plan.row, which: plan.which, values, ...plan.settings, seed: this.state.seed, tolerance: this.tolerance });
-        pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = made.codes[k]));
+        const made = await (plan.basins ? reach(values) : batch.run(plan.name, "chart", { ...given, values }).then((found) => found.codes));
+        pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = made[k]));
         this.#soon();
       });
     };
-    const every = (size, step) => Array.from({ length: Math.ceil(size / step) }, (_, i) => i * step);
-    for (const step of [8, 2, 1]) {
-      this.step = step;
+    const every = (/** @type {number} */ size, /** @type {number} */ step) => Array.from({ length: Math.ceil(size / step) }, (_, i) => i * step);
+    for (const step of STEPS) {
       await Promise.all(cells(every(xs.length, step), every(ys.length, step)));
       if (!batch.live()) return;
     }
@@ -113,8 +172,8 @@ export class ChartView {
   }
 
   #soon() {
-    this.asked ||= requestAnimationFrame(() => {
-      this.asked = 0;
+    this.#asked ||= requestAnimationFrame(() => {
+      this.#asked = 0;
       this.paint();
     });
   }
@@ -123,66 +182,153 @@ export class ChartView {
     if (this.plan) this.paint();
   }
 
+  /** The attractors of the basins that are known, the largest basin first. */
+  attractors() {
+    const cells = new Array(this.reached.length).fill(0);
+    for (const code of this.codes ?? []) if (code !== NONE) cells[code]++;
+    return ordered(this.reached, cells);
+  }
+
+  /** The colour of each code that occurs. @returns {Map<number, string>} */
+  #colours() {
+    if (this.plan?.basins) return new Map(this.attractors().map(({ row, colour }) => [row, colour]));
+    const codes = [...new Set(this.codes)].filter((code) => code !== NONE).sort((a, b) => a - b);
+    return new Map(codes.map((code) => [code, code ? periodColour(code) : theme().chaos]));
+  }
+
+  /** Make the raster again, and draw it. */
   paint() {
-    const [W, H] = this.plan.sizes;
+    const { plan, codes } = this;
+    if (!plan || !codes) return;
+    const [W, H] = plan.sizes;
+    this.colours = this.#colours();
+    const shades = new Map([...this.colours].map(([code, colour]) => [code, rgb(colour)]));
     this.image.width = W;
     this.image.height = H;
-    const pixels = this.image.getContext("2d").createImageData(W, H);
-    const shades = Array.from({ length: 256 }, (_, code) => (code === NONE ? null : rgb(code ? periodColour(code) : theme().chaos)));
-    for (let j = 0; j < H; j++) {
+    const c = this.image.getContext("2d");
+    const pixels = c?.createImageData(W, H);
+    for (let j = 0; pixels && j < H; j++) {
       for (let i = 0; i < W; i++) {
-        let code = this.codes[j * W + i];
-        for (const step of [2, 8]) if (code === NONE) code = this.codes[(j - (j % step)) * W + i - (i % step)];
-        const shade = shades[code];
-        if (!shade) continue;
-        pixels.data.set([...shade, 255], ((H - 1 - j) * W + i) * 4);
+        let code = codes[j * W + i];
+        for (const step of [2, 8]) if (code === NONE) code = codes[(j - (j % step)) * W + i - (i % step)];
+        const tone = shades.get(code), at = ((H - 1 - j) * W + i) * 4;
+        if (!tone) continue;
+        pixels.data[at] = tone[0];
+        pixels.data[at + 1] = tone[1];
+        pixels.data[at + 2] = tone[2];
+        pixels.data[at + 3] = 255;
       }
     }
-    this.image.getContext("2d").putImageData(pixels, 0, 0);
-    const { axes, plan, state } = this;
+    if (c && pixels) c.putImageData(pixels, 0, 0);
+    this.#draw();
+  }
+
+  #draw() {
+    const { axes, plan } = this;
+    if (!plan) return;
     const c = axes.begin();
     axes.span(...plan.ends[0], ...plan.ends[1]);
     axes.inside(() => {
       c.imageSmoothingEnabled = false;
       c.drawImage(this.image, axes.box.x, axes.box.y, axes.box.w, axes.box.h);
-      if (plan.basins) return;
-      const [x, y] = [axes.x(state[plan.names[0]]), axes.y(state[plan.names[1]])];
-      for (const [colour, width] of /** @type {[string, number][]} */ ([["#ffffff", 4], ["#000000", 1.6]])) {
-        c.strokeStyle = colour;
-        c.lineWidth = width;
-        c.beginPath();
-        c.arc(x, y, 7, 0, 7);
-        c.stroke();
-      }
+      if (plan.basins) for (const { point, colour } of this.attractors()) if (point.length) this.#dot(c, point, colour);
+      const [x, y] = this.#chosen();
+      if (!plan.basins || this.state?.ball) this.#ring(c, axes.x(x), axes.y(y));
     });
     const symbols = this.#symbols();
     axes.frame(symbols[0], symbols[1]);
-    // the colours that occur
-    const seen = [...new Set(this.codes)].filter((code) => code !== NONE).sort((a, b) => a - b).slice(0, Math.floor(axes.box.w / 44));
+    this.#legend(c);
+    this.gestures.draw(c);
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {number[]} point @param {string} colour */
+  #dot(c, [u, v], colour) {
+    for (const [radius, fill] of /** @type {[number, string][]} */ ([[5.5, "#1a1a1a"], [4.5, "#ffffff"], [3, colour]])) {
+      c.fillStyle = fill;
+      c.beginPath();
+      c.arc(this.axes.x(u), this.axes.y(v), radius, 0, 2 * Math.PI);
+      c.fill();
+    }
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {number} x @param {number} y */
+  #ring(c, x, y) {
+    for (const [colour, width] of /** @type {[string, number][]} */ ([["#ffffff", 4], ["#000000", 1.6]])) {
+      c.strokeStyle = colour;
+      c.lineWidth = width;
+      c.beginPath();
+      c.arc(x, y, 7, 0, 2 * Math.PI);
+      c.stroke();
+    }
+  }
+
+  /** The colours that occur, as many as there is room for. @param {import("./svg.js").Pen} c */
+  #legend(c) {
+    const { axes, plan } = this;
+    const named = plan?.basins
+      ? this.attractors().map((each) => ({ colour: each.colour, text: name(each) }))
+      : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, text: code ? String(code) : "none" }));
     c.textAlign = "left";
     c.textBaseline = "middle";
-    seen.forEach((code, k) => {
-      c.fillStyle = code ? periodColour(code) : theme().chaos;
-      c.fillRect(axes.box.x + 44 * k, 5, 11, 11);
+    let x = axes.box.x;
+    for (const { colour, text } of named) {
+      const wide = c.measureText(text).width;
+      if (x + 15 + wide > axes.box.x + axes.box.w) break;
+      c.fillStyle = colour;
+      c.fillRect(x, 5, 11, 11);
       c.fillStyle = theme().faint;
-      c.fillText(code ? String(code) : "no", axes.box.x + 44 * k + 15, 11);
-    });
+      c.fillText(text, x + 15, 11);
+      x += 15 + wide + 14;
+    }
   }
 
   #symbols() {
-    const { names, machine, basins } = this.plan;
-    return basins ? names : names.map((name) => plainSymbol(machine.described.fields[machine.fields.indexOf(name)]));
+    const { names, machine, basins } = /** @type {Plan} */ (this.plan);
+    return basins ? names : names.map((each) => plainSymbol(machine.described.fields[machine.fields.indexOf(each)]));
   }
 
   raster() {
-    const { settings, ends, sizes, names, name } = this.plan;
+    const { settings, ends, sizes, names, name } = /** @type {Plan} */ (this.plan);
     return { ...settings, ends, sizes, names, name };
   }
 
+  /** What is shown, in words. @returns {{colour?: string, text: string}[]} */
   summary() {
     const { plan, state } = this;
+    if (!plan || !state) return [];
+    if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
-    if (plan.basins) return [{ text: "Initial states (u, v), coloured by the period that they reach:" }, ...this.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
-    return [{ text: `At ${symbols.map((symbol, i) => `${symbol} = ${state[plan.names[i]]}`).join(", ")}:` }, ...this.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
+    const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
+    return [{ text: `At ${at}:` }, ...(this.classes ?? []).map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
   }
+
+  /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */
+  #inWords(state) {
+    const all = this.attractors();
+    const cells = all.reduce((total, each) => total + each.cells, 0);
+    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: "Initial states (u, v) at the strobe, by the attractor that they reach:" }]);
+    for (const each of all.slice(0, 12)) {
+      const place = each.point.length ? `; a point of it: (${each.point.map(number).join(", ")})` : "";
+      said.push({ colour: each.colour, text: `${name(each)}: ${percent(each.cells / cells)} of the picture${place}` });
+    }
+    if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
+    if (state.ball) {
+      const [u, v] = state.ball;
+      const { reached } = this.#follow(u, v);
+      said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
+    }
+    return said;
+  }
+
+  /** @param {number} u @param {number} v */
+  #follow(u, v) {
+    const plan = /** @type {Plan} */ (this.plan);
+    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: plan.settings.transient, keep: plan.settings.keep, tolerance: this.tolerance, same: new Float64Array(2) });
+  }
+}
+
+/** What an attractor is called. @param {import("./jobs.js").Reached} each */
+function name({ period, word }) {
+  if (period < 1) return { "-1": "aperiodic as far as seen", 0: "undecided", "-2": "ended" }[period] ?? `class ${period}`;
+  return `period ${period}, word ${word}`;
 }

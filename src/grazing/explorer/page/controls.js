@@ -2,21 +2,31 @@
 /** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
 import { refusal } from "./state.js";
 
+/** @typedef {import("./machine.js").Field} Field */
+/** @typedef {[number, number]} Pair */
+/** @typedef {(text: string) => void} Say */
+/** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void}} Control its place on the page; `set` shows a value, `name` its name */
+
+/** @type {Record<string, string>} */
 const GREEK = { alpha: "α", lambda: "λ", mu: "μ", omega: "ω", sigma: "σ", varphi: "φ" };
 
-/** A symbol of kernels.json as text with subscripts: [letter, subscript]. */
+/** A symbol of kernels.json as text with subscripts: [letter, subscript]. @param {Field} field */
 export function symbolOf(field) {
-  const [, name, below] = /^\\?([A-Za-z]+)(?:_\{?(\w+)\}?)?$/.exec(field.symbol) ?? [null, field.symbol, ""];
+  const [, name, below] = /^\\?([A-Za-z]+)(?:_\{?(\w+)\}?)?$/.exec(field.symbol ?? "") ?? [null, field.symbol ?? field.name, ""];
   return [GREEK[name] ?? name, below ?? ""];
 }
 
+/** @param {Field} field */
 export function plainSymbol(field) {
   return symbolOf(field).join("");
 }
 
 let count = 0;
 
-/** A slider and a number field for one parameter; `change(value)` is called with values that are allowed. */
+/**
+ * A slider and a number field for one parameter; `change(value)` is called with values that are allowed.
+ * @param {Field} field @param {Pair} ends of the slider @param {(value: number) => void} change @param {Say} problem @returns {Control}
+ */
 export function slider(field, [low, high], change, problem) {
   const box = document.createElement("div");
   box.className = "control";
@@ -37,8 +47,8 @@ export function slider(field, [low, high], change, problem) {
   number.id = id;
   number.step = "any";
   number.name = field.name;
-  if (field.low !== null) number.min = String(field.low);
-  if (field.high !== null) number.max = String(field.high);
+  if (typeof field.low === "number") number.min = String(field.low);
+  if (typeof field.high === "number") number.max = String(field.high);
   const range = document.createElement("input");
   range.type = "range";
   range.min = String(low);
@@ -75,8 +85,11 @@ export function slider(field, [low, high], change, problem) {
   };
 }
 
-/** Two number fields, low and high. */
-export function pair(text, change, problem) {
+/**
+ * Two number fields, low and high; `refused` says what else is wrong with `low:high`.
+ * @param {string} text @param {(ends: Pair) => void} change @param {Say} problem @param {(text: string) => string[]} [refused]
+ */
+export function pair(text, change, problem, refused) {
   const box = document.createElement("div");
   box.className = "pair";
   const name = document.createElement("span");
@@ -88,9 +101,10 @@ export function pair(text, change, problem) {
     input.setAttribute("aria-label", `${text}, ${end}`);
     input.addEventListener("change", () => {
       const [low, high] = fields.map((field) => (field.value === "" ? NaN : Number(field.value)));
-      if (!(low < high)) {
+      const why = refused?.(`${low}:${high}`) ?? [];
+      if (why.length || !(low < high || (refused && low === high))) {
         input.setAttribute("aria-invalid", "true");
-        problem(`${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
+        problem(why.length ? `${why.join("; ")}.` : `${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
         return;
       }
       fields.forEach((field) => field.removeAttribute("aria-invalid"));
@@ -100,9 +114,10 @@ export function pair(text, change, problem) {
     return input;
   });
   box.append(name, ...fields);
-  return { box, set: (ends) => ends && fields.forEach((field, i) => (field.value = String(ends[i]))), name: (text) => (name.textContent = text) };
+  return { box, set: (/** @type {Pair | null} */ ends) => ends && fields.forEach((field, i) => (field.value = String(ends[i]))), name: (/** @type {string} */ called) => void (name.textContent = called) };
 }
 
+/** @param {string} text @param {[string, string][]} options values, and what is shown @param {(value: string) => void} change @returns {Control} */
 export function choice(text, options, change) {
   const box = document.createElement("div");
   box.className = "control choice";
@@ -118,6 +133,7 @@ export function choice(text, options, change) {
   return { box, set: (value) => (select.value = value) };
 }
 
+/** @param {string} text @param {(on: boolean) => void} change @returns {Control} */
 export function toggle(text, change) {
   const box = document.createElement("label");
   box.className = "switch";

@@ -1,6 +1,7 @@
 // @ts-check
 /** A diagram as density: computed by the pool, coarse at once, then refined; painted column by column. */
 import { periodColour, rgb, theme } from "./colours.js";
+import { Gestures } from "./gestures.js";
 import { linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
 
@@ -77,13 +78,12 @@ export class Diagram {
   /** @type {Spec | null} what was asked for while a first picture was under way */ #wanted = null;
   /** @type {ImageData | null} */ #pixels = null;
   #asked = 0;
-  /** @type {any} */ selection = null;
 
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => void, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: CanvasRenderingContext2D) => void, overlay?: (axes: Axes, c: CanvasRenderingContext2D) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
+   * @param {{pick?: (x: number, y: number) => void, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -97,7 +97,15 @@ export class Diagram {
     /** Milliseconds from `show` to the stages, and pictures that were never begun because another one was asked for. */
     this.milliseconds = { coarse: NaN, coarsePainted: NaN, full: NaN };
     this.skipped = 0;
-    this.#gestures(canvas);
+    this.gestures = new Gestures(this.axes, {
+      ready: () => this.#shown !== null,
+      redraw: () => this.draw(),
+      pick: (x, y) => events.pick?.(x, y),
+      zoom: (x, y) => events.zoom?.(x, y),
+      zoomOut: () => events.zoomOut?.(),
+      chosen: () => [events.chosen?.() ?? NaN, NaN],
+      steps: () => [this.columns - 1, 1],
+    });
   }
 
   /** What is on screen; while a picture is being computed, that is not `spec`. */
@@ -279,7 +287,7 @@ export class Diagram {
     if (this.#shown) this.#draw(this.axes.begin());
   }
 
-  /** @param {CanvasRenderingContext2D} c a canvas that is empty */
+  /** @param {import("./svg.js").Pen} c a canvas that is empty */
   #draw(c) {
     if (!this.#shown) return;
     const { axes } = this, { spec } = this.#shown;
@@ -288,72 +296,7 @@ export class Diagram {
     axes.inside(() => c.drawImage(this.image, axes.box.x, axes.box.y, axes.box.w, axes.box.h));
     this.events.overlay?.(axes, c);
     axes.frame(spec.labels[0], spec.labels[1]);
-    if (this.selection) {
-      const [x0, y0, x1, y1] = this.selection;
-      c.strokeStyle = theme().accent;
-      c.fillStyle = theme().accent + "22";
-      c.fillRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
-      c.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
-    }
+    this.gestures.draw(c);
     this.axes.canvas.dataset.stage = this.stage;
-  }
-
-  /** Click picks, dragging zooms, double click and 0 zoom out; arrows move, + and - zoom. */
-  #gestures(canvas) {
-    const place = (event) => {
-      const { left, top } = canvas.getBoundingClientRect();
-      return [event.clientX - left, event.clientY - top];
-    };
-    let from = null;
-    canvas.addEventListener("pointerdown", (event) => {
-      if (event.button || !this.spec) return;
-      from = place(event);
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!from) return;
-      const [x, y] = place(event);
-      this.selection = Math.hypot(x - from[0], y - from[1]) > 6 ? [...from, x, y] : null;
-      this.draw();
-    });
-    const stop = (event) => {
-      if (!from) return;
-      const [x, y] = place(event), begun = from;
-      from = null;
-      const { axes } = this;
-      const kept = (value, low, high) => Math.min(Math.max(value, low), high);
-      if (!this.selection) this.events.pick?.(kept(axes.atX(x), axes.x0, axes.x1), axes.atY(y));
-      else {
-        this.selection = null;
-        const xs = [axes.atX(begun[0]), axes.atX(x)].map((v) => kept(v, axes.x0, axes.x1)).sort((a, b) => a - b);
-        const ys = [axes.atY(begun[1]), axes.atY(y)].map((v) => kept(v, axes.y0, axes.y1)).sort((a, b) => a - b);
-        // a flat or narrow rectangle zooms along its long side only
-        if (Math.abs(y - begun[1]) < 12) this.events.zoom?.(xs, [axes.y0, axes.y1]);
-        else if (Math.abs(x - begun[0]) < 12) this.events.zoom?.([axes.x0, axes.x1], ys);
-        else this.events.zoom?.(xs, ys);
-      }
-    };
-    canvas.addEventListener("pointerup", stop);
-    canvas.addEventListener("pointercancel", () => {
-      from = this.selection = null;
-      this.draw();
-    });
-    canvas.addEventListener("dblclick", () => this.events.zoomOut?.());
-    canvas.addEventListener("keydown", (event) => {
-      if (!this.spec || !this.events.chosen || event.ctrlKey || event.metaKey || event.altKey) return;
-      const { axes } = this;
-      const width = axes.x1 - axes.x0;
-      const chosen = Math.min(Math.max(this.events.chosen(), axes.x0), axes.x1);
-      const step = (width / Math.max(this.columns - 1, 1)) * (event.shiftKey ? 20 : 1);
-      const about = (factor) => this.events.zoom?.([chosen - (chosen - axes.x0) * factor, chosen + (axes.x1 - chosen) * factor], [axes.y0, axes.y1]);
-      const act = {
-        ArrowLeft: () => this.events.pick?.(Math.max(axes.x0, chosen - step), 0),
-        ArrowRight: () => this.events.pick?.(Math.min(axes.x1, chosen + step), 0),
-        "+": () => about(0.5), "=": () => about(0.5), "-": () => about(2), 0: () => this.events.zoomOut?.(),
-      }[event.key];
-      if (!act) return;
-      event.preventDefault();
-      act();
-    });
   }
 }

@@ -6,38 +6,71 @@ import { drawWindows, reach, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
 import { found, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
+import { later } from "./state.js";
 
-/** The row of parameters of a state, in the order of the module's fields. */
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./machine.js").Machine} Machine */
+/** @typedef {import("./machine.js").Floats} Floats */
+/** @typedef {import("./plot.js").Axes} Axes */
+/** @typedef {import("./svg.js").Pen} Pen */
+
+/** The value of a parameter of the oscillator. @param {State} state @param {string} name */
+export const valueOf = (state, name) => /** @type {Record<string, any>} */ (state)[name];
+
+/** The row of parameters of a state, in the order of the module's fields. @param {Machine} machine @param {State} state @returns {Floats} */
 export function rowOf(machine, state) {
   return Float64Array.from(machine.described.fields, ({ name, choices }) => {
     if (name === "order") return 0;
-    return choices ? choices.indexOf(state[name]) : state[name];
+    return choices ? choices.indexOf(valueOf(state, name)) : valueOf(state, name);
   });
 }
 
 export class FlowView {
+  /** @type {State} */ state = later();
+  /** @type {import("./gap.js").Window[]} */ windows = [];
+  /** @type {import("./orbits.js").Class[]} */ classes = [];
+  /** @type {ReturnType<typeof normalForm>} */ form = null;
+  /** Why there is no reduced diagram, if there is none. */ why = "";
+  /** The columns of the reduced diagram: values of the parameter, and of μ. */
+  values = new Float64Array(0);
+  mu = new Float64Array(0);
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+
+  /**
+   * @param {Machine} machine
+   * @param {Machine | undefined} gap
+   * @param {import("./pool.js").Pool} pool
+   * @param {{tolerance: number}} described
+   * @param {import("./state.js").Events} told
+   */
   constructor(machine, gap, pool, described, { change, problem, done }) {
     this.machine = machine;
     this.gap = gap;
     this.tolerance = described.tolerance;
     const events = {
-      pick: (value) => change({ [this.state.vary]: value }),
-      zoom: (span, window) => change({ reach: span, window }),
+      pick: (/** @type {number} */ value) => change({ [this.state.vary]: value }),
+      zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: span, window }),
       zoomOut: () => change({ reach: null, window: null }),
-      chosen: () => this.state[this.state.vary],
+      chosen: () => valueOf(this.state, this.state.vary),
       problem,
     };
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...events, done, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
     this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
       ...events, zoom: (span) => events.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
     });
-    this.figure = document.getElementById("reduced-figure");
+    this.figure = /** @type {HTMLElement} */ (document.getElementById("reduced-figure"));
   }
 
   get canvas() {
     return this.diagram.axes.canvas;
   }
 
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [this.diagram, this.reduced].map((each) => ({ sheet: each.axes, draw: () => each.draw() }));
+  }
+
+  /** @param {State} state */
   show(state) {
     this.state = state;
     const { machine } = this;
@@ -63,15 +96,20 @@ export class FlowView {
       this.diagram.draw();
       this.reduced.draw();
     }
-    this.classes = found(machine, { row, which, value: state[state.vary], transient: Math.max(300, state.flow_transient), keep: 64, seed: state.seed, tolerance: this.tolerance });
+    this.classes = found(machine, { row, which, value: valueOf(state, state.vary), transient: Math.max(300, state.flow_transient), keep: 64, seed: state.seed, tolerance: this.tolerance });
   }
 
-  /** Compute the normal form, and its map at the μ of each column. */
+  /**
+   * Compute the normal form, and its map at the μ of each column.
+   * @param {State} state @param {Floats} row @param {number} which @param {import("./machine.js").Field} field
+   * @param {Pick<import("./diagram.js").Spec, "span" | "columns" | "starts" | "transient" | "keep" | "seed" | "tolerance" | "colour">} common
+   */
   #reduce(state, row, which, field, common) {
     this.form = normalForm(this.machine, row, which, field);
     this.why = this.form ? "" : "No graze of the steady response is near: there is no normal form in this parameter.";
     this.windows = [];
-    this.placed = [];
+    /** @type {import("./diagram.js").Spec | null} */
+    let spec = null;
     if (this.form && this.gap) {
       const { lam, l } = this.form;
       const values = linspace(...state.reach, state.columns);
@@ -83,15 +121,15 @@ export class FlowView {
         this.values = values;
         this.windows = windows(this.gap, lam, l);
         const [low, high] = reach(lam, l, [Math.min(...mu), Math.max(...mu)]);
-        this.showReduced = () => this.reduced.show({ ...common, starts: state.starts, transient: state.transient, keep: state.keep, machine: "gap", values: mu, row: Float64Array.of(lam, 0, l), which: 1, coordinate: 0, low, high, bins: state.bins, labels: [plainSymbol(field), "x"], cost: 1, quick: { stride: 1, starts: 4, transient: 200, keep: 112 } });
+        spec = { ...common, starts: state.starts, transient: state.transient, keep: state.keep, machine: "gap", values: mu, row: Float64Array.of(lam, 0, l), which: 1, coordinate: 0, low, high, bins: state.bins, labels: [plainSymbol(field), "x"], cost: 1, quick: { stride: 1, starts: 4, transient: 200, keep: 112 } };
       }
     } else if (!this.gap) this.why = "The module of the gap map is missing: no reduced diagram.";
-    const shown = state.reduced && !this.why;
-    this.figure.hidden = !shown;
-    if (shown) this.showReduced();
+    if (!state.reduced) spec = null;
+    this.figure.hidden = !spec;
+    if (spec) this.reduced.show(spec);
   }
 
-  /** The parameter value at a μ, by the table of columns; NaN beyond it. */
+  /** The parameter value at a μ, by the table of columns. @param {number} mu */
   #place = (mu) => {
     for (let i = 1; i < this.mu.length; i++) {
       const a = this.mu[i - 1], b = this.mu[i];
@@ -102,13 +140,15 @@ export class FlowView {
     return Math.abs(mu - first) < Math.abs(mu - last) ? this.values[0] - 1e9 : this.values[this.values.length - 1] + 1e9;
   };
 
+  /** @param {Axes} axes @param {Pen} c */
   #under(axes, c) {
     if (this.state.theory && this.windows.length && !this.why) drawWindows(axes, c, this.windows, this.#place);
   }
 
+  /** @param {Axes} axes @param {Pen} c */
   #overlay(axes, c, reduced = false) {
     if (this.form) axes.vertical(this.form.graze, theme().graze, [2, 2]);
-    axes.vertical(this.state[this.state.vary], theme().accent, [], 1.6);
+    axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6);
     c.fillStyle = theme().faint;
     c.textAlign = "right";
     c.textBaseline = "top";
@@ -127,7 +167,8 @@ export class FlowView {
   summary() {
     const { state } = this;
     const name = plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)]);
-    const value = state[state.vary];
+    const value = valueOf(state, state.vary);
+    /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At ${name} = ${value}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (this.form) {

@@ -4,17 +4,22 @@ import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found, words } from "./orbits.js";
 import { Axes } from "./plot.js";
+import { LONGEST, later } from "./state.js";
 
-export const LONGEST = 60;
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./state.js").Pair} Pair */
+/** @typedef {import("./svg.js").Pen} Pen */
+/** @typedef {import("./machine.js").Machine} Machine */
+/** @typedef {{N: number, graze: number, doubling: number, collision: number}} Window */
 
-/** Edges of the windows: [{N, graze, doubling, collision}], empty outside 0 < lam < 1, l >= 0. */
+/** Edges of the windows, none outside 0 < lam < 1, l >= 0. @param {Machine} machine @param {number} lam @param {number} l @returns {Window[]} */
 export function windows(machine, lam, l) {
   if (!(lam > 0 && lam < 1 && l >= 0)) return [];
   const { table } = machine.call("edges", { periods: LONGEST, lam, l }, ["table"]);
   return Array.from({ length: LONGEST }, (_, n) => ({ N: n + 1, graze: table[3 * n], doubling: table[3 * n + 1], collision: table[3 * n + 2] }));
 }
 
-/** Where orbits lie while mu runs over an interval: the trapping interval and the fixed point x < 0. */
+/** Where orbits lie while mu runs over an interval: the trapping interval and the fixed point x < 0. @param {number} lam @param {number} l @param {Pair} span @returns {Pair} */
 export function reach(lam, l, [from, to]) {
   let low = Infinity, high = -Infinity;
   for (let i = 0; i <= 64; i++) {
@@ -24,11 +29,11 @@ export function reach(lam, l, [from, to]) {
     high = Math.max(high, ...ends);
   }
   const room = 0.05 * (high - low) || 0.1;
-  const round = (value) => Number(value.toPrecision(4));
+  const round = (/** @type {number} */ value) => Number(value.toPrecision(4));
   return [round(low - room), round(high + room)];
 }
 
-/** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis. */
+/** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis. @param {Axes} axes @param {Pen} c @param {Window[]} all @param {(mu: number) => number} place */
 export function drawWindows(axes, c, all, place = (mu) => mu) {
   const { box } = axes;
   let last = Infinity;
@@ -69,6 +74,17 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
 }
 
 export class GapView {
+  /** @type {State} */ state = later();
+  /** @type {Window[]} */ windows = [];
+  /** @type {import("./orbits.js").Class[]} */ classes = [];
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+
+  /**
+   * @param {Machine} machine
+   * @param {import("./pool.js").Pool} pool
+   * @param {{tolerance: number}} described
+   * @param {import("./state.js").Events} events
+   */
   constructor(machine, pool, described, { change, problem, done }) {
     this.machine = machine;
     this.described = described;
@@ -90,15 +106,22 @@ export class GapView {
     return this.diagram.axes.canvas;
   }
 
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb, draw: () => this.drawCobweb() }];
+  }
+
+  /** @param {State} state */
   range(state) {
     return state.range ?? reach(state.lam, state.l, state.span);
   }
 
-  /** Show a state; the raster is computed again only if it changes. */
+  /** Show a state; the raster is computed again only if it changes. @param {State} state */
   show(state) {
     this.state = state;
     const [low, high] = this.range(state);
     const row = Float64Array.of(state.lam, state.mu, state.l);
+    /** @type {import("./diagram.js").Spec} */
     const spec = {
       machine: "gap", row, which: 1, span: state.span, columns: state.columns, bins: state.bins, low, high, coordinate: 0,
       starts: state.starts, transient: state.transient, keep: state.keep, seed: state.seed, tolerance: this.tolerance,
@@ -126,6 +149,7 @@ export class GapView {
     return { low: this.diagram.spec.low, high: this.diagram.spec.high };
   }
 
+  /** @param {Axes} axes */
   #overlay(axes) {
     axes.vertical(0, theme().graze, [2, 2]);
     axes.vertical(this.state.mu, theme().accent, [], 1.6);
@@ -133,7 +157,6 @@ export class GapView {
 
   drawCobweb() {
     const { lam, mu, l } = this.state;
-    if (!this.classes) return;
     const axes = this.cobweb;
     const seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
     let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, -0.02), high = Math.max(mu, ...seen, 0.02);
@@ -143,6 +166,7 @@ export class GapView {
     axes.span(low, high, low, high);
     const c = axes.begin();
     const { faint, line, ink } = theme();
+    /** @param {number[][]} points @param {string} colour @param {number} width @param {number[]} dash */
     const path = (points, colour, width, dash = []) => {
       c.strokeStyle = colour;
       c.lineWidth = width;
@@ -152,7 +176,7 @@ export class GapView {
       c.stroke();
       c.setLineDash([]);
     };
-    const map = (x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
+    const map = (/** @type {number} */ x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
     axes.inside(() => {
       path([[low, low], [high, high]], faint, 1, [4, 3]);
       path([[0, low], [0, high]], line, 1);
@@ -161,6 +185,7 @@ export class GapView {
       path(Array.from({ length: 121 }, (_, i) => { const x = high * (i / 120) ** 2; return [x, map(x)]; }), ink, 1.8);
       for (const each of [...this.classes].reverse()) {
         const colour = periodColour(each.period);
+        /** @type {number[][]} */
         const web = [];
         const xs = each.points.map(([x]) => x);
         xs.forEach((x, n) => {
@@ -179,9 +204,10 @@ export class GapView {
     axes.frame("xₙ", "xₙ₊₁");
   }
 
-  /** What is shown, in words: [{colour, text}]. */
+  /** What is shown, in words. */
   summary() {
     const { lam, mu, l } = this.state;
+    /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At μ = ${mu}, λ = ${lam}, l = ${l}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);

@@ -157,8 +157,17 @@ export function chart(machine, { row, which, values, starts, transient, keep, se
   return { codes: Uint8Array.from({ length: columns }, (_, q) => Math.min(254, Math.max(0, period[q * starts + first[q * starts]]))) };
 }
 
-/** The period of the orbit of each initial state (u, v). */
-export function basins(machine, { row, values, transient, keep, tolerance }) {
+/** @typedef {{period: number, word: string, point: number[]}} Reached an attractor, or a kind of orbit without a period */
+
+/** @param {number} n @param {number} N */
+const modulo = (n, N) => ((n % N) + N) % N;
+
+/**
+ * Follow initial states (u, v) and say what each reaches: the number of a row of `reached`.
+ * @param {Machine} machine
+ * @param {{row: Floats, values: Floats, transient: number, keep: number, tolerance: number, same: Floats}} given
+ */
+export function basins(machine, { row, values, transient, keep, tolerance, same }) {
   const starts = values.length / 2;
   const lanes = new Float64Array(values.length);
   for (let j = 0; j < starts; j++) {
@@ -167,8 +176,34 @@ export function basins(machine, { row, values, transient, keep, tolerance }) {
   }
   const sizes = { columns: 1, starts, keep };
   const orbits = machine.call("orbits", { ...sizes, rows: row, lanes, transient }, ["points", "letters", "outcomes"]);
-  const { period } = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period"]);
-  return { codes: Uint8Array.from(period, (N) => Math.min(254, Math.max(0, N))) };
+  const classes = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period", "key", "begin", "length"]);
+  const { label } = machine.call("attractors", { ...sizes, points: orbits.points, ...classes, same }, ["label"]);
+  /** @type {Map<number, number>} */
+  const rows = new Map();
+  /** @type {Reached[]} */
+  const reached = [];
+  const which = new Int32Array(starts);
+  for (let j = 0; j < starts; j++) {
+    let k = rows.get(label[j]);
+    if (k === undefined) {
+      k = reached.length;
+      rows.set(label[j], k);
+      reached.push(described(orbits, classes, starts, keep, j));
+    }
+    which[j] = k;
+  }
+  return { which, reached };
+}
+
+/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @returns {Reached} */
+function described({ points, letters }, { period, begin, length }, starts, keep, j) {
+  const N = period[j], p = length[j], start = keep - N;
+  if (N < 1) return { period: N, word: "", point: [] };
+  const point = (/** @type {number} */ turn) => [points[2 * turn * starts + j], points[(2 * turn + 1) * starts + j]];
+  const turns = Array.from({ length: N / p }, (_, k) => point(start + modulo(begin[j] - 1 - start + k * p, N)));
+  turns.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const word = Array.from({ length: p }, (_, n) => letters[(start + modulo(begin[j] - start + n, N)) * starts + j]);
+  return { period: N, word: word.map((k) => (k > 9 ? `(${k})` : String(k))).join(""), point: turns[0] };
 }
 
 export const JOBS = { raster, periods, extent, chart, basins };

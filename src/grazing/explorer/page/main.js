@@ -2,35 +2,50 @@
 /** The page: loads the kernels, keeps the state, and shows the view that the state names. */
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
-import { dark } from "./colours.js";
+import { dark, theme } from "./colours.js";
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
-import { Machine } from "./machine.js";
-import { Pool } from "./pool.js";
+import { load } from "./load.js";
 import { PRESETS } from "./presets.js";
-import { DEFAULTS, GAP_EXTENTS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment } from "./state.js";
+import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
+import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
-import { command, python } from "./text.js";
+import { canvasOf, svgOf } from "./svg.js";
+import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
 
-const KERNELS = new URL("../kernels/", import.meta.url);
-const HINTS = {
-  basins: "Each point is an initial state at the strobe; its colour is the period of what it settles on.",
-  strobe: "Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump.",
-  chart: "Colours name the period that most random starts settle on. Click, or use the arrow keys, to choose both parameters.",
-  gap: "Click in the diagram to choose μ, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.",
-  oscillator: "Click to choose the parameter, drag to zoom, double click to see all. Keys: arrows, +, −, 0. Shaded windows are those that the normal form predicts; dotted: the graze.",
-  ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
-};
-const STEPS = ["starts", "transient", "keep"];
-const NEEDS = { gap: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./state.js").Pair} Pair */
+/** @typedef {import("./controls.js").Control} Control */
+/**
+ * What the page asks of a view; `record` puts what has moved since into the state.
+ * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
+ */
 
-const $ = (id) => /** @type {any} */ (document.getElementById(id));
-const views = {}, controls = {}, problems = new Map();
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), fields = {}, scheduled = 0, waiting = false;
+const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+/** @type {Record<string, View>} */
+const views = {};
+/** @type {BallView | undefined} */
+let ball;
+/** @type {Record<string, Control>} */
+const controls = {};
+/** @type {Map<string, string>} */
+const problems = new Map();
+/** @type {import("./state.js").Fields} */
+const fields = {};
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false;
+/** A part of a state by its name. @param {State} of @param {string} key */
+const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
+/** @returns {View | undefined} */
+const current = () => views[state.view];
+/** @param {unknown} error */
+const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
+/** @param {string} selector @returns {HTMLElement[]} */
+const all = (selector) => [...document.querySelectorAll(selector)].map((each) => /** @type {HTMLElement} */ (each));
 
-/** Say a problem in words, one for each subject; an empty text takes it back. */
+/** Say a problem in words, one for each subject; an empty text takes it back. @param {string} text */
 function problem(text, about = "input") {
   if (text) problems.set(about, text);
   else problems.delete(about);
@@ -39,39 +54,22 @@ function problem(text, about = "input") {
   if ($("problem").firstElementChild.textContent !== shown) $("problem").firstElementChild.textContent = shown;
 }
 
+/** @param {string} text */
 function say(text) {
   $("said").textContent = text;
   setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
 }
 
-async function loadModules() {
-  const answer = await fetch(new URL("kernels.json", KERNELS));
-  if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
-  const described = await answer.json();
-  const pool = new Pool();
-  const machines = {};
-  await Promise.all(
-    Object.entries(described.modules).map(async ([name, each]) => {
-      try {
-        const file = await fetch(new URL(each.file, KERNELS));
-        if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
-        const module = await WebAssembly.compile(await file.arrayBuffer());
-        machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
-        pool.add(name, module, each);
-      } catch (error) {
-        problem(`The module ${each.file} could not be loaded (${error.message}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
-      }
-    }),
-  );
-  return { described, machines, pool };
-}
+/** What is on screen: the view, and in charts what is charted. */
+const scene = () => (state.view === "chart" ? `chart-${state.chart}` : state.view);
 
-function change(part) {
-  const next = { ...part };
-  for (const key of ["span", "reach"]) {
-    if (key in next) next[key] = next[key] ? trimmed(next[key]) : home[key];
+/** Change parts of the state; null for an axis shows all of it. @param {object} given */
+function change(given) {
+  /** @type {Record<string, any>} */
+  const next = { ...given };
+  for (const key of Object.values(ZOOMED).flat()) {
+    if (key in next) next[key] = next[key] ? trimmed(next[key]) : part(home, key);
   }
-  for (const key of ["range", "window"]) if (next[key]) next[key] = trimmed(next[key]);
   for (const key of Object.keys(next)) {
     if (key === "mu" || (key === state.vary && typeof next[key] === "number")) {
       const [from, to] = key === "mu" ? state.span : state.reach;
@@ -84,11 +82,13 @@ function change(part) {
     next.window = null;
     home.reach = next.reach;
   }
+  if ("second" in next) home.heights = next.heights = OSCILLATOR_EXTENTS[next.second];
   if ("coordinate" in next) next.window = null;
   Object.assign(state, next);
   refresh();
 }
 
+/** @param {Pair} ends @returns {Pair} */
 const trimmed = ([low, high]) => {
   const width = high - low;
   return width > 1e-12 ? [tidy(low, width), tidy(high, width)] : [low, low + 1e-12];
@@ -109,38 +109,24 @@ function refresh() {
   try {
     render();
   } catch (error) {
-    problem(`The picture could not be made: ${error.message}.`, "picture");
+    problem(`The picture could not be made: ${wordsOf(error)}.`, "picture");
     console.error(error);
   }
 }
 
 function render() {
   problem("", "picture");
-  for (const section of document.querySelectorAll("[data-for]")) {
-    /** @type {HTMLElement} */ (section).hidden = !section.getAttribute("data-for").split(" ").some((name) => name === state.view || name === `${state.view}-${state.chart}`);
+  const shown = scene();
+  const isIn = (/** @type {string | undefined} */ scenes) => (scenes ?? "").split(" ").includes(shown);
+  for (const section of all("[data-for]")) section.hidden = !isIn(section.dataset.for);
+  for (const button of all("[data-view]")) button.setAttribute("aria-pressed", String(button.dataset.view === state.view));
+  for (const [name, control] of Object.entries(controls)) {
+    control.set(part(state, name));
+    if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
-  for (const button of document.querySelectorAll("[data-view]")) button.setAttribute("aria-pressed", String(button.getAttribute("data-view") === state.view));
-  for (const [name, control] of Object.entries(controls)) control.set(state[name]);
-  const chart = state.view === "chart", strobe = state.view === "strobe";
-  const flow = state.view !== "gap" && !(chart && state.chart === "gap");
-  controls.span.box.hidden = flow;
-  controls.range.box.hidden = state.view !== "gap";
-  controls.reach.box.hidden = controls.vary.box.hidden = !flow || strobe || (chart && state.chart === "basins");
-  controls.positions.box.hidden = controls.velocities.box.hidden = !chart || state.chart !== "basins";
-  controls.v0.box.hidden = controls.line.box.hidden = controls.order.box.hidden = !strobe;
-  controls.window.box.hidden = controls.reduced.box.hidden = controls.coordinate.box.hidden = state.view !== "oscillator";
-  controls.chart.box.hidden = controls.chart_columns.box.hidden = controls.chart_rows.box.hidden = !chart;
-  controls.gaps.box.hidden = !chart || flow;
-  controls.second.box.hidden = controls.heights.box.hidden = !chart || state.chart !== "oscillator";
-  for (const name of ["columns", "bins", "colour", "theory"]) controls[name].box.hidden = chart || strobe;
-  $("picture").parentElement.hidden = state.view === "ball";
-  for (const name of STEPS) {
-    controls[name].box.hidden = flow || chart || strobe;
-    controls[`flow_${name}`].box.hidden = !flow || chart || strobe;
-  }
-  controls.window.name(`${state.coordinate} from, to`);
-  if (fields[state.second]) controls.heights.name(`${plainSymbol(fields[state.second])} from, to`);
-  if (fields[state.vary]) controls.reach.name(`${plainSymbol(fields[state.vary])} from, to`);
+  controls.window.name?.(`${state.coordinate} from, to`);
+  if (fields[state.second]) controls.heights.name?.(`${plainSymbol(fields[state.second])} from, to`);
+  if (fields[state.vary]) controls.reach.name?.(`${plainSymbol(fields[state.vary])} from, to`);
   const step = TOUR[state.tour - 1];
   $("guide").hidden = !step;
   if (step) {
@@ -149,11 +135,13 @@ function render() {
     $("back").disabled = state.tour === 1;
     $("next").disabled = state.tour === TOUR.length;
   }
-  $("hint").textContent = HINTS[chart && state.chart === "basins" ? "basins" : state.view];
+  $("hint").textContent = HINTS[shown];
+  if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   const link = toFragment(state);
   if (link !== location.hash) history.replaceState(null, "", link);
-  const view = views[state.view];
+  const view = current();
   $("summary").hidden = !view;
+  if (!view && problems.has("kernels")) return;
   if (!view) {
     problem(`This view needs the module ${NEEDS[state.view]}.wasm, which could not be loaded; choose another view.`, NEEDS[state.view]);
     return;
@@ -162,14 +150,15 @@ function render() {
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
   if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
-  $("all").hidden = state.view === "ball" || chart || strobe || (state.view === "gap" ? !state.range && same(state.span, home.span) : !state.window && same(state.reach, home.reach));
+  $("all").hidden = ZOOMED[shown].every((key) => same(part(state, key), part(home, key)));
   tell();
 }
 
-const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
 
+/** Say in words what is shown. */
 function tell() {
-  const view = views[state.view];
+  const view = current();
   if (!view) return;
   const made = view.summary();
   const diagram = view.diagram;
@@ -190,15 +179,20 @@ function tell() {
   );
 }
 
-/** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. */
+/** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
   state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
   home = structuredClone(state);
   refresh();
 }
 
+/** Show all of every axis. */
+const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
+
 function build() {
-  const own = (name) => (value) => change({ [name]: value });
+  const own = (/** @type {string} */ name) => (/** @type {unknown} */ value) => change({ [name]: value });
+  /** @param {string[]} names @returns {[string, string][]} */
+  const named = (names) => names.map((name) => [name, name]);
   for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
     controls[name] = slider(fields[name], /** @type {[number, number]} */ (extent), own(name), problem);
     $("gap-sliders").append(controls[name].box);
@@ -207,7 +201,7 @@ function build() {
   const title = document.createElement("summary");
   title.textContent = "Wall, time shift and harmonics";
   more.append(title);
-  controls.law = choice("reset law", ["newton", "active", "triggered"].map((law) => [law, law]), own("law"));
+  controls.law = choice("reset law", named(["newton", "active", "triggered"]), own("law"));
   $("oscillator-sliders").append(controls.law.box);
   const first = ["offset", "V", "r", "omega", "alpha", "k"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
@@ -216,25 +210,28 @@ function build() {
   }
   $("oscillator-sliders").append(more);
   const picture = $("picture");
-  const put = (name, control) => {
+  const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
     controls[name] = control;
     picture.append(control.box);
   };
+  /** @type {[string, string][]} */
   const varied = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
+  put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", pair("u(0) from, to", (line) => change({ line }), problem));
-  put("order", choice("local map", ["lowest", "full", "corrected"].map((order) => [order, order]), own("order")));
+  put("order", choice("local map", named(ORDERS), own("order")));
   put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
   put("vary", choice("axis", varied, own("vary")));
-  put("second", choice("second axis", varied, (second) => change({ second, heights: OSCILLATOR_EXTENTS[second] })));
+  put("second", choice("second axis", varied, own("second")));
   put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
+  put("periods", pair("periods from, to", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems));
   put("span", pair("μ from, to", (span) => change({ span }), problem));
   put("range", pair("x from, to", (range) => change({ range }), problem));
   put("positions", pair("u from, to", (positions) => change({ positions }), problem));
   put("velocities", pair("v from, to", (velocities) => change({ velocities }), problem));
   put("gaps", pair("l from, to", (gaps) => change({ gaps }), problem));
-  put("heights", pair("from, to", (heights) => change({ heights }), problem));
   put("reach", pair("from, to", (reach) => change({ reach }), problem));
+  put("heights", pair("from, to", (heights) => change({ heights }), problem));
   put("window", pair("height", (window) => change({ window }), problem));
   put("theory", toggle("windows of theory", own("theory")));
   put("colour", toggle("colour by period", own("colour")));
@@ -247,12 +244,12 @@ function build() {
     controls[name] = whole(name, text, least);
     finer.append(controls[name].box);
   }
-  picture.append(finer);
+  put("accuracy", { box: finer, set() {} });
 
-  for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => change({ view: button.getAttribute("data-view") }));
+  for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const visit = (n) => present({ ...TOUR[n - 1].state, tour: n });
+  const visit = (/** @type {number} */ n) => present({ ...TOUR[n - 1].state, tour: n });
   $("tour").addEventListener("click", () => visit(1));
   $("back").addEventListener("click", () => state.tour > 1 && visit(state.tour - 1));
   $("next").addEventListener("click", () => state.tour < TOUR.length && visit(state.tour + 1));
@@ -261,24 +258,24 @@ function build() {
     problems.clear();
     problem("");
   });
-  $("all").addEventListener("click", () => change(state.view === "gap" ? { span: null, range: null } : { reach: null, window: null }));
-  for (const button of document.querySelectorAll("[data-copy]")) button.addEventListener("click", () => copy(button.getAttribute("data-copy")));
-  $("png").addEventListener("click", save);
-  $("play").addEventListener("click", () => views.ball?.play(!views.ball.playing));
-  $("step").addEventListener("click", () => views.ball?.step());
-  $("settle").addEventListener("click", () => views.ball?.settle());
-  $("speed").addEventListener("input", () => views.ball && (views.ball.speed = Number($("speed").value)));
-  $("controls").addEventListener("submit", (event) => event.preventDefault());
+  $("all").addEventListener("click", showAll);
+  for (const button of all("[data-copy]")) button.addEventListener("click", () => copy(button.dataset.copy ?? ""));
+  for (const button of all("[data-save]")) button.addEventListener("click", () => save(button.dataset.save ?? ""));
+  $("play").addEventListener("click", () => ball?.play(!ball.playing));
+  $("step").addEventListener("click", () => ball?.step());
+  $("settle").addEventListener("click", () => ball?.settle());
+  $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
+  $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
   addEventListener("hashchange", () => location.hash !== toFragment(state) && read());
-  const again = () => views[state.view]?.repaint();
+  const again = () => current()?.repaint();
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
 }
 
-/** A number field for a whole number. */
+/** A number field for a whole number. @param {string} name @param {string} text @param {number} least @returns {Control} */
 function whole(name, text, least) {
   const made = pair(text, () => {}, problem);
-  const [name_, field, second] = made.box.children;
+  const [, field, second] = made.box.children;
   second.remove();
   const input = /** @type {HTMLInputElement} */ (field.cloneNode());
   field.replaceWith(input);
@@ -291,26 +288,26 @@ function whole(name, text, least) {
     const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
     input.toggleAttribute("aria-invalid", why.length > 0);
     problem(why.join("; "));
-    if (!why.length) change({ [name]: found[name] });
+    if (!why.length) change({ [name]: part(found, name) });
   });
-  return { box: made.box, set: (value) => (input.value = String(value)) };
+  return { box: made.box, set: (/** @type {number} */ value) => (input.value = String(value)) };
 }
 
 /** Take the state from the link. */
 function read() {
   const { state: found, problems: wrong } = fromFragment(location.hash, fields);
   state = found;
-  home = { ...structuredClone(found), range: null, window: null };
-  if (found.range) home.span = DEFAULTS.span;
-  if (found.window) home.reach = found.vary === "offset" ? DEFAULTS.reach : OSCILLATOR_EXTENTS[found.vary];
+  home = zoomedOut(found);
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
 }
 
+/** @param {string} kind link, python or command */
 async function copy(kind) {
-  const view = views[state.view];
-  if (!view) return;
-  const text = kind === "link" ? location.href : (kind === "python" ? python : command)(state, view.raster());
+  const view = current();
+  view?.record?.(); // the ball's place goes into the link
+  if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
   if (!text) return say("there is no command for this picture; copy the Python");
   try {
     await navigator.clipboard.writeText(text);
@@ -325,34 +322,59 @@ async function copy(kind) {
   }
 }
 
-function save() {
-  views[state.view]?.canvas.toBlob((blob) => {
+/** The sheets of a view that are seen. @param {View} view */
+const panels = (view) => view.panels().filter(({ sheet }) => sheet.canvas.offsetParent);
+
+/** The picture on screen as an SVG file. @param {View} view */
+function vectors(view) {
+  const about = `${view.summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
+  return svgOf(panels(view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
+}
+
+/** Save the picture on screen, all of its sheets. @param {string} kind png or svg */
+function save(kind) {
+  const view = current();
+  if (!view || problems.has("picture")) return say("there is no picture to save");
+  const keep = (/** @type {Blob | null} */ blob) => {
+    if (!blob) return say("this browser gives the page no canvas: save the SVG");
     const link = document.createElement("a");
     link.href = URL.createObjectURL(blob);
-    link.download = `grazing-${state.view}.png`;
+    link.download = `grazing-${state.view}.${kind}`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  });
+  };
+  if (kind === "svg") return keep(new Blob([vectors(view)], { type: "image/svg+xml" }));
+  const canvas = canvasOf(panels(view), theme().paper);
+  if (canvas) canvas.toBlob(keep);
+  else keep(null);
 }
 
 async function begin() {
   let loaded;
+  const again = () => {
+    for (const view of Object.values(views)) view.key = undefined;
+    if (current()) refresh();
+  };
   try {
-    loaded = await loadModules();
+    loaded = await load({ problem, again });
   } catch (error) {
-    problem(`The kernels could not be loaded (${error.message}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
+    problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;
   }
   const { described, machines, pool } = loaded;
+  if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
-  const events = { change, problem: (text) => problem(text, "picture"), done: tell };
-  if (machines.gap) views.gap = new GapView(machines.gap, pool, described, events);
-  if (machines.oscillator) {
-    views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
-    views.strobe = new StrobeView(machines.oscillator);
-    views.ball = new BallView(machines.oscillator, described, events);
+  const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };
+  if (machines.gap && pool) {
+    views.gap = new GapView(machines.gap, pool, described, events);
+    views.edges = new EdgesView(machines.gap, described, events);
   }
-  if (machines.gap || machines.oscillator) views.chart = new ChartView(machines, pool, described, events);
+  if (machines.oscillator && pool) {
+    views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
+    views.strobe = new StrobeView(machines.oscillator, events);
+    views.ball = ball = new BallView(machines.oscillator, described, events);
+  }
+  if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
   build();
   read();
   // for tests and for the curious: what is on screen

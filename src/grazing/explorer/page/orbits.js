@@ -2,7 +2,9 @@
 /** The orbits that random starts settle on at one parameter value, named by period and word. */
 import { settled } from "./jobs.js";
 
-/** A word in its least rotation; letters above 9 as (12). */
+/** @typedef {{period: number, word: string, share: number, points: number[][], impacts: number | null, length: number, multiplier?: number}} Class orbits of one period and word, with one cycle */
+
+/** A word in its least rotation; letters above 9 as (12). @param {number[]} letters */
 function least(letters) {
   const turns = letters.map((_, i) => [...letters.slice(i), ...letters.slice(0, i)]);
   turns.sort((a, b) => {
@@ -12,11 +14,16 @@ function least(letters) {
   return turns[0] ?? [];
 }
 
-/** Classes of orbits, most starts first: period, word, share, points of one cycle. */
+/**
+ * Classes of orbits, most starts first.
+ * @param {import("./machine.js").Machine} machine
+ * @param {{row: import("./machine.js").Floats, which: number, value: number, starts?: number, transient: number, keep?: number, seed: number, tolerance: number}} job
+ */
 export function found(machine, { row, which, value, starts = 16, transient, keep = 128, seed, tolerance }) {
   const given = { row, which, values: Float64Array.of(value), starts, transient, keep, seed, tolerance };
   const made = settled(machine, given);
   const dimension = machine.described.coordinates.length;
+  /** @type {Class[]} */
   const classes = [];
   for (let i = 0; i < starts && made.count[i] > 0; i++) {
     const j = made.first[i];
@@ -32,9 +39,9 @@ export function found(machine, { row, which, value, starts = 16, transient, keep
   return classes;
 }
 
-const fixed = (value) => Number(value.toPrecision(7)).toString().replace("-", "−");
+const fixed = (/** @type {number} */ value) => Number(value.toPrecision(7)).toString().replace("-", "−");
 
-/** A class in words. */
+/** A class in words. @param {Class} each */
 export function words(each, starts = 16) {
   const share = `${Math.round(each.share * starts)} of ${starts} starts`;
   if (each.period === -1) return `no period found (aperiodic as far as seen); ${share}`;

@@ -1,10 +1,13 @@
 // @ts-check
 /** Axes on a canvas: places of numbers, ticks, labels. */
 import { theme } from "./colours.js";
+import { Recorder } from "./svg.js";
 
-export const MARGIN = { left: 54, right: 12, top: 20, bottom: 34 };
+/** @typedef {import("./svg.js").Pen} Pen */
 
-/** Ticks at round numbers. */
+const MARGIN = { left: 54, right: 12, top: 20, bottom: 34 };
+
+/** Ticks at round numbers. @param {number} low @param {number} high @param {number} about how many */
 export function ticks(low, high, about) {
   const raw = (high - low) / Math.max(about, 1);
   const power = 10 ** Math.floor(Math.log10(raw));
@@ -20,14 +23,18 @@ export function ticks(low, high, about) {
 
 /** A canvas with axes; `x` and `y` give places in CSS pixels, `atX` and `atY` go back. */
 export class Axes {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+  /** @param {HTMLElement | null} canvas @param {Partial<typeof MARGIN>} margin */
+  constructor(canvas, margin = {}) {
+    this.canvas = /** @type {HTMLCanvasElement} */ (canvas);
+    this.margin = { ...MARGIN, ...margin };
+    /** @type {Pen} nothing is seen of what is drawn where the browser gives no canvas */
+    this.context = this.canvas.getContext("2d") ?? new Recorder(null);
     this.x0 = this.y0 = 0;
     this.x1 = this.y1 = 1;
     this.box = { x: 0, y: 0, w: 1, h: 1 };
   }
 
+  /** @param {number} x0 @param {number} x1 @param {number} y0 @param {number} y1 */
   span(x0, x1, y0, y1) {
     this.x0 = x0;
     this.x1 = x1;
@@ -44,7 +51,8 @@ export class Axes {
       this.canvas.width = w;
       this.canvas.height = h;
     }
-    this.box = { x: MARGIN.left, y: MARGIN.top, w: Math.max(10, width - MARGIN.left - MARGIN.right), h: Math.max(10, height - MARGIN.top - MARGIN.bottom) };
+    const { left, right, top, bottom } = this.margin;
+    this.box = { x: left, y: top, w: Math.max(10, width - left - right), h: Math.max(10, height - top - bottom) };
     const c = this.context;
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.fillStyle = theme().paper;
@@ -54,12 +62,12 @@ export class Axes {
     return c;
   }
 
-  x = (value) => this.box.x + ((value - this.x0) / (this.x1 - this.x0)) * this.box.w;
-  y = (value) => this.box.y + ((this.y1 - value) / (this.y1 - this.y0)) * this.box.h;
-  atX = (place) => this.x0 + ((place - this.box.x) / this.box.w) * (this.x1 - this.x0);
-  atY = (place) => this.y1 - ((place - this.box.y) / this.box.h) * (this.y1 - this.y0);
+  x = (/** @type {number} */ value) => this.box.x + ((value - this.x0) / (this.x1 - this.x0)) * this.box.w;
+  y = (/** @type {number} */ value) => this.box.y + ((this.y1 - value) / (this.y1 - this.y0)) * this.box.h;
+  atX = (/** @type {number} */ place) => this.x0 + ((place - this.box.x) / this.box.w) * (this.x1 - this.x0);
+  atY = (/** @type {number} */ place) => this.y1 - ((place - this.box.y) / this.box.h) * (this.y1 - this.y0);
 
-  /** Draw inside the frame only. */
+  /** Draw inside the frame only. @param {(c: Pen) => void} draw */
   inside(draw) {
     const { context: c, box } = this;
     c.save();
@@ -70,6 +78,7 @@ export class Axes {
     c.restore();
   }
 
+  /** @param {number} value @param {string} colour @param {number[]} dash */
   vertical(value, colour, dash = [], width = 1.2) {
     if (!(value >= this.x0 && value <= this.x1)) return;
     const { context: c, box } = this;
@@ -84,6 +93,7 @@ export class Axes {
     c.restore();
   }
 
+  /** @param {string} labelX @param {string} labelY */
   frame(labelX, labelY) {
     const { context: c, box } = this;
     const { ink, faint } = theme();

@@ -4,39 +4,81 @@
 import { TOUR } from "./tour.js";
 
 export const VERSION = "1";
-export const VIEWS = ["gap", "oscillator", "ball", "chart", "strobe"];
+export const VIEWS = ["gap", "edges", "oscillator", "ball", "chart", "strobe"];
+
+/** @typedef {[number, number]} Pair */
+/** @typedef {Record<string, import("./machine.js").Field>} Fields parameters by name, from kernels.json */
+
+/** Orders of the discontinuity map, as the kernels number them. */
+export const ORDERS = ["lowest", "full", "corrected"];
+
+/** @param {number} low @param {number} high */
+const pair = (low, high) => /** @type {Pair} */ ([low, high]);
 
 /** How far sliders reach; what a number field accepts is said in kernels.json. */
+/** @type {Record<string, Pair>} */
 export const GAP_EXTENTS = { lam: [0.02, 0.98], l: [0, 1.5], mu: [-0.2, 1.2] };
+/** @type {Record<string, Pair>} */
 export const OSCILLATOR_EXTENTS = {
   alpha: [0, 6], k: [0, 3], omega: [0.2, 6], t0: [0, 6], offset: [-0.5, 0.5], cos1: [-1.5, 1.5], sin1: [-1.5, 1.5],
   cos2: [-1.5, 1.5], sin2: [-1.5, 1.5], cos3: [-1.5, 1.5], sin3: [-1.5, 1.5], sigma: [-0.5, 0.5], r: [0, 1], V: [0, 1.5],
   trigger: [0, 1], phase: [0, 6],
 };
 
+/** The longest period whose window is drawn. */
+export const LONGEST = 60;
+
 export const VARIED = Object.keys(OSCILLATOR_EXTENTS).filter((name) => name !== "phase");
 
-/** What is shown unless a link says otherwise. `range` is null while it is found from the orbits. */
+/**
+ * What is shown unless a link says otherwise. `range` and `window` are null while they are found from the orbits, `ball`
+ * (u, v and the time at which it is thrown) while the ball begins on the orbit that most starts settle on.
+ */
 export const DEFAULTS = {
   view: "gap",
   lam: 0.8, l: 0.2, mu: 0.3,
-  span: [-0.1, 0.6], range: null,
+  span: pair(-0.1, 0.6), range: /** @type {Pair | null} */ (null), periods: pair(3, 5),
   alpha: 3, k: 1, omega: 2.2, t0: 0, offset: 0.12, cos1: 1, sin1: 0, cos2: 0, sin2: 0, cos3: 0, sin3: 0,
   sigma: 0, r: 0.8, V: 0.4, trigger: 0, law: "active", phase: 0,
-  vary: "offset", reach: [0.05, 0.16], window: null, coordinate: "u", reduced: true,
-  v0: -0.23, line: [0.01, 0.06], order: "lowest",
-  chart: "gap", second: "V", positions: [0, 0.5], velocities: [-0.8, 0.8], gaps: [0, 1], heights: [0, 0.8], chart_columns: 240, chart_rows: 180,
+  vary: "offset", reach: pair(0.05, 0.16), window: /** @type {Pair | null} */ (null), coordinate: "u", reduced: true,
+  u0: 0.03, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
+  chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
   theory: true, colour: true,
   columns: 800, bins: 600, starts: 16, transient: 500, keep: 500, flow_starts: 8, flow_transient: 120, flow_keep: 64, seed: 0,
   tour: 0,
 };
 
+/** @typedef {typeof DEFAULTS} State */
+/** @typedef {{colour?: string, text: string}} Line a line of what is shown, in words, with a chip of colour */
+/** @typedef {{change: (part: object) => void, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
+
+/** In place of what a view gets when it is shown for the first time. @returns {any} */
+export const later = () => undefined;
+
+/** @type {Record<string, Pair>} */
 const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
 const SWITCHES = ["reduced", "theory", "colour"];
-const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ["lowest", "full", "corrected"] };
+/** @type {Record<string, string[]>} */
+const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
-/** Why a number is not allowed for a parameter, in words; empty if it is. */
+/** Axes that zoom, with the whole of each. @param {State} state @returns {Record<string, Pair>} */
+function whole(state) {
+  const { span, line, positions, velocities, gaps } = DEFAULTS;
+  const along = (/** @type {string} */ name) => (name === "offset" ? DEFAULTS.reach : OSCILLATOR_EXTENTS[name]);
+  return { span, line, positions, velocities, gaps, reach: along(state.vary), heights: along(state.second) };
+}
+
+/** What a picture zooms out to: the whole of each axis, or the state's own if that reaches further. @param {State} state */
+export function zoomedOut(state) {
+  const home = /** @type {any} */ (structuredClone(state));
+  for (const [key, [low, high]] of Object.entries(whole(state))) {
+    if (home[key][0] >= low && home[key][1] <= high) home[key] = [low, high];
+  }
+  return /** @type {State} */ ({ ...home, range: null, window: null });
+}
+
+/** Why a number is not allowed for a parameter, in words; empty if it is. @param {string} name @param {number} value @param {Fields} fields */
 export function refusal(name, value, fields) {
   const field = fields[name];
   if (!Number.isFinite(value)) return `${name} is not a number`;
@@ -49,9 +91,9 @@ export function refusal(name, value, fields) {
   return "";
 }
 
-/** One value of a fragment, or an Error that says what is wrong with it. */
+/** One value of a fragment, or an Error that says what is wrong with it. @param {string} key @param {string} text @param {Fields} fields */
 function read(key, text, fields) {
-  const number = (word) => (word.trim() === "" ? NaN : Number(word));
+  const number = (/** @type {string} */ word) => (word.trim() === "" ? NaN : Number(word));
   if (CHOICES[key]) {
     if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}`);
     return text;
@@ -64,6 +106,16 @@ function read(key, text, fields) {
     const ends = text.split(":").map(number);
     if (ends.length !== 2 || !ends.every(Number.isFinite) || !(ends[0] < ends[1])) throw new Error(`${key}=${text}; give low:high with low < high`);
     return ends;
+  }
+  if (key === "periods") {
+    const ends = text.split(":").map(number);
+    if (ends.length !== 2 || !ends.every(Number.isInteger) || !(1 <= ends[0] && ends[0] <= ends[1] && ends[1] <= LONGEST)) throw new Error(`periods=${text}; give first:last, whole numbers from 1 to ${LONGEST}`);
+    return ends;
+  }
+  if (key === "ball") {
+    const start = text.split(":").map(number);
+    if (start.length !== 3 || !start.every(Number.isFinite)) throw new Error(`ball=${text}; give u:v:time, three numbers`);
+    return start;
   }
   const value = number(text);
   if (WHOLE[key]) {
@@ -79,9 +131,11 @@ function read(key, text, fields) {
 /**
  * The state that a fragment describes, and what is wrong with the fragment, in words. What is wrong is left at its
  * default, so that a mangled link still shows a picture.
+ * @param {string} fragment @param {Fields} fields
  */
 export function fromFragment(fragment, fields) {
-  const state = structuredClone(DEFAULTS);
+  const state = structuredClone(DEFAULTS), values = /** @type {Record<string, unknown>} */ (state);
+  /** @type {string[]} */
   const problems = [];
   const parts = fragment.replace(/^#/, "").split("&").filter(Boolean);
   const given = new Map();
@@ -106,25 +160,26 @@ export function fromFragment(fragment, fields) {
       continue;
     }
     try {
-      state[key] = read(key, text, fields);
+      values[key] = read(key, text, fields);
     } catch (error) {
-      problems.push(error.message);
+      problems.push(/** @type {Error} */ (error).message);
     }
   }
   return { state, problems };
 }
 
-/** The fragment of a state: what differs from the defaults. */
+/** The fragment of a state: what differs from the defaults. @param {State} state */
 export function toFragment(state) {
+  const usual = /** @type {Record<string, unknown>} */ (DEFAULTS);
   const parts = [`version=${VERSION}`, `view=${state.view}`];
   for (const [key, value] of Object.entries(state)) {
-    if (key === "view" || JSON.stringify(value) === JSON.stringify(DEFAULTS[key])) continue;
+    if (key === "view" || JSON.stringify(value) === JSON.stringify(usual[key])) continue;
     parts.push(`${key}=${Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value}`);
   }
   return `#${parts.join("&")}`;
 }
 
-/** A number with no more digits than a picture of this width needs. */
+/** A number with no more digits than a picture of this width needs. @param {number} value @param {number} width */
 export function tidy(value, width) {
   return Number(value.toFixed(Math.min(15, Math.max(0, 4 - Math.floor(Math.log10(Math.abs(width) || 1))))));
 }

@@ -1,36 +1,119 @@
 // @ts-check
-/** The stroboscopic map against the discontinuity map, along a line of starts: Figure 2.2. */
+/** One period of the forcing: the stroboscopic map against the discontinuity map along a line of starts, Figure 2.2, and the zero-time map of one start, Figure 2.1. */
 import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
+import { Gestures } from "./gestures.js";
 import { linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
+import { ORDERS } from "./state.js";
+import { drawZeroTime, zeroTime } from "./zdm.js";
+
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./machine.js").Machine} Machine */
 
 const SAMPLES = 600;
+/** @typedef {import("./machine.js").Floats} Floats */
+/** @typedef {{u: Floats, v: Floats, letters: Int32Array}} Images after one period, and impacts in it */
+/** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number}} Jump first start beyond a change of letter */
+
+const number = (/** @type {number} */ value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");
+const impacts = (/** @type {number} */ count) => `${count} impact${count === 1 ? "" : "s"}`;
 
 export class StrobeView {
-  constructor(machine) {
+  /** The starts. */
+  u = new Float64Array(0);
+  /** The parameters, with the order of the discontinuity map. */
+  rows = new Float64Array(0);
+
+  /** @param {Machine} machine @param {{change: (part: object) => void}} events */
+  constructor(machine, { change }) {
     this.machine = machine;
     this.axes = new Axes(document.getElementById("strobe"));
+    this.zero = new Axes(document.getElementById("zero-time"));
+    this.gestures = new Gestures(this.axes, {
+      ready: () => Boolean(this.state),
+      redraw: () => this.paint(),
+      pick: (u0) => change({ u0 }),
+      zoom: (line) => change({ line }),
+      zoomOut: () => change({ line: null }),
+      chosen: () => [this.state?.u0 ?? NaN, NaN],
+      steps: () => [SAMPLES - 1, 1],
+    });
   }
 
   get canvas() {
-    return /** @type {HTMLCanvasElement} */ (this.axes.canvas);
+    return this.axes.canvas;
   }
 
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.axes, draw: () => this.#drawMaps() }, { sheet: this.zero, draw: () => this.#drawZero() }];
+  }
+
+  /** One period from each start (u, v0). @param {Floats} u @param {"orbits" | "orbits_local"} map @returns {Images} */
+  #once(u, map) {
+    const starts = u.length;
+    const lanes = new Float64Array(2 * starts).fill(/** @type {State} */ (this.state).v0);
+    lanes.set(u);
+    const { points, letters } = this.machine.call(map, { columns: 1, starts, keep: 1, rows: this.rows, lanes, transient: 0 }, ["points", "letters"]);
+    return { u: points.subarray(0, starts), v: points.subarray(starts), letters };
+  }
+
+  /** Where a map's letter changes along the line, halved until rounding decides. @param {"orbits" | "orbits_local"} map @param {Images} images @returns {Jump[]} */
+  #jumps(map, { letters }) {
+    const found = [];
+    for (let i = 1; i < letters.length && found.length < 4; i++) {
+      if (letters[i] === letters[i - 1]) continue;
+      let before = this.u[i - 1], after = this.u[i];
+      for (;;) {
+        const middle = 0.5 * (before + after);
+        if (middle === before || middle === after) break;
+        if (this.#once(Float64Array.of(middle), map).letters[0] === letters[i - 1]) before = middle;
+        else after = middle;
+      }
+      found.push({ map, at: after, below: letters[i - 1], above: letters[i] });
+    }
+    return found;
+  }
+
+  /** @param {State} state */
   show(state) {
+    if (state.line[1] <= state.sigma) throw new Error(`u(0) runs to ${state.line[1]}, behind the wall at ${state.sigma}; choose starts above the wall`);
     this.state = state;
     const { machine } = this;
-    const rows = rowOf(machine, state);
-    rows[machine.fields.indexOf("order")] = machine.described.fields.find(({ name }) => name === "order").choices.indexOf(state.order);
-    this.u = linspace(...state.line, SAMPLES);
-    const lanes = new Float64Array(2 * SAMPLES).fill(state.v0);
-    lanes.set(this.u);
-    const once = (name) => machine.call(name, { columns: 1, starts: SAMPLES, keep: 1, rows, lanes, transient: 0 }, ["points", "letters"]);
-    const full = once("orbits"), local = once("orbits_local");
-    this.full = full.points.subarray(0, SAMPLES);
-    this.local = local.points.subarray(0, SAMPLES);
-    this.letters = full.letters;
+    this.rows = rowOf(machine, state);
+    this.rows[machine.fields.indexOf("order")] = ORDERS.indexOf(state.order);
+    const row = rowOf(machine, state);
+    this.u = linspace(Math.max(state.line[0], state.sigma), state.line[1], SAMPLES);
+    this.full = this.#once(this.u, "orbits");
+    this.local = this.#once(this.u, "orbits_local");
+    this.jumps = [...this.#jumps("orbits", this.full), ...this.#jumps("orbits_local", this.local)];
+    this.four = zeroTime(state, state.u0, state.v0);
+    this.flow = this.four ? this.#flow(row, state) : [];
     this.paint();
+  }
+
+  /** The exact flow from the start over the first half of a period, broken at impacts. @param {Floats} row @param {State} state */
+  #flow(row, state) {
+    const until = Math.PI / state.omega, samples = 400;
+    const start = Float64Array.of(0, 0, state.u0 - state.sigma, state.v0, 0, 0, 0);
+    const { result, legs } = this.machine.call("legs", { capacity: 64, row, state: start, until, patience: 1e-6 }, ["legs"]);
+    const flown = legs.subarray(0, Number(result) * 9);
+    /** @type {{t: number, before: number, after: number}[]} */
+    const hits = [];
+    for (let k = 0; k < flown.length; k += 9) if (!Number.isNaN(flown[k + 5])) hits.push({ t: flown[k + 4], before: flown[k + 5], after: flown[k + 6] });
+    const times = linspace(0, until, samples);
+    const { u, v } = this.machine.call("sample", { count: Number(result), samples, row, legs: flown, times }, ["u", "v"]);
+    const pieces = [/** @type {[number, number][]} */ ([])];
+    times.forEach((t, i) => {
+      while (hits.length && hits[0].t <= t) {
+        const hit = /** @type {typeof hits[number]} */ (hits.shift());
+        pieces[pieces.length - 1].push([state.sigma, hit.before]);
+        pieces.push([[state.sigma, hit.after]]);
+      }
+      pieces[pieces.length - 1].push([u[i], v[i]]);
+    });
+    return pieces;
   }
 
   repaint() {
@@ -38,47 +121,91 @@ export class StrobeView {
   }
 
   paint() {
-    const { axes, state } = this;
-    const seen = [...this.full, ...this.local].filter(Number.isFinite);
-    const low = Math.min(...seen), high = Math.max(...seen), room = 0.06 * (high - low) || 0.01;
-    const c = axes.begin();
-    axes.span(...state.line, low - room, high + room);
-    const curves = /** @type {[Float64Array, string, number, string][]} */ ([
-      [this.full, theme().ink, 3.4, "stroboscopic map"],
-      [this.local, periodColour(2), 1.8, `discontinuity map, ${state.order}`],
-    ]);
-    axes.inside(() => {
-      for (const [values, colour, size] of curves) {
-        c.fillStyle = colour;
-        values.forEach((value, i) => Number.isFinite(value) && c.fillRect(axes.x(this.u[i]) - size / 2, axes.y(value) - size / 2, size, size));
-      }
-    });
-    axes.frame("u(0)", "u(T)");
-    c.textAlign = "left";
-    c.textBaseline = "middle";
-    curves.forEach(([, colour, , text], k) => {
-      c.fillStyle = colour;
-      c.fillRect(axes.box.x + 14, axes.box.y + axes.box.h - 34 + 18 * k, 11, 5);
-      c.fillStyle = theme().faint;
-      c.fillText(text, axes.box.x + 31, axes.box.y + axes.box.h - 31 + 18 * k);
-    });
+    this.#drawMaps();
+    this.#drawZero();
     this.canvas.dataset.stage = "done";
   }
 
+  #drawMaps() {
+    const { axes, full, local, jumps } = this, state = /** @type {State} */ (this.state);
+    if (!full || !local || !jumps) return;
+    const [one, other] = state.coordinate === "v" ? [full.v, local.v] : [full.u, local.u];
+    const seen = [...one, ...other].filter(Number.isFinite);
+    const low = Math.min(...seen), high = Math.max(...seen), room = 0.06 * (high - low) || 0.01;
+    const c = axes.begin();
+    axes.span(this.u[0], this.u[SAMPLES - 1], low - room, high + room);
+    const curves = /** @type {[Float64Array, Int32Array, string, number, string][]} */ ([
+      [one, full.letters, theme().ink, 3.4, "stroboscopic map"],
+      [other, local.letters, periodColour(2), 1.8, `discontinuity map, ${state.order}`],
+    ]);
+    axes.inside(() => {
+      for (const { map, at } of jumps) axes.vertical(at, map === "orbits" ? theme().graze : periodColour(2), [5, 3], 1);
+      for (const [values, letters, colour, width] of curves) {
+        c.strokeStyle = colour;
+        c.lineWidth = width;
+        c.beginPath();
+        values.forEach((value, i) => {
+          const [x, y] = [axes.x(this.u[i]), axes.y(value)];
+          if (i && letters[i] === letters[i - 1] && Number.isFinite(values[i - 1])) c.lineTo(x, y);
+          else c.moveTo(x, y);
+        });
+        c.stroke();
+      }
+    });
+    axes.vertical(state.u0, theme().accent, [], 1.6);
+    axes.frame("u(0)", `${state.coordinate}(T)`);
+    c.textAlign = "left";
+    c.textBaseline = "middle";
+    const wide = 30 + Math.max(...curves.map(([, , , , text]) => c.measureText(text).width));
+    const [left, top] = this.#emptiest(wide, 40, [one, other]);
+    curves.forEach(([, , colour, , text], k) => {
+      c.fillStyle = colour;
+      c.fillRect(left, top + 8 + 18 * k, 11, 5);
+      c.fillStyle = theme().faint;
+      c.fillText(text, left + 17, top + 11 + 18 * k);
+    });
+    this.gestures.draw(c);
+  }
+
+  /** The corner of so many pixels in which fewest points of curves lie. @param {number} wide @param {number} high @param {Floats[]} curves */
+  #emptiest(wide, high, curves) {
+    const { axes } = this, { x, y, w, h } = axes.box;
+    const corners = [[x + 14, y + h - high - 6], [x + w - wide - 6, y + h - high - 6], [x + w - wide - 6, y + 6], [x + 14, y + 6]];
+    const inside = (/** @type {number[]} */ [left, top]) => curves.reduce((sum, values) => sum + values.filter((value, i) => {
+      const [a, b] = [axes.x(this.u[i]) - left, axes.y(value) - top];
+      return a >= 0 && a <= wide && b >= 0 && b <= high;
+    }).length, 0);
+    return corners.map((corner) => ({ corner, points: inside(corner) })).reduce((best, each) => (each.points < best.points ? each : best)).corner;
+  }
+
+  #drawZero() {
+    const { zero, four, flow } = this, state = /** @type {State} */ (this.state);
+    if (four) return drawZeroTime(zero, four, state.sigma, flow ?? []);
+    const c = zero.begin();
+    c.fillStyle = theme().faint;
+    c.textAlign = "center";
+    c.textBaseline = "middle";
+    c.fillText("no impact follows from this start", zero.canvas.clientWidth / 2, zero.canvas.clientHeight / 2);
+  }
+
   raster() {
-    return { samples: SAMPLES };
+    return { samples: SAMPLES, from: this.u[0], impact: Boolean(this.four) };
   }
 
   summary() {
-    const { state, u, full, local, letters } = this;
-    const number = (value) => Number(value.toPrecision(6)).toString().replace("-", "−");
-    const differ = Array.from(full, (value, i) => Math.abs(value - local[i]));
+    const { u, full, local, jumps, four } = this, state = /** @type {State} */ (this.state);
+    if (!full || !local || !jumps) return [];
+    const said = [{ text: `One period of the forcing from u(0) between ${number(u[0])} and ${number(u[SAMPLES - 1])}, v(0) = ${number(state.v0)}.` }];
+    for (const { map, at, below, above } of jumps) {
+      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${number(at, 10)}, and ${above} above: there one is gained or lost, at a graze or across the strobe.` });
+      else said.push({ text: `The discontinuity map jumps at u(0) = ${number(at, 10)}.` });
+    }
+    if (!jumps.some(({ map }) => map === "orbits")) said.push({ text: `No graze of the oscillator on this line: ${impacts(full.letters[0])} everywhere.` });
+    const differ = Array.from(full.u, (value, i) => Math.abs(value - local.u[i]));
     const most = differ.reduce((best, value, i) => (value > differ[best] ? i : best), 0);
-    const said = [{ text: `One period of the forcing from u(0) between ${number(state.line[0])} and ${number(state.line[1])}, v(0) = ${number(state.v0)}.` }];
-    const change = letters.findIndex((letter, i) => i > 0 && letter !== letters[i - 1]);
-    if (change > 0) said.push({ text: `The oscillator has ${letters[change - 1]} impact${letters[change - 1] === 1 ? "" : "s"} below u(0) ≈ ${number((u[change - 1] + u[change]) / 2)}, and ${letters[change]} above: between them one is gained or lost, at a graze or across the strobe.` });
-    else said.push({ text: `No graze on this line: ${letters[0]} impact${letters[0] === 1 ? "" : "s"} everywhere.` });
-    said.push({ text: `The maps differ most at u(0) = ${number(u[most])}, by ${number(differ[most])}.` });
+    said.push({ text: `The positions after a period differ most at u(0) = ${number(u[most])}, by ${number(differ[most])}.` });
+    if (four) said.push({ text: `Zero-time map at u(0) = ${number(state.u0)}: δ = ${number(four.delta)}, acceleration A = ${number(four.acceleration)}; ${four.points.map(([U, V], i) => `(U${"₀₁₂₃"[i]}, V${"₀₁₂₃"[i]}) = (${number(U)}, ${number(V)})`).join(", ")}.` });
+    else said.push({ text: `From u(0) = ${number(state.u0)} the zero-time map is the identity: at constant acceleration the ball turns before the wall.` });
     return said;
   }
 }

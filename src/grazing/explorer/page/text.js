@@ -1,95 +1,142 @@
 // @ts-check
 /** What is shown, as a Python program and as a command: both make exactly the raster on screen. */
+import { PRESETS } from "./presets.js";
+import { DEFAULTS } from "./state.js";
 
-const numbers = (list) => `(${list.join(", ")}${list.length === 1 ? "," : ""})`;
+/** @typedef {import("./state.js").State} State */
+/** @typedef {Record<string, any>} Raster what a view says of its picture */
 
-/** Amplitudes up to the last that is not zero, at least one. */
+const numbers = (/** @type {number[]} */ list) => `(${list.join(", ")}${list.length === 1 ? "," : ""})`;
+
+/** Amplitudes up to the last that is not zero, at least one. @param {State} state @param {"cos" | "sin"} kind */
 function amplitudes(state, kind) {
-  const all = [1, 2, 3].map((j) => state[`${kind}${j}`]);
+  const all = /** @type {const} */ ([1, 2, 3]).map((j) => state[`${kind}${j}`]);
   while (all.length > 1 && all.at(-1) === 0 && state.vary !== `${kind}${all.length}` && !(state.view === "chart" && state.second === `${kind}${all.length}`)) all.pop();
   return all;
 }
 
-/** Whether the model is the paper's pinball machine, whose constant force is called d. */
+/** Whether the model is the paper's pinball machine, whose constant force is called d. @param {State} state */
 export function isPinball(state) {
   return state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos)/.test(name));
 }
 
+/** The model as a program makes it. @param {State} state */
 function model(state) {
   if (isPinball(state)) {
     return `gz.pinball(alpha=${state.alpha}, k=${state.k}, omega=${state.omega}, t0=${state.t0}, d=${state.offset}, r=${state.r}, V=${state.V}, sigma=${state.sigma})`;
   }
-  const law = { newton: `gz.newton(${state.r})`, active: `gz.active(${state.r}, ${state.V})`, triggered: `gz.triggered(${state.r}, ${state.V}, ${state.trigger})` }[state.law];
+  const law = /** @type {Record<string, string>} */ ({ newton: `gz.newton(${state.r})`, active: `gz.active(${state.r}, ${state.V})`, triggered: `gz.triggered(${state.r}, ${state.V}, ${state.trigger})` })[state.law];
   const cos = amplitudes(state, "cos"), sin = amplitudes(state, "sin");
   return `gz.Oscillator(${state.alpha}, ${state.k}, gz.Forcing(${state.omega}, ${state.t0}, ${state.offset}, ${numbers(cos)}, ${numbers(sin)}), ${law}, ${state.sigma})`;
 }
 
+/** What the model calls a parameter. @param {State} state @param {string} name */
 function calledIn(state, name) {
   return name === "offset" && isPinball(state) ? "d" : name;
 }
 
-const called = (state) => calledIn(state, state.vary);
+const called = (/** @type {State} */ state) => calledIn(state, state.vary);
 
-/** The oscillator of a state as options of a command, without the parameters that vary. */
-function options(state, varied) {
+/** Whether a state is that of a figure of the paper, whatever its colours. @param {State} state @param {string} name */
+export function isFigure(state, name) {
+  const [own, wanted] = /** @type {Record<string, unknown>[]} */ ([state, { ...DEFAULTS, ...PRESETS[name].state }]);
+  return Object.keys(DEFAULTS).every((key) => ["tour", "theory", "colour"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
+}
+
+/** The oscillator of a state as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied @param {boolean} section whether there is one */
+function options(state, varied, section = true) {
+  /** @type {Record<string, number>} */
   const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, d: state.offset, sigma: state.sigma, r: state.r };
   if (state.law !== "newton") own.V = state.V;
   if (state.law === "triggered") own.trigger = state.trigger;
-  own.phase = state.phase;
+  if (section) own.phase = state.phase;
   for (const name of varied) delete own[name === "offset" ? "d" : name];
   const text = Object.entries(own).map(([name, value]) => `--${name}=${value}`).join(" ");
   return isPinball(state) ? text : `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
 }
 
-/** How many starts and steps the diagram of the view has. */
+/** How many starts and steps the diagram of the view has. @param {State} state */
 export function steps(state) {
   if (state.view === "gap") return { starts: state.starts, transient: state.transient, keep: state.keep };
   return { starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep };
 }
 
-/** A Python program that computes and draws the picture. */
+/** A Python program that computes and draws the picture. @param {State} state @param {Raster} raster */
 export function python(state, raster) {
   const head = "import numpy as np\n\nimport grazing as gz\n\n";
   if (state.view === "ball") {
-    return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${state.phase}, ${state.phase} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
+    return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
   }
   if (state.view === "strobe") {
-    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nZ = gz.discontinuity_map(m, order="${state.order}", phase=${state.phase})\nu = np.linspace(${state.line[0]}, ${state.line[1]}, ${raster.samples})\nfull = np.array([P((x, ${state.v0}))[0][0] for x in u])\nlocal = np.array([Z((x, ${state.v0}))[0][0] for x in u])\n`;
+    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nZ = gz.discontinuity_map(m, order="${state.order}", phase=${state.phase})\nu = np.linspace(${raster.from}, ${state.line[1]}, ${raster.samples})\nfull, local = (gz.plot.graph_of(each, u, "u", v=${state.v0}) for each in (P, Z))\ndrawn = gz.plot.map_graph(full, coordinate="${state.coordinate}", label="stroboscopic map")\nax = drawn["figure"].axes[0]\ngz.plot.map_graph(local, ax, coordinate="${state.coordinate}", colour="#e69f00", ls="--", label="discontinuity map, ${state.order}")\nax.legend()\ngz.plot.save(drawn, "one-period.png")\n${raster.impact ? `four = gz.zdm_points(m, (${state.u0}, ${state.v0}), phase=${state.phase})\ngz.plot.save(gz.plot.zdm(four, sigma=${state.sigma}), "zero-time.png")\n` : ""}`;
+  }
+  if (state.view === "edges") {
+    const [low, high] = state.gaps, [bottom, top] = state.span, [first, last] = state.periods;
+    return `import matplotlib.pyplot as plt
+import numpy as np
+
+import grazing as gz
+
+lam, l = ${state.lam}, np.linspace(${low}, ${high}, ${raster.samples})
+doubling = {N: gz.theory.mu_pd(N, lam, l) for N in range(${first}, ${last + 1})}
+collision = {N: np.broadcast_to(gz.theory.mu_bc(N, lam, l), l.shape) for N in doubling}
+appears = {N: gz.theory.l_exist(N, lam) for N in doubling}
+meets = {(N, N + 1): gz.theory.l_coexist(N, lam) for N in range(${first}, ${last})}
+figure, ax = plt.subplots()
+for N in doubling:
+    colour = gz.plot.style.period_colour(N)
+    ends = np.minimum(collision[N], ${2 * top - bottom})
+    ax.fill_between(l, doubling[N], ends, where=doubling[N] < ends, color=colour, alpha=0.18, lw=0)
+    ax.plot(l, doubling[N], "--", color=colour, label=f"period doubling, {N}")
+    ax.plot(l, ends, color=colour, label=f"border collision, {N}")
+for value in [*appears.values(), *meets.values()]:
+    if ${low} < value < ${high}:
+        ax.axvline(value, color="k", ls=":", lw=0.8)
+ax.set(xlim=(${low}, ${high}), ylim=(${bottom}, ${top}), xlabel="gap, $l$", ylabel=r"$\\mu$")
+ax.legend()
+gz.plot.save(figure, "edges.png")
+`;
   }
   if (state.view === "chart") {
     if (state.chart === "basins") {
-      const grid = raster.names.map((name, i) => `"${name}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`).join(", ");
-      return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result), "basins.png")\n`;
+      const grid = raster.names.map((/** @type {string} */ name, /** @type {number} */ i) => `"${name}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`).join(", ");
+      return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result, graze=-1), "basins.png")\n`;
     }
     const gap = raster.name === "gap";
-    const axis = (i) => `"${gap ? raster.names[i] : calledIn(state, raster.names[i])}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`;
+    const axis = (/** @type {number} */ i) => `"${gap ? raster.names[i] : calledIn(state, raster.names[i])}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`;
     const map = gap ? `P = gz.gap_map(lam=${state.lam}, mu=${state.mu}, l=${state.l})` : `P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})`;
     return `${head}${map}\nresult = gz.chart(\n    P, {${axis(0)}, ${axis(1)}},\n    starts=${raster.starts}, transient=${raster.transient}, keep=${raster.keep}, seed=${state.seed}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.chart(result), "chart.png")\n`;
   }
   const { starts, transient, keep } = steps(state);
+  /** @param {string} map @param {string} name @param {import("./state.js").Pair} ends @param {string} coordinate */
   const study = (map, name, [from, to], coordinate) =>
     `result = gz.density(\n    ${map}, "${name}", np.linspace(${from}, ${to}, ${state.columns}), bins=${state.bins}, coordinate="${coordinate}",\n    range=(${raster.low}, ${raster.high}), starts=${starts}, transient=${transient}, keep=${keep}, seed=${state.seed},\n    arithmetic="strict",\n)\ngz.plot.save(gz.plot.density(result), "density.png")\n`;
   if (state.view === "gap") return `${head}G = gz.gap_map(lam=${state.lam}, mu=${state.mu}, l=${state.l})\n${study("G", "mu", state.span, "x")}`;
   return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\n${study("P", called(state), state.reach, state.coordinate)}`;
 }
 
-/** The same as a command. */
+/** The same as a command; empty if there is none. @param {State} state @param {Raster} raster */
 export function command(state, raster) {
-  if (state.view === "strobe") return "";
+  if (state.view === "strobe") return isFigure(state, "2.2") ? "grazing paper --figures 2.1,2.2 --out paper" : "";
+  if (state.view === "edges") {
+    const [first, last] = state.periods;
+    return `grazing chart l=${state.gaps.join(":")}:${state.chart_columns} mu=${state.span.join(":")}:${state.chart_rows} --map gap --lam ${state.lam} --curves ${first === last ? first : `${first}:${last}`} --seed ${state.seed} --arithmetic strict -o edges.png`;
+  }
   if (state.view === "chart") {
     if (state.chart === "basins") {
-      const grid = raster.names.map((name, i) => `${name}=${raster.ends[i].join(":")}:${raster.sizes[i]}`).join(" ");
+      const grid = raster.names.map((/** @type {string} */ name, /** @type {number} */ i) => `${name}=${raster.ends[i].join(":")}:${raster.sizes[i]}`).join(" ");
       return `grazing basins ${grid} --transient ${raster.transient} --keep ${raster.keep} --arithmetic strict ${options(state, [])} -o basins.png`;
     }
     const gap = raster.name === "gap";
-    const axis = (i) => `${raster.names[i] === "offset" ? "d" : raster.names[i]}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
+    const axis = (/** @type {number} */ i) => `${raster.names[i] === "offset" ? "d" : raster.names[i]}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
     const rest = gap ? `--map gap --lam ${state.lam}` : options(state, raster.names);
     return `grazing chart ${axis(0)} ${axis(1)} --starts ${raster.starts} --transient ${raster.transient} --keep ${raster.keep} --seed ${state.seed} --arithmetic strict ${rest} -o chart.png`;
   }
   const { starts, transient, keep } = steps(state);
+  /** @param {import("./state.js").Pair} ends @param {string} name @param {string} coordinate */
   const study = ([from, to], name, coordinate) =>
     `grazing density ${name}=${from}:${to}:${state.columns} --bins ${state.bins} --coordinate ${coordinate} --range=${raster.low}:${raster.high} --starts ${starts} --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict`;
   if (state.view === "gap") return `${study(state.span, "mu", "x")} --map gap --lam ${state.lam} --l ${state.l} -o density.png`;
-  if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --until ${raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [])} -o ball.png`;
+  if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --start=${raster.start} --until=${raster.start + raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [], false)} -o ball.png`;
   return `${study(state.reach, state.vary === "offset" ? "d" : state.vary, state.coordinate)} ${options(state, [state.vary])} -o density.png`;
 }

@@ -3,6 +3,7 @@
 
 const STANDARD = { alpha: 3, k: 1, omega: 2.2, t0: 0, r: 0.8, law: "active", V: 0.4 };
 
+/** @type {{title: string, text: string, state: Partial<import("./state.js").State>}[]} */
 export const TOUR = [
   {
     title: "A ball above a bumper",

@@ -1,0 +1,69 @@
+// @ts-check
+/** Where the kernels come from, and who computes with them. */
+import { Here } from "./here.js";
+import { Machine } from "./machine.js";
+import { Pool } from "./pool.js";
+
+/** @typedef {Record<string, Machine>} Machines */
+/** @typedef {{problem: (text: string, about: string) => void, again: () => void}} Told what the page is told: a problem, and that all must be computed again */
+
+const KERNELS = new URL("../kernels/", import.meta.url);
+
+/** The workers or, where the browser starts none, the page in their place, which is said. @param {Machines} machines @param {Told} told */
+function workers(machines, { problem, again }) {
+  const here = new Here(machines);
+  const why = "The browser started no workers, so the page computes by itself: the same pictures, more slowly.";
+  /** @type {Pool | Here} */
+  let now = here;
+  const instead = () => {
+    if (now === here) return;
+    now = here;
+    problem(why, "workers");
+    again();
+  };
+  try {
+    const pool = new Pool();
+    now = pool;
+    for (const worker of pool.workers) worker.addEventListener("error", () => setTimeout(instead));
+  } catch {
+    problem(why, "workers");
+  }
+  const jobs = {
+    add: (/** @type {Parameters<Pool["add"]>} */ ...given) => now instanceof Pool && now.add(...given),
+    batch: (/** @type {string} */ channel) => now.batch(channel),
+    get workers() {
+      return now.workers;
+    },
+  };
+  return /** @type {Pool} */ (/** @type {unknown} */ (jobs));
+}
+
+/** Fetch the kernels and start them, here and in the workers; what cannot be had is said. @param {Told} told */
+export async function load(told) {
+  const { problem } = told;
+  const answer = await fetch(new URL("kernels.json", KERNELS));
+  if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
+  /** @type {import("./machine.js").Kernels} */
+  const described = await answer.json();
+  /** @type {Machines} */
+  const machines = {};
+  if (typeof WebAssembly !== "object") {
+    problem("This browser has no WebAssembly, by which the page computes, or it is switched off, as some browsers do in their strictest mode. Allow it for this page, or use another browser; links can be made and copied all the same.", "kernels");
+    return { described, machines, pool: null };
+  }
+  const pool = workers(machines, told);
+  await Promise.all(
+    Object.entries(described.modules).map(async ([name, each]) => {
+      try {
+        const file = await fetch(new URL(each.file, KERNELS));
+        if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
+        const module = await WebAssembly.compile(await file.arrayBuffer());
+        machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
+        pool.add(name, module, each);
+      } catch (error) {
+        problem(`The module ${each.file} could not be loaded (${error instanceof Error ? error.message : error}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
+      }
+    }),
+  );
+  return { described, machines, pool };
+}

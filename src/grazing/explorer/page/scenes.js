@@ -1,0 +1,33 @@
+// @ts-check
+/** The scenes: a view, and in charts what is charted. What each shows, zooms and says to do. */
+
+const ZOOM = "drag to zoom, double click to see all. Keys: arrows, +, −, 0.";
+/** What to do. @type {Record<string, string>} */
+export const HINTS = {
+  gap: `Click in the diagram to choose μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
+  edges: `Click to choose l and μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; between them the orbit is stable.`,
+  oscillator: `Click to choose the parameter, ${ZOOM} Shaded windows are those that the normal form predicts; dotted: the graze.`,
+  ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
+  "chart-gap": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
+  "chart-oscillator": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
+  "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
+  strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump. Click to choose the start of the zero-time map, ${ZOOM}`,
+};
+/** The scenes in which a control is shown; one not named here is shown with its section. @type {Record<string, string>} */
+export const SHOWN = {
+  span: "gap edges chart-gap", range: "gap", gaps: "edges chart-gap", periods: "edges",
+  vary: "oscillator chart-oscillator", reach: "oscillator chart-oscillator", second: "chart-oscillator", heights: "chart-oscillator",
+  coordinate: "oscillator strobe", window: "oscillator", reduced: "oscillator",
+  positions: "chart-basins", velocities: "chart-basins", u0: "strobe", v0: "strobe", line: "strobe", order: "strobe",
+  chart: "chart-gap chart-oscillator chart-basins", chart_columns: "chart-gap chart-oscillator chart-basins", chart_rows: "chart-gap chart-oscillator chart-basins",
+  theory: "gap oscillator", colour: "gap oscillator", columns: "gap oscillator", bins: "gap oscillator",
+  starts: "gap oscillator", transient: "gap oscillator", keep: "gap oscillator", flow_starts: "oscillator", flow_transient: "oscillator", flow_keep: "oscillator",
+  seed: "gap edges oscillator chart-gap chart-oscillator", accuracy: "gap edges oscillator chart-gap chart-oscillator chart-basins",
+};
+/** Axes that a picture zooms, by scene. @type {Record<string, string[]>} */
+export const ZOOMED = {
+  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: [], "chart-gap": ["span", "gaps"],
+  "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
+};
+/** The module that each view cannot do without. @type {Record<string, string>} */
+export const NEEDS = { gap: "gap", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
