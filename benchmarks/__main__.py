@@ -1,4 +1,4 @@
-"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [options]`."""
+"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [explorer] [options]`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rich.console import Console
 
 from .against import BadKernel, parsed
 from .chatter import FOLLOWERS, chatter, show_bounces
+from .explorer import respond, show_responses
 from .finders import FINDERS
 from .goals import goals
 from .measure import measure
@@ -22,7 +23,9 @@ from .shallow import shallow, show_shares
 from .speeds import show_goals, show_speeds
 from .studies import cost, show_costs
 
-PARTS = ("speed", "shallow", "chatter", "studies")
+PARTS = ("speed", "shallow", "chatter", "studies", "explorer")
+#: Parts that are no rows of programs, which --only could choose from.
+WHOLE = {"studies", "explorer"}
 #: Studies take seconds each: so many rounds are enough.
 STUDY_ROUNDS = 5
 QUICK = 0.2  # share of the work, of the fixed set and of the rounds in a quick run
@@ -84,7 +87,7 @@ def run(tokens: Sequence[str] | None = None) -> None:
     finders = list(FINDERS) if "shallow" in parts else []
     followers = list(FOLLOWERS) if "chatter" in parts else []
     names = [selected(group, options.only) for group in (every, finders, followers)]
-    if not any(names) and (parts != {"studies"} or options.only):
+    if not any(names) and (not parts <= WHOLE or options.only):
         known = "; ".join(dict.fromkeys([*every, *finders, *followers]))
         raise BadInput(f"--only {' '.join(options.only)!r} fits no row; there are: {known}")
 
@@ -106,8 +109,12 @@ def run(tokens: Sequence[str] | None = None) -> None:
     tell("")
     if costs:
         show_costs(out, costs)
+    responses = respond(share, tell) if "explorer" in parts and not options.only else []
+    tell("")
+    if responses:
+        show_responses(out, responses)
     if options.json is not None:
-        write(options.json, rounds, results, seen, bounces, costs)
+        write(options.json, rounds, results, seen, bounces, costs, responses)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

@@ -14,6 +14,7 @@ from statistics import median
 from typing import Any
 
 from .chatter import Chatter
+from .explorer import Response
 from .measure import Result, beside, ratio
 from .shallow import DEPTHS, Shallow
 from .studies import Cost
@@ -28,6 +29,7 @@ def write(
     seen: Sequence[Shallow],
     bounces: Sequence[Chatter],
     costs: Sequence[Cost] = (),
+    responses: Sequence[Response] = (),
 ) -> None:
     """Write everything to a JSON file; docs/benchmarks.md says what the fields mean."""
     content = {
@@ -48,6 +50,7 @@ def write(
             for c in bounces
         ],
         "studies": [asdict(one) for one in costs],
+        "explorer": [asdict(one) for one in responses],
     }
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 

@@ -1,0 +1,128 @@
+"""How much work the page does for a picture, counted: seconds are measured by `python -m benchmarks explorer`."""
+
+import numpy as np
+
+from grazing.explorer.oscillator import FIELDS as OSCILLATOR
+
+#: Of a diagram: the jobs sent to the workers, and its pictures as they come, with the state and what they hold.
+WATCH = """
+(view) => {
+  const {diagram, machine} = explorer.views[view], {canvas} = diagram.axes;
+  const seen = globalThis.seen = {jobs: [], pictures: []};
+  const send = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (message, ...more) {
+    if (message.job) seen.jobs.push({job: message.job, columns: message.given.values.length, steps: message.given.starts
+      * (message.given.transient + message.given.keep), row: [...message.given.row], id: message.id});
+    return send.call(this, message, ...more);
+  };
+  new MutationObserver((changes) => {
+    for (const {oldValue} of changes) {
+      const now = canvas.dataset.stage;
+      if (oldValue === "computing" && (now === "coarse" || now === "computing")) seen.pictures.push(
+        {row: [...diagram.drawn.row], points: diagram.counts.reduce((sum, count) => sum + count, 0)});
+    }
+  }).observe(canvas, {attributes: true, attributeFilter: ["data-stage"], attributeOldValue: true});
+}
+"""
+#: Moves a slider in every frame.
+DRAG = """
+([name, values]) => new Promise((done) => {
+  const slider = document.querySelector(`input[name=${name}]`).closest(".control").querySelector("input[type=range]");
+  const move = () => {
+    if (!values.length) return done();
+    slider.value = String(values.shift());
+    slider.dispatchEvent(new Event("input", {bubbles: true}));
+    requestAnimationFrame(move);
+  };
+  move();
+})
+"""
+
+
+def moved(shown, name, values):
+    shown.page.evaluate(DRAG, [name, list(values)])
+    shown.settle()
+    return shown.page.evaluate("seen")
+
+
+def workers(shown, view):
+    return shown.page.evaluate(f"explorer.views.{view}.diagram.pool.workers.length")
+
+
+def test_the_first_picture_of_the_gap_map_has_a_million_iterates(shown, address):
+    shown.open(f"{address}#version=1&view=gap")
+    shown.page.evaluate(WATCH, "gap")
+    seen = moved(shown, "l", [0.25])
+    (picture,) = seen["pictures"]
+    first = seen["jobs"][: workers(shown, "gap")]  # one job for each worker, and nothing before
+    assert sum(job["columns"] for job in first) == 800
+    assert sum(job["columns"] * job["steps"] for job in first) == 998_400
+    assert picture["points"] == 800 * 4 * 112 and picture["row"][2] == 0.25
+    rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
+    assert sum(job["columns"] * job["steps"] for job in rest) == 800 * 16 * 1000
+    assert max(job["columns"] * job["steps"] for job in rest) <= 5e5  # a new picture waits for no more than this
+
+
+def test_the_pictures_of_the_oscillator(shown, address):
+    shown.open(f"{address}#version=1&view=oscillator&columns=1000&reduced=no")
+    shown.page.evaluate(WATCH, "oscillator")
+    seen = moved(shown, "V", [0.3])
+    (picture,) = seen["pictures"]
+    first = seen["jobs"][: workers(shown, "oscillator")]
+    assert picture["row"][OSCILLATOR.index("V")] == 0.3
+    assert sum(job["columns"] * job["steps"] for job in first) == 125 * 4 * 100
+    rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
+    assert sum(job["columns"] for job in rest) == 1000
+    assert sum(job["columns"] * job["steps"] for job in rest) == 1000 * 8 * 184
+    assert max(job["columns"] * job["steps"] for job in rest) <= 15_000
+
+
+def test_a_slider_that_is_dragged_shows_every_picture_that_it_began(shown, address):
+    shown.open(f"{address}#version=1&view=gap")
+    shown.page.evaluate(WATCH, "gap")
+    values = np.round(np.linspace(0.05, 0.6, 40), 3)
+    seen = moved(shown, "l", values)
+    begun = {job["row"][2] for job in seen["jobs"]}
+    assert [picture["row"][2] for picture in seen["pictures"]] == sorted(begun)
+    skipped = shown.page.evaluate("explorer.views.gap.diagram.skipped")
+    assert (
+        len(begun) + skipped >= len(values) - 1 and values[-1] in begun
+    )  # of two events in a frame one may be left out
+    assert all(picture["points"] == 800 * 4 * 112 for picture in seen["pictures"])
+
+
+def test_refinement_makes_way_for_a_new_picture(shown, address):
+    shown.open(f"{address}#version=1&view=gap&starts=100")  # the whole picture takes long
+    shown.page.evaluate(WATCH, "gap")
+    shown.page.evaluate(DRAG, ["l", [0.3]])
+    shown.until("() => explorer.views.gap.diagram.stage === 'coarse'")
+    seen = moved(shown, "l", [0.4])
+    rows = [job["row"][2] for job in seen["jobs"]]
+    assert 0.3 in rows and rows.index(0.4) > 0
+    assert set(rows[rows.index(0.4) :]) == {0.4}  # no job of the picture before is begun any more
+    assert rows.count(0.3) < rows.count(0.4)
+
+
+def test_the_ball_moves_by_the_time_of_every_frame(shown, address):
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.until("() => explorer.views.ball.now > 0.5")
+    frames = shown.page.evaluate(
+        """() => new Promise((done) => {
+          const {ball} = explorer.views, frames = [], {call} = ball.machine;
+          let calls = 0;
+          ball.machine.call = function (...given) { calls++; return call.apply(this, given); };
+          const tick = (at) => {
+            frames.push([at, ball.now, calls]);
+            calls = 0;
+            if (frames.length < 91) requestAnimationFrame(tick);
+            else { ball.machine.call = call; done(frames); }
+          };
+          requestAnimationFrame(tick);
+        })"""
+    )
+    at, now, calls = np.array(frames).T
+    T = shown.page.evaluate("explorer.views.ball.T")
+    steps = np.minimum(np.diff(at), 100.0) / 1000.0 * 0.7 * T
+    np.testing.assert_allclose(np.diff(now), steps, atol=1e-9)
+    assert calls[1:].max() <= 2  # the flight further ahead, now and then, and the places to draw
+    assert calls[1:].sum() < 1.2 * 90
