@@ -72,6 +72,12 @@ function tonesOf(bins, total) {
   return Uint8Array.from({ length: Math.ceil(1 / strength) + 1 }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, count * strength))));
 }
 
+/** Wait until a frame has been made; of a page that nobody sees none is. */
+const onScreen = () => new Promise((done) => {
+  requestAnimationFrame(() => setTimeout(done));
+  setTimeout(done, 100);
+});
+
 export class Diagram {
   /** @type {Raster | null} what is on screen */ #shown = null;
   /** @type {Raster | null} one that is no more on screen */ #spare = null;
@@ -190,6 +196,7 @@ export class Diagram {
     this.paint();
     this.milliseconds.coarsePainted = performance.now() - begun;
     if (this.#next()) return;
+    await onScreen(); // refinement would take the processors from the frame that shows this picture
 
     const size = CHUNK_WORK / spec.cost;
     await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
