@@ -7,7 +7,7 @@ from grazing.explorer.oscillator import FIELDS as OSCILLATOR
 #: Of a diagram: the jobs sent to the workers, and its pictures as they come, with the state and what they hold.
 WATCH = """
 (view) => {
-  const {diagram, machine} = explorer.views[view], {canvas} = diagram.axes;
+  const {diagram} = explorer.views[view];
   const seen = globalThis.seen = {jobs: [], pictures: []};
   const send = Worker.prototype.postMessage;
   Worker.prototype.postMessage = function (message, ...more) {
@@ -25,13 +25,14 @@ WATCH = """
     };
     return made;
   };
-  new MutationObserver((changes) => {
-    for (const {oldValue} of changes) {
-      const now = canvas.dataset.stage;
-      if (oldValue === "computing" && (now === "coarse" || now === "computing")) seen.pictures.push(
-        {row: [...diagram.drawn.row], points: diagram.counts.reduce((sum, count) => sum + count, 0)});
-    }
-  }).observe(canvas, {attributes: true, attributeFilter: ["data-stage"], attributeOldValue: true});
+  let last;
+  const paint = diagram.paint.bind(diagram);
+  diagram.paint = () => {
+    paint();
+    if (diagram.stage !== "coarse" || diagram.drawn === last) return;
+    last = diagram.drawn;
+    seen.pictures.push({row: [...last.row], points: diagram.counts.reduce((sum, count) => sum + count, 0)});
+  };
 }
 """
 #: Moves a slider in every frame.
