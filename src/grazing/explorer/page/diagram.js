@@ -20,6 +20,8 @@ import { Axes } from "./plot.js";
 
 /** Steps of the gap map in one job: so short that a new picture need not wait for one that is under way. */
 const CHUNK_WORK = 4e5;
+/** A first picture of so few steps is computed in the page, if that takes so few milliseconds: then it is in the next frame. */
+const AT_ONCE = 1.1e6, SOON = 12;
 /** Orbits and steps of a column that are asked for their periods. */
 const ASKED = 8, SEEN = 64;
 
@@ -72,12 +74,20 @@ function tonesOf(bins, total) {
   return Uint8Array.from({ length: Math.ceil(1 / strength) + 1 }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, count * strength))));
 }
 
+/** Wait until a frame has been made; of a page that nobody sees none is. */
+const onScreen = () => new Promise((done) => {
+  requestAnimationFrame(() => setTimeout(done));
+  setTimeout(done, 100);
+});
+
 export class Diagram {
   /** @type {Raster | null} what is on screen */ #shown = null;
   /** @type {Raster | null} one that is no more on screen */ #spare = null;
   /** @type {Spec | null} what was asked for while a first picture was under way */ #wanted = null;
   /** @type {ImageData | null} */ #pixels = null;
   #asked = 0;
+  /** Milliseconds that pictures computed in the page have taken lately; less while none is, so that it is tried again. */
+  #took = 0;
 
   /**
    * @param {HTMLCanvasElement} canvas
@@ -180,16 +190,24 @@ export class Diagram {
     this.#spare = null;
     const { values, columns } = made, { quick } = spec;
     const firsts = values.filter((_, q) => q % quick.stride === 0);
-    await this.#inParts(firsts, Math.ceil(firsts.length / this.pool.workers.length), async (some, from) => {
-      const found = await batch.run(spec.machine, "raster", { ...this.#job(spec, some), ...quick });
-      made.put(from * quick.stride, found.counts, quick.starts * quick.keep, quick.stride);
-    });
+    const put = (/** @type {number} */ from, /** @type {Int32Array} */ counts) => made.put(from * quick.stride, counts, quick.starts * quick.keep, quick.stride);
+    const work = firsts.length * quick.starts * (quick.transient + quick.keep) * spec.cost;
+    if (batch.now && work <= AT_ONCE && this.#took < SOON) {
+      put(0, batch.now(spec.machine, "raster", { ...this.#job(spec, firsts), ...quick }).counts);
+      this.#took += (performance.now() - begun - this.#took) / 4;
+    } else {
+      this.#took *= 0.9;
+      await this.#inParts(firsts, Math.ceil(firsts.length / this.pool.workers.length), async (some, from) => {
+        put(from, (await batch.run(spec.machine, "raster", { ...this.#job(spec, some), ...quick })).counts);
+      });
+    }
     this.milliseconds.coarse = performance.now() - begun;
     [this.#shown, this.#spare] = [made, this.#shown];
     this.stage = "coarse";
     this.paint();
     this.milliseconds.coarsePainted = performance.now() - begun;
     if (this.#next()) return;
+    await onScreen(); // refinement would take the processors from the frame that shows this picture
 
     const size = CHUNK_WORK / spec.cost;
     await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {

@@ -1,13 +1,17 @@
 // @ts-check
 /** A pool of workers. A batch of jobs replaces the one before it on the same channel: what waits is dropped. */
 
-/** @typedef {typeof import("./jobs.js").JOBS} Jobs */
+import { JOBS } from "./jobs.js";
+import { Machine } from "./machine.js";
+
+/** @typedef {typeof JOBS} Jobs */
 /** @typedef {{id: number, machine: string, job: keyof Jobs, given: unknown}} Message */
 /** @typedef {{channel: string, live: () => boolean, message: Message, resolve: (found: any) => void, reject: (error: Error) => void}} Task */
 /**
- * `run` resolves with the result, or never if the batch has been replaced.
+ * `run` resolves with the result, or never if the batch has been replaced; `now`, where it is, does a job in the page.
  * @typedef {{
  *   live: () => boolean,
+ *   now?: (machine: string, job: "raster", given: Parameters<Jobs["raster"]>[1]) => ReturnType<Jobs["raster"]>,
  *   run: <Job extends keyof Jobs>(machine: string, job: Job, given: Parameters<Jobs[Job]>[1]) => Promise<ReturnType<Jobs[Job]>>,
  * }} Batch
  */
@@ -16,6 +20,7 @@ export class Pool {
   /** @type {Task[]} */ waiting = [];
   /** @type {Map<number, Task & {worker: Worker}>} */ running = new Map();
   /** @type {Map<string, number>} */ batches = new Map();
+  /** @type {Record<string, Machine>} */ machines = {};
   next = 0;
 
   constructor(size = Math.min(8, Math.max(1, navigator.hardwareConcurrency || 2))) {
@@ -35,6 +40,7 @@ export class Pool {
 
   /** Give a compiled module to all workers. @param {string} name @param {WebAssembly.Module} module @param {import("./machine.js").Module} described */
   add(name, module, described) {
+    this.machines[name] = new Machine(new WebAssembly.Instance(module, {}), described);
     for (const worker of this.workers) worker.postMessage({ name, module, described });
   }
 
@@ -50,6 +56,7 @@ export class Pool {
     const live = () => this.batches.get(channel) === number;
     return {
       live,
+      now: (machine, job, given) => JOBS[job](this.machines[machine], given),
       run: (machine, job, given) =>
         new Promise((resolve, reject) => {
           if (!live()) return;
