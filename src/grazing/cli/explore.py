@@ -10,10 +10,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from grazing.cli.whole import whole_number
+
 
 def explore(
     *,
-    port: int = 0,
+    port: Annotated[int, Parameter(converter=whole_number, show_default=False, metavar="N")] = 0,
     no_open: Annotated[bool, Parameter(help="Print the address and open no browser.", show_default=False)] = False,
     out: Annotated[
         str | None,

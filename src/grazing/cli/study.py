@@ -15,6 +15,7 @@ from cyclopts import Parameter
 
 from grazing.cli import output, progress
 from grazing.cli.options import RUN, recipe_from, signature_of
+from grazing.cli.whole import whole_number
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
@@ -49,7 +50,7 @@ def run_arguments(study: str) -> list[Argument]:
         found.append(one("save", str | None, None, says, metavar="FILE|FOLDER"))
     if study not in SINGLE and study != "windows":
         says = "Threads; one per processor if not given. The result does not depend on it."
-        found.append(one("threads", int | None, None, says, metavar="N"))
+        found.append(one("threads", int | None, None, says, metavar="N", converter=whole_number))
     if study not in WHOLE:
         found.append(one("dry_run", bool, False, "Print size, memory and estimated time, and compute nothing."))
     return [

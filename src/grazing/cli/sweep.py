@@ -15,6 +15,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from grazing.cli import progress
+from grazing.cli.whole import whole_number
 from grazing.outcome import InputError
 
 DONE, FAILED, INCOMPLETE = 0, 1, 3
@@ -42,7 +43,10 @@ Cluster = Annotated[
         metavar="KIND",
     ),
 ]
-Workers = Annotated[int | None, Parameter(help="Processes of a local cluster, or jobs in the queue.", metavar="N")]
+Workers = Annotated[
+    int | None,
+    Parameter(help="Processes of a local cluster, or jobs in the queue.", metavar="N", converter=whole_number),
+]
 Extra = Annotated[
     list[str] | None,
     Parameter(
@@ -51,7 +55,11 @@ Extra = Annotated[
 ]
 Threads = Annotated[
     int | None,
-    Parameter(help="Threads; one per processor if not given. The result does not depend on it.", metavar="N"),
+    Parameter(
+        help="Threads; one per processor if not given. The result does not depend on it.",
+        metavar="N",
+        converter=whole_number,
+    ),
 ]
 OtherCode = Annotated[
     bool, Parameter(help="Go on although this is not the version that the store was begun with.", show_default=False)

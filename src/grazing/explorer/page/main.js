@@ -35,7 +35,9 @@ const controls = {};
 const problems = new Map();
 /** @type {import("./state.js").Fields} */
 const fields = {};
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false;
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0;
+/** Milliseconds without a change after which the address follows. */
+const REST = 150;
 /** A part of a state by its name. @param {State} of @param {string} key */
 const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
 /** @returns {View | undefined} */
@@ -137,8 +139,8 @@ function render() {
   }
   $("hint").textContent = HINTS[shown];
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
-  const link = toFragment(state);
-  if (link !== location.hash) history.replaceState(null, "", link);
+  clearTimeout(linking);
+  linking = window.setTimeout(address, REST);
   const view = current();
   $("summary").hidden = !view;
   if (!view && problems.has("kernels")) return;
@@ -152,6 +154,13 @@ function render() {
   if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
   $("all").hidden = ZOOMED[shown].every((key) => same(part(state, key), part(home, key)));
   tell();
+}
+
+/** Put the state into the address. Not at every move of a slider: that costs more than a picture, and browsers allow few. */
+function address() {
+  clearTimeout(linking);
+  const link = toFragment(state);
+  if (link !== location.hash) history.replaceState(null, "", link);
 }
 
 const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
@@ -295,6 +304,7 @@ function whole(name, text, least) {
 
 /** Take the state from the link. */
 function read() {
+  clearTimeout(linking);
   const { state: found, problems: wrong } = fromFragment(location.hash, fields);
   state = found;
   home = zoomedOut(found);
@@ -307,6 +317,7 @@ async function copy(kind) {
   const view = current();
   view?.record?.(); // the ball's place goes into the link
   if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  address();
   const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
   if (!text) return say("there is no command for this picture; copy the Python");
   try {

@@ -1,0 +1,15 @@
+"""Whole numbers on the command line: 1.5 is none, and is not rounded to one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+
+def whole_number(_kind: Any, tokens: Sequence[Any]) -> int:
+    """Convert what was written; a :class:`ValueError` becomes the message of the command line."""
+    written: str = tokens[0].value
+    try:
+        return int(written)
+    except ValueError:
+        raise ValueError(f"{written!r} is no whole number.") from None
