@@ -67,6 +67,7 @@ _PUBLIC = {
     "chart": "studies.chart",
     "coexistence": "studies.coexistence",
     "density": "studies.density",
+    "graph": "studies.graph",
     "lyapunov": "studies.lyapunov",
     "orbit_diagram": "studies.orbit_diagram",
     "zero_one": "studies.zero_one",
@@ -149,6 +150,7 @@ if TYPE_CHECKING:
     from grazing.studies.chart import chart as chart
     from grazing.studies.coexistence import coexistence as coexistence
     from grazing.studies.density import density as density
+    from grazing.studies.graph import graph as graph
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
     from grazing.studies.zero_one import zero_one as zero_one

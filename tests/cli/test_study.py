@@ -120,6 +120,7 @@ def test_words(capsys):
         (["coexistence", "mu=0.02:0.1:4", *GAP, "--starts", "9"], {"mu": 4}),
         (["cobweb", "x=0.1", "mu=0.05", *GAP, "--steps", "7"], {"n": 8, "step": 7, "place": 1202}),
         (["trajectory", "u=0.1", "v=0", "--until", "5"], {}),
+        (["graph", "u=0.01:0.06:7", "v=-0.2", "--order", "full", "--coordinate", "v"], {"map": 2, "u": 7}),
     ],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )
@@ -210,6 +211,18 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("trajectory u=-0.1 v=0", "the ball starts inside the wall"),
         ("cobweb x=0.1", "the stroboscopic map has coordinates u, v; a cobweb needs one with one"),
         ("basins x=0:1:5", "x: unknown coordinate; allowed are u, v"),
+        ("graph", "nothing varies; graph varies 1 coordinate of u, v, such as u=0.1:0.2:100"),
+        ("graph u=0:0.1:5 v=0:1:5", "2 vary; graph varies 1 coordinate of u, v"),
+        ("graph d=0.1:0.2:5", "d: unknown coordinate; allowed are u, v"),
+        ("graph u=0:0.1:5 --fixed w=1", "w: unknown coordinate; allowed are u, v"),
+        ("graph u=0:0.1:5 --fixed u=1", "fixed has 'u'; allowed are v"),
+        ("graph u=0:0.1:5 --coordinate w", "--coordinate = 'w'; allowed are u, v"),
+        ("graph u=0:0.1:5 --order second", "--order = 'second'; allowed are 'lowest', 'full', 'corrected', 'none'"),
+        ("diagram d=0.1:0.2:5 --order none", "--order = 'none'; allowed are 'lowest', 'full', 'corrected'"),
+        ("graph u=0:0.1:5 --map discontinuity --order none", "leaves out the map beside the stroboscopic map"),
+        ("graph u=0:0.1:5 --map impact --order full", "the discontinuity map has one, the impact map has not"),
+        ("graph u=-0.1:0.1:5", "the ball starts inside the wall: u = -0.1"),
+        ("graph u=0:0.1:5 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
     ],
 )
 def test_each_error_says_what_to_do(line, said, capsys):
@@ -251,6 +264,62 @@ def test_a_dry_run_computes_nothing_and_says_what_it_takes(folder, capsys):
 
 def test_a_sweep_along_a_parameter_is_refused_as_a_store(capsys):
     assert "cannot be swept in chunks" in refused(capsys, "diagram", *SMALL, "--sweep", "up", "-o", "a.zarr")
+
+
+def test_a_graph_is_that_of_python_and_one_table(folder, capsys):
+    assert (
+        main(["graph", "u=0.01:0.06:7", "v=-0.23", "--phase", "0.1", "--omega", "2.1", "-o", "a.nc", "-o", "a.csv"])
+        == 0
+    )
+    assert "sizes:   map 2, u 7" in capsys.readouterr().out
+    P = gz.stroboscopic_map(gz.pinball(omega=2.1), phase=0.1)
+    want = gz.graph(P, "u", np.linspace(0.01, 0.06, 7), fixed={"v": -0.23})
+    found = gz.load("a.nc")
+    assert found.attrs.pop("grazing_recipe")
+    xr.testing.assert_identical(found, want)
+    with open("a.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["image_v_stroboscopic map"]) for row in rows] == want["image_v"].values[0].tolist()
+
+
+def test_the_coordinate_of_a_graph_is_drawn_and_told(folder, capsys):
+    line = ["graph", "u=0.01:0.06:7", "v=-0.23", "-q", "-o"]
+    for name, more in (("u", []), ("v", ["--coordinate", "v"])):
+        assert main([*line, f"{name}.nc", "-o", f"{name}.png", *more]) == 0
+    assert (folder / "u.png").read_bytes() != (folder / "v.png").read_bytes()
+    assert gz.load("u.nc").attrs["grazing_config_sha256"] == gz.load("v.nc").attrs["grazing_config_sha256"]
+    assert "--coordinate v " in _info(capsys, "v.png") and "--coordinate" not in _info(capsys, "u.png")
+    assert main(["plot", "v.nc", "-o", "v2.png"]) == 0
+    assert main(["plot", "u.nc", "-o", "v3.png", "--style", "coordinate=v"]) == 0
+    assert (folder / "v.png").read_bytes() == (folder / "v2.png").read_bytes() == (folder / "v3.png").read_bytes()
+    assert "allowed are u, v" in refused_after(capsys, "plot", "u.nc", "-o", "w.png", "--style", "coordinate=w")
+    assert "u.nc is no chart" in refused_after(capsys, "plot", "u.nc", "-o", "w.png", "--curves", "2")
+
+
+def refused_after(capsys, *tokens):
+    capsys.readouterr()
+    return refused(capsys, *tokens)
+
+
+def test_a_graph_of_ones_own_oscillator_and_maps(folder, capsys):
+    (folder / "mine.py").write_text(
+        "import grazing as gz\nball = gz.pinball(alpha=1.0)\nP = gz.stroboscopic_map(ball)\n"
+        "G = gz.gap_map(0.5, 0.1, 0.1)\n"
+    )
+    for option, names in (
+        (["--model", "mine.py:ball", "--order", "full"], ["stroboscopic map", "discontinuity map, full order"]),
+        (["--map", "mine.py:P"], ["stroboscopic map", "discontinuity map, lowest order"]),
+        (["--map", "mine.py:P", "--order", "none"], ["stroboscopic map"]),
+    ):
+        assert main(["graph", "u=0.01:0.06:7", "v=-0.23", *option, "-q", "-o", "a.nc"]) == 0
+        found = gz.load("a.nc")
+        assert found["map"].values.tolist() == names
+        want = gz.stroboscopic_map(gz.pinball(alpha=1.0))([0.06, -0.23])[0]
+        assert [found["image_u"].values[0, -1], found["image_v"].values[0, -1]] == want.tolist()
+    assert main(["graph", "x=-1:1:5", "--map", "mine.py:G", "-q", "-o", "a.nc"]) == 0
+    assert gz.load("a.nc").sizes == {"map": 1, "x": 5}
+    said = refused_after(capsys, "graph", "x=-1:1:5", "--map", "mine.py:G", "--order", "full")
+    assert "the discontinuity map has one" in said
 
 
 def test_coordinates_of_basins_are_fixed_by_a_value(capsys):

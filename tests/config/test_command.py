@@ -30,6 +30,10 @@ CONFIGS = [
     {"study": "basins", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": 0.1}, "vary": {"x": "-1:1:9"}},
     {"study": "trajectory", "settings": {"state": [0.1, -0.25], "until": 7.0}},
     {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "settings": {"state": [-0.1]}},
+    {"study": "graph", "order": "corrected", "law": "newton", "vary": {"v": "-0.3:0.1:9"}, "coordinate": "u",
+     "parameters": {"cos": [1.0, 0.0, -0.25], "sigma": -0.1}, "settings": {"fixed": {"u": 0.02}}},
+    {"study": "graph", "order": "none", "vary": {"u": [0.01, 0.05, 0.02]}, "parameters": {"phase": 0.25}},
+    {"study": "graph", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "vary": {"x": "-1:1:9"}},
 ]  # fmt: skip
 
 
@@ -42,7 +46,7 @@ def test_the_command_asks_for_the_same(config, capsys):
     assert checked(tomllib.loads(capsys.readouterr().out)) == recipe
 
 
-@pytest.mark.parametrize("config", [CONFIGS[1], CONFIGS[3], CONFIGS[7], CONFIGS[12]])
+@pytest.mark.parametrize("config", [CONFIGS[1], CONFIGS[3], CONFIGS[7], *CONFIGS[12:]])
 def test_the_printed_command_makes_the_same_bits(config, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     small = {"starts": 2, "keep": 8} if config["study"] in ("diagram", "chart") else {}
@@ -61,8 +65,8 @@ def test_the_printed_command_makes_the_same_bits(config, tmp_path, monkeypatch, 
 def _figure(result, recipe):
     from grazing.cli.output import figure
 
-    curves = boundaries_of(recipe)
-    return figure(result) if curves is None else figure(result, curves=curves)
+    shown = {"curves": boundaries_of(recipe), "coordinate": recipe.get("coordinate")}
+    return figure(result, **{name: value for name, value in shown.items() if value is not None})
 
 
 def test_what_needs_quotes_is_quoted(tmp_path):
@@ -144,8 +148,33 @@ def test_a_chart_made_in_python_knows_its_axes_from_a_figure_too(tmp_path):
     assert list(recipe_of(result.attrs, {name: result[name].values for name in ("mu", "l")})["vary"]) == ["mu", "l"]
 
 
-@pytest.mark.parametrize("study", ["trajectory", "cobweb"])
-def test_one_orbit_has_no_plan(study):
+@pytest.mark.parametrize("order", ["lowest", "corrected", None])
+def test_a_graph_made_in_python_says_its_command(order):
+    model = gz.Oscillator(0.4, 1.2, gz.Forcing(1.7, cos=(0.5, 0.0, 0.4), sin=(0.3,)), gz.newton(0.7), sigma=-0.1)
+    u = np.linspace(0.0, 0.06, 7)
+    result = gz.graph(gz.stroboscopic_map(model, phase=0.25), "u", u, fixed={"v": -0.25}, order=order)
+    recipe = recipe_of(result.attrs)
+    said = {"lowest": "", "corrected": " --order corrected", None: " --order none"}[order]
+    assert command_of(recipe) == (
+        f"grazing graph u=0:0.06:7{said} --law newton --alpha 0.4 --k 1.2 --omega 1.7 --d 0.0 --sigma=-0.1 "
+        "--cos 0.5,0.0,0.4 --sin 0.3 --r 0.7 --phase 0.25 --fixed v=-0.25"
+    )
+    again = result_of(recipe)
+    np.testing.assert_array_equal(again["image_u"], result["image_u"])  # what names d has other attributes
+    assert again["map"].values.tolist() == result["map"].values.tolist()
+
+
+def test_the_graph_of_a_discontinuity_map_made_in_python_has_its_order():
+    result = gz.graph(gz.discontinuity_map(gz.pinball(), "full"), "u", np.linspace(0.0, 0.06, 7), fixed={"v": -0.25})
+    recipe = recipe_of(result.attrs)
+    assert command_of(recipe) == "grazing graph u=0:0.06:7 --map discontinuity --order full --fixed v=-0.25"
+    again = result_of(recipe)
+    del again.attrs["grazing_recipe"]
+    xr.testing.assert_identical(again, result)
+
+
+@pytest.mark.parametrize("study", ["trajectory", "cobweb", "graph"])
+def test_what_is_computed_as_a_whole_has_no_plan(study):
     config = next(config for config in CONFIGS if config["study"] == study)
     with pytest.raises(InputError, match="has no cells to sweep"):
         plan_of(config)

@@ -324,17 +324,38 @@ def test_the_program_and_the_command_of_the_windows(shown, address, tmp_path):
     np.testing.assert_array_equal(made["mu"], np.linspace(0.05, 0.9, 4))
 
 
-def test_the_standard_picture_of_one_period_has_a_command(shown, address, presets):
-    opened(shown, address, presets["2.2"])
-    assert split(shown.page.evaluate("() => explorer.texts().command"))[:4] == [
-        "grazing",
-        "paper",
-        "--figures",
-        "2.1,2.2",
-    ]
-    opened(shown, address, presets["2.2"], V=0.3)
+@pytest.mark.parametrize(
+    "model",
+    [
+        "omega=2.1&t0=2.2&offset=0.11&V=0.2",  # of Figure 2.2
+        "omega=2.1&t0=2.2&offset=0.11&V=0&order=full&phase=0.15&coordinate=v&line=-0.02:0.09",
+        "law=newton&alpha=0&omega=2.6&offset=0.05&cos1=0.8&sigma=-0.1&line=-0.1:0.1&v0=-23e-2&order=corrected",
+        "law=triggered&trigger=0.3&alpha=0.4&k=1.2&omega=1.7&offset=0.1&cos1=0.5&sin1=0.3&sin2=0.2&cos3=0.4&phase=0.3&r=0.7"
+        "&V=0.2&sigma=0.15&line=0.16:0.35&order=corrected",  # with chatter
+    ],
+)
+def test_the_program_and_the_command_of_one_period(shown, address, tmp_path, model):
+    shown.open(f"{address}#version=1&view=strobe&{model}")
+    seen = shown.page.evaluate(
+        "() => { const { u, full, local } = explorer.views.strobe; return [[...u], "
+        "...[full, local].map(each => [[...each.u], [...each.v], [...each.letters]])]; }"
+    )
     shown.page.click("[data-copy=command]")
-    shown.until("() => document.getElementById('said').textContent.includes('no command')")
+    shown.until("() => document.getElementById('said').textContent === 'command copied'")
+    words = split(shown.page.evaluate("() => navigator.clipboard.readText()"))
+    assert ["--coordinate", state(shown, "coordinate")] == words[words.index("--coordinate") :][:2]
+    file = words.index("graph.png")
+    words[file : file + 1] = [str(tmp_path / "graph.png"), "-o", str(tmp_path / "graph.nc")]
+    assert main([*words[1:], "--quiet"]) == 0
+    found = gz.load(tmp_path / "graph.nc")
+    np.testing.assert_array_equal(found["u"], seen[0])
+    for k, values in enumerate(seen[1:]):
+        np.testing.assert_array_equal([found[name][k] for name in ("image_u", "image_v", "letter")], values)
+        assert len(set(values[2])) > 1  # the line leads across a graze of both maps
+    program = known(shown)["result"]
+    assert program["map"].values.tolist() == found["map"].values.tolist()
+    for name in ("u", "image_u", "image_v", "letter", "outcome"):
+        np.testing.assert_array_equal(program[name], found[name])
 
 
 # ---- the ball, anywhere

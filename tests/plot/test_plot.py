@@ -8,12 +8,14 @@ import xarray as xr
 from grazing import plot
 from grazing.maps.discontinuity import zdm_points
 from grazing.maps.gap import gap_map
+from grazing.maps.impact import impact_map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.model import pinball
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
-from grazing.plot.style import CHAOS, ENDED, PERIODS, UNDECIDED, ink_on
+from grazing.plot.style import CHAOS, ENDED, INK, PERIODS, UNDECIDED, ink_on
 from grazing.studies.cobweb import cobweb as followed
+from grazing.studies.graph import graph as step_of
 
 
 def diagram():
@@ -47,6 +49,54 @@ def test_a_graph_of_a_plane_map_fixes_the_other_coordinate():
     graph = plot.graph_of(P, [0.05, 0.1], "u", v=-0.1)
     assert np.allclose(graph.images[1], P((0.1, -0.1))[0])
     assert plot.map_graph(graph, coordinate="v")["pieces"][0].get_ydata()[-1] == graph.images[-1, 1]
+
+
+def stepped(**more):
+    P = stroboscopic_map(pinball(omega=2.1, t0=2.2, d=0.11, V=0.2))
+    return step_of(P, "u", np.linspace(0.01, 0.06, 101), fixed={"v": -0.23}, **more)
+
+
+@pytest.mark.parametrize("coordinate", [None, "u", "v"])
+def test_the_graphs_of_two_maps_as_in_figure_2_2(coordinate):
+    result = stepped(order="full")
+    drawn = plot.graph(result, coordinate=coordinate)
+    assert list(drawn["graphs"]) == ["stroboscopic map", "discontinuity map, full order"]
+    for k, (pieces, colour) in enumerate(zip(drawn["graphs"].values(), (INK, PERIODS[1]), strict=True)):
+        assert [line.get_color() for line in pieces] == [colour] * 2  # before and after the jump
+        assert pieces[0].is_dashed() == (k == 1)
+        assert np.array_equal(np.concatenate([line.get_xdata() for line in pieces]), result["u"])
+        y = np.concatenate([line.get_ydata() for line in pieces])
+        assert np.array_equal(y, result[f"image_{coordinate or 'u'}"][k])
+        assert pieces[0].get_xdata().size == int((result["letter"][k] == 1).sum())
+    assert [text.get_text() for text in drawn["legend"].get_texts()] == list(drawn["graphs"])
+    (ax,) = drawn["figure"].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$u_{n}$", f"${coordinate or 'u'}_{{n+1}}$")
+    assert drawn["provenance"]["grazing_config"]["order"] == "full"
+    assert plot.graph(result, legend=False)["legend"] is None
+
+
+def test_a_graph_alone_has_no_legend_and_shows_a_piece_of_one_point():
+    drawn = plot.graph(step_of(gap_map(0.8, 0.5, 1.0), "x", [0.25, -1.0, -0.5]))
+    (pieces,) = drawn["graphs"].values()
+    assert drawn["legend"] is None
+    assert [line.get_xdata().tolist() for line in pieces] == [[-1.0, -0.5], [0.25]]  # in order along the axis
+    assert [line.get_marker() for line in pieces] == ["None", "."]
+
+
+def test_a_coordinate_with_an_index_is_set_as_mathematics(tmp_path):
+    drawn = plot.graph(step_of(impact_map(pinball()), "v_plus", [0.4, 0.5]), coordinate="tau")
+    (ax,) = drawn["figure"].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$v_{\mathrm{plus},n}$", r"$\tau_{n+1}$")
+    plot.save(drawn, tmp_path / "a.png")  # which sets them
+
+
+def test_what_is_no_graph():
+    with pytest.raises(InputError, match="coordinate is 'w'; allowed are 'u', 'v'"):
+        plot.graph(stepped(), coordinate="w")
+    with pytest.raises(InputError, match=r"plot\.graph cannot draw a Map"):
+        plot.graph(gap_map(0.8, 0.5, 1.0))
+    with pytest.raises(InputError, match=r"plot\.graph finds no letter in a result with x, period"):
+        plot.graph(diagram())
 
 
 def test_a_cobweb_closes():
@@ -187,6 +237,7 @@ def test_saving_what_a_function_returned(tmp_path):
     P, points = gap_map(0.8, 0.5, 1.0), [-1.0060750571225354, -0.3048600456980284, 0.2561119634415773]
     everything = [
         plot.cobweb(P, points),
+        plot.graph(stepped()),
         plot.map_graph(plot.graph_of(P, [-1.0, 0.5])),
         plot.orbit_diagram(diagram()),
         plot.trajectory(trajectory(pinball(d=0.12), (0.1, 0.0), until=5.0)),

@@ -217,7 +217,11 @@ def test_files(tmp_path):
         ),
         ((BALL, {"v": [0.0]}), {"fixed": {"u": -1.0}}, "the ball starts inside the wall: u = -1"),
         ((BALL, {"v": [0.0]}), {"fixed": {"v": 1.0}}, "fixed has 'v'; allowed are u"),
-        ((BALL, {"u": [0.1], "v": [0.0]}), {"fixed": {"u": 1.0}}, "fixed has 'u'; allowed are none: the grid has them"),
+        (
+            (BALL, {"u": [0.1], "v": [0.0]}),
+            {"fixed": {"u": 1.0}},
+            "fixed has 'u'; allowed are none: all coordinates vary",
+        ),
         ((BALL, {"v": [0.0]}), {"fixed": {"u": np.inf}}, "u = inf is not finite; give a finite number"),
         ((GAP, {"x": [0.1]}), {"preimages": -1}, "preimages = -1; allowed is a whole number >= 0"),
         ((GAP, {"x": [0.1]}), {"keep": 0}, "keep = 0; allowed is a whole number >= 1"),

@@ -42,6 +42,10 @@ STUDIES = {
         "Draw an orbit of a one-dimensional map.",
         "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
     ),
+    "graph": (
+        "Draw one step of a map along a line of states, beside the discontinuity map of the oscillator.",
+        "u=0.01:0.06:600 v=-0.23 --omega 2.1 --t0 2.2 --d 0.11 --V 0.2 -o graph.png",
+    ),
 }
 ORBITS = {
     "orbit": ("Find periodic orbits, stable and unstable, and prove them.", "--word 001 --d 0.12 --V 0.4 --certify"),

@@ -19,7 +19,7 @@ from grazing.config.own import is_own, located
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, config_of
-from grazing.config.settings import SINGLE, STUDIES, settings_of, text_of
+from grazing.config.settings import COORDINATE, SINGLE, STUDIES, settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.outcome import GrazingError
 
@@ -76,7 +76,8 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
         if key not in fields or (of_model and key not in ("model", "law")):
             continue
         choices = _choices(fields[key])
-        group, metavar = (STUDY, "LIST") if key in DRAWN.get(study, ()) else (MAP, "" if choices else "NAME")
+        group = STUDY if key in DRAWN.get(study, ()) else MAP
+        metavar = "LIST" if key == "curves" else "" if choices else "NAME"
         arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})
     described = config_of(study).model_json_schema()["$defs"]["Parameters"]["properties"]
@@ -113,7 +114,7 @@ def _positional_help(study: str) -> str:
     form = "NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=A,B,C"
     what = f"What varies: {form}" if known.least else f"What varies, if anything: {form}"
     several = "; the first is the horizontal axis" if known.most > 1 else ""
-    single = "; NAME=VALUE sets a parameter or a coordinate" if study == "basins" else "; NAME=VALUE sets a parameter"
+    single = f"; NAME=VALUE sets a parameter{' or a coordinate' if known.varies == COORDINATE else ''}"
     return f"{what}{several}{single}."
 
 
@@ -184,7 +185,11 @@ def recipe_from(
     settings = settings_of(study).model_fields
     for name, text in options.items():
         if text is not None:
-            put(given, (name,) if name in KEYS else ("settings" if name in settings else "parameters", name), text)
+            put(
+                given,
+                ("settings", name) if name in settings else (name,) if name in KEYS else ("parameters", name),
+                text,
+            )
     problems += assigned(given, tokens)
     for name in mapping["vary"] if isinstance(mapping.get("vary"), Mapping) else ():
         if ("parameters", name) in given.here:
@@ -233,7 +238,7 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
             problems.append(Problem((), f"{token!r}: {name} is given twice"))
         elif token in ranges:
             put(given, ("vary", name), DEFAULT if text == ":" else text)
-        elif name in coordinates and given.mapping["study"] == "basins":
+        elif name in coordinates and _coordinates_vary(given.mapping):
             put(given, ("settings", "fixed", name), text)
         elif name in coordinates and given.mapping["study"] in SINGLE:
             states[name] = text
@@ -264,6 +269,11 @@ def _most(mapping: Mapping[str, Any]) -> int:
     return study.most if study is not None else 0
 
 
+def _coordinates_vary(mapping: Mapping[str, Any]) -> bool:
+    study = STUDIES.get(str(mapping.get("study")))
+    return study is not None and study.varies == COORDINATE
+
+
 def _is_range(token: str) -> bool:
     name, _, text = token.partition("=")
     return ":" in text or ("," in text and name not in AMPLITUDES)
@@ -271,7 +281,7 @@ def _is_range(token: str) -> bool:
 
 def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
-    if mapping.get("study") not in ("basins", *SINGLE):
+    if mapping.get("study") not in SINGLE and not _coordinates_vary(mapping):
         return []
     if mapping.get("study") == "trajectory":
         return ["u", "v"]

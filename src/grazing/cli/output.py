@@ -85,8 +85,8 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
 
 
 DRAWN = (
-    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "branch",
-    "windows", "bifurcation_diagram",
+    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "graph",
+    "branch", "windows", "bifurcation_diagram",
 )  # fmt: skip
 #: How the titles begin of results whose attributes do not name the function of their figure.
 TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}

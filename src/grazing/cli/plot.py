@@ -45,8 +45,8 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    result, laid = with_curves(result, curves, file)
-    written = [name for path in files for name in output.write(result, path, **arguments, **laid)]
+    result, arguments = with_drawn(result, arguments, curves, file)
+    written = [name for path in files for name in output.write(result, path, **arguments)]
     title = str(result.attrs.get("title", ""))
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0
@@ -63,37 +63,43 @@ def loaded(file: str) -> Any:
     return load(file)
 
 
-def with_curves(result: Any, curves: str | None, file: str) -> tuple[Any, dict[str, Any]]:
-    """Return a result that says which boundary curves are drawn on it, and these as an argument of its figure.
+def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file: str) -> tuple[Any, dict[str, Any]]:
+    """Return a result that says what its figure shows beside it, and all arguments of the figure.
+
+    That are the boundary curves on a chart, and the coordinate that a graph shows.
 
     Parameters
     ----------
     result : xarray.Dataset
+    arguments : dict
+        Of the figure, as they were given.
     curves : str or None
         Periods; None for those that its recipe names, if any.
     file : str
         Where the result is from, for the message.
     """
-    from grazing.cli.study import curves_of
+    from grazing.cli.study import style_of
     from grazing.config import checked, recipe_of
     from grazing.config.build import RECIPE, kept
     from grazing.config.schema import DRAWN
 
-    study = output.study_of(result.attrs)
-    if curves is not None and study not in DRAWN:
+    keys = DRAWN.get(output.study_of(result.attrs), ())
+    if curves is not None and "curves" not in keys:
         raise InputError(f"--curves: {file} is no chart; leave it out")
-    if study not in DRAWN or (curves is None and "curves" not in str(result.attrs.get(RECIPE, ""))):
-        return result, {}
+    given = {"curves": curves, **arguments}
+    changed = {key: given[key] for key in keys if given.get(key) is not None}
+    if not changed and not any(f'"{key}": ' in str(result.attrs.get(RECIPE, "")) for key in keys):
+        return result, arguments
     try:
         recipe = recipe_of(result.attrs, axes_of(result))
     except GrazingError as error:
         if curves is None:
-            return result, {}
+            return result, arguments
         raise InputError(f"--curves: {file} does not say which map it is of: {error}") from None
-    if curves is not None:
-        recipe = checked({**recipe, "curves": curves})
+    if changed:
+        recipe = checked({**recipe, **changed})
         result = result.assign_attrs({RECIPE: text.dumps(kept(recipe), sort_keys=True)})
-    return result, curves_of(recipe, quiet=False)
+    return result, {**arguments, **style_of(recipe, quiet=False)}
 
 
 def axes_of(result: Any) -> dict[str, Any]:

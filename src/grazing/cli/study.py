@@ -48,7 +48,7 @@ def run_arguments(study: str) -> list[Argument]:
         )
         says = "Write the certificates: FILE.json, numbered if there are several, or FOLDER. Implies --certify."
         found.append(one("save", str | None, None, says, metavar="FILE|FOLDER"))
-    if study not in SINGLE and study != "windows":
+    if study not in (*SINGLE, "graph", "windows"):
         says = "Threads; one per processor if not given. The result does not depend on it."
         found.append(one("threads", int | None, None, says, metavar="N", converter=whole_number))
     if study not in WHOLE:
@@ -115,7 +115,7 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
     start = time.monotonic()
     what = "values" if len(recipe["vary"]) == 1 else "cells"
     stores = [file for file in files if file.suffix == output.STORE]
-    style = curves_of(recipe, quiet) if drawn else {}  # before the long computation: what is wrong is said at once
+    style = style_of(recipe, quiet) if drawn else {}  # before the long computation: what is wrong is said at once
     with progress.counted(what, quiet, THEN.get(recipe["study"], "")) as show:
         if stores:
             result = swept(plan_of(recipe), stores[0], threads, show)
@@ -140,10 +140,10 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
     return DONE
 
 
-def curves_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
-    """Return the boundary curves of a chart that wants some, as an argument of its figure."""
+def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
+    """Return what a figure shows beside its result, as arguments: boundary curves of a chart, one coordinate."""
     if not recipe.get("curves"):
-        return {}
+        return {"coordinate": recipe["coordinate"]} if recipe.get("coordinate") else {}
     with progress.said("following the boundary curves", quiet):
         return {"curves": boundaries_of(recipe)}
 

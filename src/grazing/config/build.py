@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from grazing.config.check import Recipe, checked
-from grazing.config.maps import map_of, model_of, parameter_defaults
+from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
+from grazing.config.schema import ALONE
 from grazing.config.settings import STUDIES, WHOLE
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
@@ -18,6 +19,7 @@ from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb
+from grazing.studies.graph import graph
 from grazing.studies.labels import own_version, versions
 from grazing.studies.plan import Plan, Progress, run_plan
 
@@ -55,7 +57,7 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     Raises
     ------
     InputError
-        With all errors of the configuration; or for a trajectory or a cobweb, which have no plan.
+        With all errors of the configuration; or for a study without a plan, which is computed as a whole.
 
     Examples
     --------
@@ -78,6 +80,13 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     if recipe["study"] == "density":  # found by a trial, whose last digits another machine need not repeat
         recipe = {**recipe, "settings": {**recipe["settings"], "range": list(plan.config["range"])}}
     return replace(plan, recipe=kept(recipe))
+
+
+def graph_in(recipe: Recipe) -> xr.Dataset:
+    """Return the graph of a recipe's map, beside that of the discontinuity map whose order it names, if any."""
+    [(name, written)] = recipe["vary"].items()
+    order = recipe["order"] if has_beside(recipe) and recipe["order"] != ALONE else None
+    return graph(map_in(recipe), name, values_of(written), order=order, **recipe["settings"])
 
 
 def boundaries_of(config: Mapping[str, Any]) -> xr.Dataset | None:
@@ -200,10 +209,12 @@ def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress
         result = signed(trajectory(model_of(recipe), **recipe["settings"]))
     elif recipe["study"] == "orbit":
         result = orbits_as_table(orbits_of(recipe, threads), recipe)
-    elif recipe["study"] in WHOLE and recipe["study"] != "cobweb":
-        result = signed(followed(recipe, threads, progress))
     elif recipe["study"] == "cobweb":
         result = cobweb(map_in(recipe), **recipe["settings"])
+    elif recipe["study"] == "graph":
+        result = graph_in(recipe)
+    elif recipe["study"] in WHOLE:
+        result = signed(followed(recipe, threads, progress))
     else:
         result = run_plan(plan_of(recipe), threads, progress)
     result.attrs[RECIPE] = json.dumps(kept(recipe), sort_keys=True)

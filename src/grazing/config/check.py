@@ -8,20 +8,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from grazing.config.maps import LAW, UNFOLD, map_of, names_of, parameter_defaults
+from grazing.config.maps import LAW, UNFOLD, has_beside, map_of, names_of, parameter_defaults
 from grazing.config.own import is_own, located, own_object
 from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
-from grazing.config.schema import MAPS, Config, config_of
+from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
-from grazing.maps.discontinuity import discontinuity_map
+from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import GrazingError, InputError
 
 Recipe = dict[str, Any]
 #: Of the keys in a recipe.
-ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves")
+ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves", "coordinate")
 
 
 def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", label: Label = dotted) -> Recipe:
@@ -183,10 +183,17 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if config.get("law") and (config.get("model") or not oscillator):
         brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
         yield Problem(("law",), f"{brings}; leave the law out")
+    beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
-        if config.get(key) and kind != at:
+        if config.get(key) and kind != at and not (key == "order" and beside):
             yield Problem((key,), f"the {at} map has one, the {kind} map has not; leave it out")
-    if kind == "discontinuity":
+    if kind == "discontinuity" and config.get("order") == ALONE:
+        yield Problem(
+            ("order",),
+            f"order = {ALONE!r} leaves out the map beside the stroboscopic map; allowed are {', '.join(ORDERS)}",
+        )
+        del config["order"]
+    if kind == "discontinuity" or beside:
         config.setdefault("order", defaults_of(discontinuity_map)["order"])
     if kind == "normal-form":
         config.setdefault("unfold", UNFOLD)
@@ -287,9 +294,10 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
                 said = f"starts has a state of {len(state)} numbers; give {count} for each: {named}"
                 yield Problem(("settings", "starts"), said)
                 break
-    if settings.get("coordinate") is not None and settings["coordinate"] not in coordinates:
-        said = unknown_key(settings["coordinate"], coordinates, f"coordinate = {settings['coordinate']!r}")
-        yield Problem(("settings", "coordinate"), said)
+    for table, path in ((settings, ("settings", "coordinate")), (config, ("coordinate",))):
+        if table.get("coordinate") is not None and table["coordinate"] not in coordinates:
+            said = unknown_key(table["coordinate"], coordinates, f"coordinate = {table['coordinate']!r}")
+            yield Problem(path, said)
     for name in settings.get("fixed") or ():
         if name not in coordinates:
             yield Problem(("settings", "fixed", name), unknown_key(name, coordinates, "unknown coordinate"))

@@ -22,6 +22,7 @@ KEYS = {
     "model": None,
     "law": LAW,
     "curves": None,
+    "coordinate": None,
 }
 
 

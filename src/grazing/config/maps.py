@@ -124,6 +124,14 @@ def section_of(model: Oscillator, config: Mapping[str, Any]) -> Map:
     return stroboscopic_map(model, **at)
 
 
+def has_beside(config: Mapping[str, Any]) -> bool:
+    """Say whether a configuration is the graph of a stroboscopic map, which a discontinuity map can stand beside."""
+    if config.get("study") != "graph" or not is_own(config["map"]):
+        return config.get("study") == "graph" and config["map"] == "stroboscopic"
+    found = own_object(config["map"])
+    return isinstance(found, Map) and found.model is not None and found.section == "strobe"
+
+
 def model_of(config: Mapping[str, Any]) -> Oscillator:
     """Return the oscillator of a checked configuration: the paper's, where nothing else is said."""
     given = {name: value for name, value in config.get("parameters", {}).items() if name != "phase"}

@@ -67,6 +67,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     recipe = {
         "study": study,
         **_map(config),
+        **({"order": config["order"]} if "order" in config else {}),
         "vary": _ranges(config, coordinates or {}, str(attrs.get("title", ""))),
         "settings": _settings(study, config),
     }

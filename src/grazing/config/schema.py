@@ -39,7 +39,11 @@ VARIED: dict[str, tuple[Any, str]] = {
 
 
 #: Keys of one study's configuration alone: what the figure shows beside the result.
-DRAWN = {"chart": ("curves",)}
+DRAWN = {"chart": ("curves",), "graph": ("coordinate",)}
+
+
+#: The order of no discontinuity map: the graph of the stroboscopic map alone.
+ALONE = "none"
 
 
 def _curves(value: Any) -> list[int] | None:
@@ -85,8 +89,15 @@ def config_of(study: str) -> type[Config]:
     """Return the schema of one study's configuration."""
     table = settings_of(study)
     kind: Any = Literal[study]
-    says = "periods whose exact boundary curves are drawn on top, where theory knows them: 2,3,5 or 2:7"
-    extra: dict[str, Any] = {"curves": (Curves, Field(default=None, description=says))} if study in DRAWN else {}
+    extra: dict[str, Any] = {}
+    if study == "chart":
+        says = "periods whose exact boundary curves are drawn on top, where theory knows them: 2,3,5 or 2:7"
+        extra["curves"] = (Curves, Field(default=None, description=says))
+    if study == "graph":
+        says = "coordinate whose images are drawn; the one that varies if not given"
+        extra["coordinate"] = (str | None, Field(default=None, description=says))
+        says = f"terms of the discontinuity map; {ALONE} leaves it out beside the stroboscopic map"
+        extra["order"] = (Literal[(*ORDERS, ALONE)] | None, Field(default=None, description=says))
     if STUDIES[study].form != "values":
         form, what = VARIED[STUDIES[study].form]
         varied = Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(form)]

@@ -48,6 +48,7 @@ STUDIES = {
         "trajectory", "oscillator.trajectory", 0, 0, ONE, "one orbit in time, with every impact", of="model"
     ),
     "cobweb": Study("cobweb", "studies.cobweb", 0, 0, ONE, "one orbit of a one-dimensional map, step by step"),
+    "graph": Study("graph", "studies.graph", 1, 1, COORDINATE, "one step of the map along a line of states"),
     "orbit": Study("periodic_orbits", "orbits.periodic", 0, 0, ONE, "periodic orbits, stable and unstable"),
     "branch": Study(
         "branches", "compare.word_branches", 1, 1, ONE, "periodic orbits followed in a parameter", form="bounds"
@@ -62,7 +63,7 @@ STUDIES = {
 #: Studies of one orbit, which begins at a state that is given.
 SINGLE = ("trajectory", "cobweb")
 #: Studies that are computed as a whole: they have no cells to sweep.
-WHOLE = (*SINGLE, "orbit", "branch", "windows", "bifurcations")
+WHOLE = (*SINGLE, "graph", "orbit", "branch", "windows", "bifurcations")
 
 
 def _setting(check: Callable[[Any, str], Any], schema: Mapping[str, Any], says: str) -> Callable[[str, Any], Any]:
@@ -168,7 +169,7 @@ OWN = {
     ("bifurcations", "period"): _whole(1, "longest period of an attractor that is followed"),
 }
 #: Arguments of the functions that are no settings: what is studied, and what the numbers do not depend on.
-ARGUMENTS = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "threads", "progress"}
+ARGUMENTS = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "order", "threads", "progress"}
 
 
 def function_of(study: str) -> Callable[..., Any]:

@@ -7,6 +7,7 @@ from grazing.plot.chart import chart
 from grazing.plot.cobweb import cobweb
 from grazing.plot.coexistence import coexistence
 from grazing.plot.density import density
+from grazing.plot.graph import graph
 from grazing.plot.ladder import ladder
 from grazing.plot.locus import locus
 from grazing.plot.lyapunov import lyapunov
@@ -30,6 +31,7 @@ __all__ = [
     "coexistence",
     "density",
     "figure",
+    "graph",
     "graph_of",
     "ladder",
     "locus",

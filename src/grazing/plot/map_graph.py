@@ -2,57 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import ArrayLike, NDArray
 
-from grazing.maps.map import Map
 from grazing.plot.style import INK, axes, root, styled
-
-
-class Graph(NamedTuple):
-    """Starts along one coordinate, their images, shape (n, dim), and letters; made by :func:`graph_of`."""
-
-    starts: NDArray[np.float64]
-    images: NDArray[np.float64]
-    letters: NDArray[np.int64]
-    coordinate: str
-    coordinates: tuple[str, ...]
-
-
-def graph_of(P: Map, values: ArrayLike, coordinate: str | None = None, **fixed: float) -> Graph:
-    """Apply a map once to a row of starts.
-
-    Parameters
-    ----------
-    P : Map
-    values : array_like, shape (n,)
-        Of the coordinate that varies.
-    coordinate : str, optional
-        Default: the first one.
-    **fixed : float
-        The other coordinates.
-
-    Returns
-    -------
-    Graph
-
-    Examples
-    --------
-    >>> import grazing as gz
-    >>> from grazing.plot.map_graph import graph_of
-    >>> graph_of(gz.gap_map(0.8, 0.5, 1.0), [-1.0, 0.25]).images[:, 0].round(6).tolist()
-    [-0.3, -1.0]
-    """
-    names = tuple(P.coordinates)
-    name = coordinate or names[0]
-    x = np.asarray(values, dtype=np.float64)
-    lanes = np.array([x if own == name else np.full_like(x, fixed[own]) for own in names])
-    points, letters, _outcomes = P.run(lanes.copy(), 0, 1)
-    return Graph(x, points[0].T.copy(), letters[0], name, names)
+from grazing.studies.graph import Graph as Graph
+from grazing.studies.graph import graph_of as graph_of
 
 
 def map_graph(
@@ -85,7 +43,21 @@ def map_graph(
     with styled():
         ax = axes(ax)
         for x, y in zip(np.split(graph.starts, ends), np.split(column, ends), strict=True):
-            pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **line)
-        ax.set_xlabel(f"${graph.coordinate}_n$")
-        ax.set_ylabel(f"${shown}_{{n+1}}$")
+            alone: dict[str, Any] = {"marker": ".", "ms": 2.5} if x.size == 1 else {}  # a line of one point is unseen
+            pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **alone | line)
+        ax.set_xlabel(at_step(graph.coordinate, "n"))
+        ax.set_ylabel(at_step(shown, "n+1"))
     return {"pieces": pieces, "figure": root(ax)}
+
+
+def at_step(symbol: str, step: str) -> str:
+    r"""Return the symbol of a coordinate with the number of a step, in mathematics.
+
+    Examples
+    --------
+    >>> from grazing.plot.map_graph import at_step
+    >>> at_step("u", "n+1"), at_step("v_plus", "n")
+    ('$u_{n+1}$', '$v_{\\mathrm{plus},n}$')
+    """
+    base, _, index = symbol.partition("_")
+    return f"${base}_{{\\mathrm{{{index}}},{step}}}$" if index else f"${base}_{{{step}}}$"

@@ -14,7 +14,7 @@ from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.orbits.grazing_curve import grazing_arrays
 from grazing.outcome import InputError
-from grazing.parameter import real, whole
+from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.attractors import attractors_of
 from grazing.studies.boundary import basin_entropy, evenly_spaced, uncertainty
@@ -23,6 +23,7 @@ from grazing.studies.growth import on_cycles
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import (
     checked_arithmetic,
+    checked_fixed,
     checked_map,
     checked_values,
     describe_values,
@@ -138,7 +139,8 @@ def plan(
 ) -> Plan:
     """Return the plan of basins, see :func:`basins`."""
     checked_map(P)
-    axes, others = _checked_grid(P, grid), _checked_fixed(P, grid, fixed)
+    axes = _checked_grid(P, grid)
+    others = checked_fixed(P, axes, fixed)
     transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 1)
     preimages, arithmetic = whole(preimages, "preimages", 0), checked_arithmetic(arithmetic)
     shape = tuple(len(values) for values in axes.values())
@@ -207,18 +209,6 @@ def _checked_grid(P: Map, grid: Mapping[str, ArrayLike] | None) -> dict[str, Flo
         if name in TAKEN:
             raise InputError(f"{name!r} names a dimension or variable of the result; rename it in the map")
     return {name: checked_values(name, values) for name, values in grid.items()}
-
-
-def _checked_fixed(P: Map, grid: object, fixed: Mapping[str, float] | None) -> dict[str, float]:
-    shown = P.coordinates[:2] if grid is None else list(grid)  # type: ignore[call-overload]
-    others = {
-        name: 0.5 * (low + high) for name, (low, high) in zip(P.coordinates, P.box, strict=True) if name not in shown
-    }
-    for name, value in (fixed or {}).items():
-        if name not in others:
-            raise InputError(f"fixed has {name!r}; allowed are {', '.join(others) or 'none: the grid has them all'}")
-        others[name] = real(value, name, "give a finite number")
-    return others
 
 
 def _states(P: Map, axes: Mapping[str, Floats], others: Mapping[str, float], cells: Ints) -> Floats:

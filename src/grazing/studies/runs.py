@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError
-from grazing.parameter import unknown, whole
+from grazing.parameter import real, unknown, whole
 from grazing.studies import labels
 from grazing.studies.classify import FLOOR, TOLERANCE
 from grazing.studies.starts import checked_box, checked_seed, checked_starts, random_starts
@@ -251,6 +251,18 @@ def checked_values(name: str, values: ArrayLike) -> Floats:
         i = int(np.flatnonzero(~np.isfinite(grid))[0])
         raise InputError(f"values[{i}] = {grid[i]} is not finite; {wanted}")
     return grid
+
+
+def checked_fixed(P: Map, shown: Collection[str], fixed: Mapping[str, float] | None) -> dict[str, float]:
+    """Return the coordinates that are not shown: in the middle of the map's box, unless they are given."""
+    others = {
+        name: 0.5 * (low + high) for name, (low, high) in zip(P.coordinates, P.box, strict=True) if name not in shown
+    }
+    for name, value in (fixed or {}).items():
+        if name not in others:
+            raise InputError(f"fixed has {name!r}; allowed are {', '.join(others) or 'none: all coordinates vary'}")
+        others[name] = real(value, name, "give a finite number")
+    return others
 
 
 def describe_values(values: Floats) -> dict[str, Any]:

@@ -319,7 +319,6 @@ async function copy(kind) {
   if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
   address();
   const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
-  if (!text) return say("there is no command for this picture; copy the Python");
   try {
     await navigator.clipboard.writeText(text);
     say(`${kind} copied`);

@@ -68,7 +68,8 @@ export function python(state, raster) {
     return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
   }
   if (state.view === "strobe") {
-    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nZ = gz.discontinuity_map(m, order="${state.order}", phase=${state.phase})\nu = np.linspace(${raster.from}, ${state.line[1]}, ${raster.samples})\nfull, local = (gz.plot.graph_of(each, u, "u", v=${state.v0}) for each in (P, Z))\ndrawn = gz.plot.map_graph(full, coordinate="${state.coordinate}", label="stroboscopic map")\nax = drawn["figure"].axes[0]\ngz.plot.map_graph(local, ax, coordinate="${state.coordinate}", colour="#e69f00", ls="--", label="discontinuity map, ${state.order}")\nax.legend()\ngz.plot.save(drawn, "one-period.png")\n${raster.impact ? `four = gz.zdm_points(m, (${state.u0}, ${state.v0}), phase=${state.phase})\ngz.plot.save(gz.plot.zdm(four, sigma=${state.sigma}), "zero-time.png")\n` : ""}`;
+    const zeroTime = `four = gz.zdm_points(m, (${state.u0}, ${state.v0}), phase=${state.phase})\ngz.plot.save(gz.plot.zdm(four, sigma=${state.sigma}), "zero-time.png")\n`;
+    return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\nu = np.linspace(${raster.from}, ${state.line[1]}, ${raster.samples})\nresult = gz.graph(P, "u", u, fixed={"v": ${state.v0}}, order="${state.order}")\ngz.plot.save(gz.plot.graph(result, coordinate="${state.coordinate}"), "graph.png")\n${raster.impact ? zeroTime : ""}`;
   }
   if (state.view === "edges") {
     const [low, high] = state.gaps, [bottom, top] = state.span, [first, last] = state.periods;
@@ -115,9 +116,9 @@ gz.plot.save(figure, "edges.png")
   return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\n${study("P", called(state), state.reach, state.coordinate)}`;
 }
 
-/** The same as a command; empty if there is none. @param {State} state @param {Raster} raster */
+/** The same as a command. @param {State} state @param {Raster} raster */
 export function command(state, raster) {
-  if (state.view === "strobe") return isFigure(state, "2.2") ? "grazing paper --figures 2.1,2.2 --out paper" : "";
+  if (state.view === "strobe") return `grazing graph u=${raster.from}:${state.line[1]}:${raster.samples} --fixed v=${state.v0} --order ${state.order} --coordinate ${state.coordinate} ${options(state, [])} -o graph.png`;
   if (state.view === "edges") {
     const [first, last] = state.periods;
     return `grazing chart l=${state.gaps.join(":")}:${state.chart_columns} mu=${state.span.join(":")}:${state.chart_rows} --map gap --lam ${state.lam} --curves ${first === last ? first : `${first}:${last}`} --seed ${state.seed} --arithmetic strict -o edges.png`;
