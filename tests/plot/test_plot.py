@@ -80,7 +80,7 @@ def test_a_graph_alone_has_no_legend_and_shows_a_piece_of_one_point():
     (pieces,) = drawn["graphs"].values()
     assert drawn["legend"] is None
     assert [line.get_xdata().tolist() for line in pieces] == [[-1.0, -0.5], [0.25]]  # in order along the axis
-    assert [line.get_marker() for line in pieces] == ["None", "."]
+    assert [line.get_marker() for line in pieces] == ["None", "o"]
 
 
 def test_a_coordinate_with_an_index_is_set_as_mathematics(tmp_path):

@@ -38,8 +38,8 @@ def graph(result: Any, ax: Axes | None = None, *, coordinate: str | None = None,
     Returns
     -------
     dict
-        ``graphs``, for the name of each map a list of lines, one for each run of equal letters, so that a jump stays a
-        jump; ``legend`` or None, ``provenance``, ``figure``.
+        ``graphs``, for the name of each map a list of lines, one for each run of equal letters, so that the jump at a
+        graze stays a jump; ``legend`` or None, ``provenance``, ``figure``.
 
     Raises
     ------

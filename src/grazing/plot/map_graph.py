@@ -43,8 +43,9 @@ def map_graph(
     with styled():
         ax = axes(ax)
         for x, y in zip(np.split(graph.starts, ends), np.split(column, ends), strict=True):
-            alone: dict[str, Any] = {"marker": ".", "ms": 2.5} if x.size == 1 else {}  # a line of one point is unseen
-            pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **alone | line)
+            pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **line)
+            if x.size == 1:  # a line of one point is unseen
+                pieces[-1].set(marker="o", markersize=pieces[-1].get_linewidth(), markeredgewidth=0.0)
         ax.set_xlabel(at_step(graph.coordinate, "n"))
         ax.set_ylabel(at_step(shown, "n+1"))
     return {"pieces": pieces, "figure": root(ax)}
