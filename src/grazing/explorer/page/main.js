@@ -10,7 +10,7 @@ import { GapView } from "./gap.js";
 import { load } from "./load.js";
 import { PRESETS } from "./presets.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
-import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
+import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, narrowest, tidy, toFragment, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, isFigure, python } from "./text.js";
@@ -36,6 +36,8 @@ const problems = new Map();
 /** @type {import("./state.js").Fields} */
 const fields = {};
 let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0;
+/** @type {import("./pool.js").Pool | null} */
+let pool = null;
 /** Milliseconds without a change after which the address follows. */
 const REST = 150;
 /** A part of a state by its name. @param {State} of @param {string} key */
@@ -92,8 +94,9 @@ function change(given) {
 
 /** @param {Pair} ends @returns {Pair} */
 const trimmed = ([low, high]) => {
-  const width = high - low;
-  return width > 1e-12 ? [tidy(low, width), tidy(high, width)] : [low, low + 1e-12];
+  const least = narrowest(low, high), middle = (low + high) / 2;
+  if (high - low < 1.01 * least) [low, high] = [middle - least, middle + least];
+  return [tidy(low, high - low), tidy(high, high - low)];
 };
 
 /** Show the state: the first change of a frame at once, those after it together in the next frame. */
@@ -148,6 +151,7 @@ function render() {
     problem(`This view needs the module ${NEEDS[state.view]}.wasm, which could not be loaded; choose another view.`, NEEDS[state.view]);
     return;
   }
+  pool?.see(shown);
   view.show(state);
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
@@ -371,7 +375,8 @@ async function begin() {
     problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;
   }
-  const { described, machines, pool } = loaded;
+  const { described, machines } = loaded;
+  pool = loaded.pool;
   if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
   const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };

@@ -121,6 +121,8 @@ function read(key, text, fields) {
   if (PAIRS.includes(key)) {
     const ends = text.split(":").map(number);
     if (ends.length !== 2 || !ends.every(Number.isFinite) || !(ends[0] < ends[1])) throw new Error(`${key}=${text}; give low:high with low < high`);
+    const least = narrowest(ends[0], ends[1]);
+    if (ends[1] - ends[0] < least) throw new Error(`${key}=${text} is too narrow for double precision; give ends that differ by ${least} or more`);
     return ends;
   }
   if (key === "periods") {
