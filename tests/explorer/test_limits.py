@@ -203,8 +203,10 @@ def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address
     shown.page.evaluate("location.hash = 'version=1&view=edges&lam=1'")
     shown.until("() => explorer.state().lam === 1")
     assert "could not be made" in shown.problem() and shown.page.inner_text("#summary") == ""
-    blank = "() => { const c = document.getElementById('edges'); return [...c.getContext('2d').getImageData(0, 0, "
-    assert not any(shown.page.evaluate(f"{blank}c.width, c.height).data]; }}"))
+    pixels = (
+        "const c = document.getElementById('edges'); return c.getContext('2d').getImageData(0, 0, c.width, c.height)"
+    )
+    assert not shown.page.evaluate(f"() => {{ {pixels}.data.some(Boolean); }}")
     for kind in ("python", "command"):
         shown.page.click(f"[data-copy={kind}]")
         shown.until("() => document.getElementById('said').textContent.startsWith('there is no picture to copy')")

@@ -63,6 +63,7 @@ export function slider(field, [low, high], change, problem) {
     number.removeAttribute("aria-invalid");
     change(value);
   });
+  let seen = NaN;
   const take = (/** @type {boolean} */ typing) => {
     const value = number.value === "" ? NaN : Number(number.value);
     const why = number.validity.badInput && Number.isNaN(value) ? `give ${field.name} as a number; those of double precision end at ±1.8e308` : refusal(field.name, value, { [field.name]: field });
@@ -76,6 +77,7 @@ export function slider(field, [low, high], change, problem) {
     // a number far beyond the slider is one more digit away from another one: it is taken when it is complete
     if (typing && (value < low - FAR * (high - low) || value > high + FAR * (high - low))) return;
     range.value = String(value);
+    seen = value;
     change(value);
   };
   number.addEventListener("input", () => take(true));
@@ -84,8 +86,12 @@ export function slider(field, [low, high], change, problem) {
   return {
     box,
     set(value) {
-      if (Number(number.value) !== value || number.value === "") number.value = String(value);
-      number.removeAttribute("aria-invalid");
+      // while a number is typed, what stands there may be the beginning of another one
+      if (document.activeElement !== number || value !== seen) {
+        if (Number(number.value) !== value || number.value === "") number.value = String(value);
+        number.removeAttribute("aria-invalid");
+      }
+      seen = value;
       range.value = String(value);
     },
   };
