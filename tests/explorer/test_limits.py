@@ -46,6 +46,7 @@ def test_the_numbers_of_an_axis_are_short_and_different(shown, address):
     shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
     assert texts(shown, (0.1, 0.5, 4)) == [["0.1", "0.2", "0.3", "0.4", "0.5"], 0, 0]
     assert texts(shown, (0.14, 0.14001, 5)) == [["0", "2", "4", "6", "8", "10"], 0.14, 6]
+    assert texts(shown, (0.3, 0.30001, 3))[1:] == [0.3, 5]  # and not 0.29999
     for low, high in ((1, 1 + 1e-10), (0, 1e-12), (-5, -4.99999), (4999.9999999, 5000.0000001), (0, 3e8), (1e30, 2e30)):
         found, base, power = texts(shown, (low, high, 6))
         assert len(found) >= 4 and len(set(found)) == len(found)

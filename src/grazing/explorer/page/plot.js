@@ -32,7 +32,7 @@ export function scaled(low, high, about) {
   const plain = texts(0, 0);
   if (fits(plain)) return { ticks: plain, base: 0, power: 0 };
   const unit = 10 ** Math.ceil(Math.log10(high - low) - 1e-9);
-  const base = Number((Math.floor(low / unit) * unit).toPrecision(12));
+  const base = Number((Math.floor(low / unit + 1e-4) * unit).toPrecision(12));
   const beside = texts(base, 0);
   if (fits(beside) && 1e-3 < high - low) return { ticks: beside, base, power: 0 };
   const power = -Math.floor(Math.log10(Math.max(Math.abs(low - base), Math.abs(high - base))));
@@ -158,9 +158,11 @@ export class Axes {
     const up = beside(labelY, upwards);
     if (up === labelY) c.fillText(labelY, 6, 2);
     else {
-      // too long for the margin: inside, over what is drawn
+      // too long for the margin: inside, over what is drawn, which is seen through
+      c.globalAlpha = 0.75;
       c.fillStyle = theme().paper;
       c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 19);
+      c.globalAlpha = 1;
       c.fillStyle = ink;
       c.fillText(up, box.x + 6, box.y + 3);
     }
