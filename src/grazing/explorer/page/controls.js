@@ -5,7 +5,7 @@ import { refusal } from "./state.js";
 /** @typedef {import("./machine.js").Field} Field */
 /** @typedef {[number, number]} Pair */
 /** @typedef {(text: string) => void} Say */
-/** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void}} Control its place on the page; `set` shows a value, `name` its name */
+/** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void, offer?: (values: string[]) => void}} Control its place on the page; `set` shows a value, `name` its name, `offer` what can be chosen */
 
 /** @type {Record<string, string>} */
 const GREEK = { alpha: "α", lambda: "λ", mu: "μ", omega: "ω", sigma: "σ", varphi: "φ" };
@@ -22,6 +22,8 @@ export function plainSymbol(field) {
 }
 
 let count = 0;
+/** A number typed is taken at every key up to so many lengths of the slider beyond its ends, farther away on leaving the field. */
+const FAR = 10;
 
 /**
  * A slider and a number field for one parameter; `change(value)` is called with values that are allowed.
@@ -61,50 +63,60 @@ export function slider(field, [low, high], change, problem) {
     number.removeAttribute("aria-invalid");
     change(value);
   });
-  number.addEventListener("input", () => {
+  let seen = NaN;
+  const take = (/** @type {boolean} */ typing) => {
     const value = number.value === "" ? NaN : Number(number.value);
-    const why = refusal(field.name, value, { [field.name]: field });
+    const why = number.validity.badInput && Number.isNaN(value) ? `give ${field.name} as a number; those of double precision end at ±1.8e308` : refusal(field.name, value, { [field.name]: field });
+    number.removeAttribute("aria-invalid");
     if (why) {
       number.setAttribute("aria-invalid", "true");
       problem(`${why}. The picture still shows the value before.`);
       return;
     }
-    number.removeAttribute("aria-invalid");
     problem("");
+    // a number far beyond the slider is one more digit away from another one: it is taken when it is complete
+    if (typing && (value < low - FAR * (high - low) || value > high + FAR * (high - low))) return;
     range.value = String(value);
+    seen = value;
     change(value);
-  });
+  };
+  number.addEventListener("input", () => take(true));
+  number.addEventListener("change", () => take(false));
   box.append(label, number, range);
   return {
     box,
     set(value) {
-      if (Number(number.value) !== value || number.value === "") number.value = String(value);
-      number.removeAttribute("aria-invalid");
+      // while a number is typed, what stands there may be the beginning of another one
+      if (document.activeElement !== number || value !== seen) {
+        if (Number(number.value) !== value || number.value === "") number.value = String(value);
+        number.removeAttribute("aria-invalid");
+      }
+      seen = value;
       range.value = String(value);
     },
   };
 }
 
 /**
- * Two number fields, low and high; `refused` says what else is wrong with `low:high`.
+ * Two number fields, low and high; `refused` says what else is wrong with `low:high`, `equal` whether they may be the same.
  * @param {string} text @param {(ends: Pair) => void} change @param {Say} problem @param {(text: string) => string[]} [refused]
  */
-export function pair(text, change, problem, refused) {
+export function pair(text, change, problem, refused, equal = false) {
   const box = document.createElement("div");
   box.className = "pair";
-  const name = document.createElement("span");
-  name.textContent = text;
-  const fields = ["from", "to"].map((end) => {
+  const label = document.createElement("span");
+  let called = text;
+  const fields = ["from", "to"].map(() => {
     const input = document.createElement("input");
     input.type = "number";
     input.step = "any";
-    input.setAttribute("aria-label", `${text}, ${end}`);
     input.addEventListener("change", () => {
       const [low, high] = fields.map((field) => (field.value === "" ? NaN : Number(field.value)));
-      const why = refused?.(`${low}:${high}`) ?? [];
-      if (why.length || !(low < high || (refused && low === high))) {
+      const ordered = low < high || (equal && low === high);
+      const why = ordered || equal ? (refused?.(`${low}:${high}`) ?? []) : [];
+      if (why.length || !ordered) {
         input.setAttribute("aria-invalid", "true");
-        problem(why.length ? `${why.join("; ")}.` : `${text} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
+        problem(why.length ? `${why.join("; ")}.` : `${called} runs from ${fields[0].value || "nothing"} to ${fields[1].value || "nothing"}; give two numbers, the first below the second.`);
         return;
       }
       fields.forEach((field) => field.removeAttribute("aria-invalid"));
@@ -113,8 +125,14 @@ export function pair(text, change, problem, refused) {
     });
     return input;
   });
-  box.append(name, ...fields);
-  return { box, set: (/** @type {Pair | null} */ ends) => ends && fields.forEach((field, i) => (field.value = String(ends[i]))), name: (/** @type {string} */ called) => void (name.textContent = called) };
+  const name = (/** @type {string} */ symbol) => {
+    called = symbol;
+    label.textContent = `${symbol} from, to`;
+    fields.forEach((field, i) => field.setAttribute("aria-label", `${symbol} ${["from", "to"][i]}`));
+  };
+  name(text);
+  box.append(label, ...fields);
+  return { box, set: (/** @type {Pair | null} */ ends) => ends && fields.forEach((field, i) => (field.value = String(ends[i]))), name };
 }
 
 /** @param {string} text @param {[string, string][]} options values, and what is shown @param {(value: string) => void} change @returns {Control} */
@@ -130,7 +148,10 @@ export function choice(text, options, change) {
   for (const [value, shown] of options) select.add(new Option(shown, value));
   select.addEventListener("change", () => change(select.value));
   box.append(label, select);
-  return { box, set: (value) => (select.value = value) };
+  const offer = (/** @type {string[]} */ values) => {
+    for (const option of select.options) option.hidden = option.disabled = !values.includes(option.value);
+  };
+  return { box, set: (value) => (select.value = value), offer };
 }
 
 /** @param {string} text @param {(on: boolean) => void} change @returns {Control} */

@@ -68,10 +68,14 @@ function mixed() {
   return shades;
 }
 
-/** The opacities of counts, of which the last stands for all above it. @param {number} bins @param {number} total of a column */
-function tonesOf(bins, total) {
-  const strength = bins / 12 / (total || 1);
-  return Uint8Array.from({ length: Math.ceil(1 / strength) + 1 }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, count * strength))));
+/** Opacities of so many shares of the strongest count; where there are no more counts than that, each has its own. */
+const TONES = 4096;
+
+/** The opacities of counts times `scale`, rounded down, of which the last stands for all above it. @param {number} bins @param {number} total of a column */
+export function tonesOf(bins, total) {
+  const strength = bins / 12 / (total || 1), scale = Math.min(1, TONES * strength);
+  const size = Math.ceil(scale / strength) + 1;
+  return { scale, tones: Uint8Array.from({ length: size }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, (count / scale) * strength)))) };
 }
 
 /** Wait until a frame has been made; of a page that nobody sees none is. */
@@ -278,11 +282,11 @@ export class Diagram {
     pixels.fill(0); // transparent: the paper, and what lies under the raster, shows
     const bottoms = Int32Array.from({ length: bins }, (_, b) => H - 1 - Math.floor((b * H) / bins));
     const tops = bottoms.map((bottom, b) => Math.min(bottom, H - Math.floor(((b + 1) * H) / bins)));
-    let tones = new Uint8Array(1), total = NaN;
+    let { tones, scale } = tonesOf(bins, 0), total = NaN;
     for (let q = 0; q < columns; q++) {
       if (totals[q] !== total) {
         total = totals[q];
-        tones = tonesOf(bins, total);
+        ({ tones, scale } = tonesOf(bins, total));
       }
       const strongest = tones.length - 1, first = q * (bins + 3) + 1, place = q * bins;
       const left = Math.floor((q * W) / columns), right = Math.max(left + 1, Math.floor(((q + 1) * W) / columns));
@@ -290,7 +294,7 @@ export class Diagram {
         const count = counts[first + b];
         if (count === 0) continue;
         const code = coloured ? codes[place + b] || (b > 0 && codes[place + b - 1]) || (b + 1 < bins && codes[place + b + 1]) || 0 : 0;
-        const tone = code ? 255 : tones[count < strongest ? count : strongest];
+        const tone = code ? 255 : tones[Math.min(Math.floor(count * scale), strongest)];
         const word = ((tone << 24) | (code ? words[code] : plain)) >>> 0;
         const bottom = bottoms[b];
         for (let y = Math.max(0, Math.min(tops[b], bottom - (code ? thick : thick - 1))); y <= bottom; y++) {

@@ -22,15 +22,17 @@ function workers(machines, { problem, again }) {
     again();
   };
   try {
-    const pool = new Pool();
-    now = pool;
-    for (const worker of pool.workers) worker.addEventListener("error", () => setTimeout(instead));
+    now = new Pool(() => setTimeout(instead));
   } catch {
     problem(why, "workers");
   }
   const jobs = {
     add: (/** @type {Parameters<Pool["add"]>} */ ...given) => now instanceof Pool && now.add(...given),
     batch: (/** @type {string} */ channel) => now.batch(channel),
+    see: (/** @type {string} */ scene) => now instanceof Pool && now.see(scene),
+    get ended() {
+      return now instanceof Pool ? now.ended : 0;
+    },
     get workers() {
       return now.workers;
     },

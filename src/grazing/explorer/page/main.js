@@ -10,7 +10,7 @@ import { GapView } from "./gap.js";
 import { load } from "./load.js";
 import { PRESETS } from "./presets.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
-import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment, tidy, toFragment, zoomedOut } from "./state.js";
+import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, isFigure, python } from "./text.js";
@@ -35,7 +35,9 @@ const controls = {};
 const problems = new Map();
 /** @type {import("./state.js").Fields} */
 const fields = {};
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0;
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, failed = false;
+/** @type {import("./pool.js").Pool | null} */
+let pool = null;
 /** Milliseconds without a change after which the address follows. */
 const REST = 150;
 /** A part of a state by its name. @param {State} of @param {string} key */
@@ -69,31 +71,37 @@ const scene = () => (state.view === "chart" ? `chart-${state.chart}` : state.vie
 function change(given) {
   /** @type {Record<string, any>} */
   const next = { ...given };
+  if ("vary" in next && !next.reach) Object.assign(next, { reach: wholeOf("reach", next.vary), window: null });
+  if ("second" in next && !next.heights) next.heights = wholeOf("heights", next.second);
+  if ("coordinate" in next) next.window = null;
+  const named = /** @type {Record<string, string>} */ ({ reach: next.vary ?? state.vary, heights: next.second ?? state.second });
   for (const key of Object.values(ZOOMED).flat()) {
-    if (key in next) next[key] = next[key] ? trimmed(next[key]) : part(home, key);
+    if (key in next) next[key] = next[key] ? trimmed(allowed(fields[named[key]], next[key])) : part(home, key);
   }
   for (const key of Object.keys(next)) {
-    if (key === "mu" || (key === state.vary && typeof next[key] === "number")) {
+    if (typeof next[key] !== "number" || !fields[key]) continue;
+    if (key === "mu" || key === state.vary) {
       const [from, to] = key === "mu" ? state.span : state.reach;
       if (document.activeElement?.tagName !== "INPUT") next[key] = tidy(next[key], to - from);
     }
+    const why = refusal(key, next[key], fields);
+    if (!why) continue;
+    problem(`${why}.`);
+    delete next[key];
   }
-  if ("vary" in next && !("reach" in next)) {
-    const [low, high] = OSCILLATOR_EXTENTS[next.vary];
-    next.reach = next.vary === "offset" ? DEFAULTS.reach : [low, high];
-    next.window = null;
-    home.reach = next.reach;
-  }
-  if ("second" in next) home.heights = next.heights = OSCILLATOR_EXTENTS[next.second];
-  if ("coordinate" in next) next.window = null;
+  const { vary, second } = state;
   Object.assign(state, next);
+  mended(state, fields);
+  if (state.vary !== vary) home.reach = wholeOf("reach", state.vary);
+  if (state.second !== second) home.heights = wholeOf("heights", state.second);
   refresh();
 }
 
 /** @param {Pair} ends @returns {Pair} */
 const trimmed = ([low, high]) => {
-  const width = high - low;
-  return width > 1e-12 ? [tidy(low, width), tidy(high, width)] : [low, low + 1e-12];
+  const least = narrowest(low, high), middle = (low + high) / 2;
+  if (high - low < 1.01 * least) [low, high] = [middle - least, middle + least];
+  return [tidy(low, high - low), tidy(high, high - low)];
 };
 
 /** Show the state: the first change of a frame at once, those after it together in the next frame. */
@@ -109,10 +117,15 @@ function refresh() {
     refresh();
   });
   try {
+    failed = false;
     render();
   } catch (error) {
+    failed = true;
     problem(`The picture could not be made: ${wordsOf(error)}.`, "picture");
     console.error(error);
+    // neither words nor picture of another state
+    $("summary").replaceChildren();
+    for (const { sheet } of current()?.panels() ?? []) sheet.canvas.width += 0; // which clears it
   }
 }
 
@@ -126,16 +139,24 @@ function render() {
     control.set(part(state, name));
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
-  controls.window.name?.(`${state.coordinate} from, to`);
-  if (fields[state.second]) controls.heights.name?.(`${plainSymbol(fields[state.second])} from, to`);
-  if (fields[state.vary]) controls.reach.name?.(`${plainSymbol(fields[state.vary])} from, to`);
-  const step = TOUR[state.tour - 1];
+  const had = varied(state.law);
+  for (const name of ["V", "trigger"]) controls[name].box.hidden = !had.includes(name);
+  for (const axis of ["vary", "second"]) controls[axis].offer?.(had);
+  controls.window.name?.(state.coordinate);
+  if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
+  if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
+  const step = TOUR[state.tour - 1], focused = document.activeElement;
+  const left = !step && $("guide").contains(focused);
   $("guide").hidden = !step;
+  if (left) $("tour").focus();
   if (step) {
     $("guide-title").textContent = `${state.tour} of ${TOUR.length}: ${step.title}`;
     if ($("guide").children[1].textContent !== step.text) $("guide").children[1].textContent = step.text;
     $("back").disabled = state.tour === 1;
     $("next").disabled = state.tour === TOUR.length;
+    // a button that is switched off loses the focus: the other one takes it
+    if (focused === $("next") && $("next").disabled) $("back").focus();
+    if (focused === $("back") && $("back").disabled) $("next").focus();
   }
   $("hint").textContent = HINTS[shown];
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
@@ -148,6 +169,7 @@ function render() {
     problem(`This view needs the module ${NEEDS[state.view]}.wasm, which could not be loaded; choose another view.`, NEEDS[state.view]);
     return;
   }
+  pool?.see(shown);
   view.show(state);
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
@@ -168,7 +190,7 @@ const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.string
 /** Say in words what is shown. */
 function tell() {
   const view = current();
-  if (!view) return;
+  if (!view || failed) return;
   const made = view.summary();
   const diagram = view.diagram;
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
@@ -223,25 +245,29 @@ function build() {
     controls[name] = control;
     picture.append(control.box);
   };
+  const axis = (/** @type {string} */ key, /** @type {string} */ symbol) => pair(symbol, (ends) => change({ [key]: ends }), problem, (text) => {
+    const { law, vary, second } = state;
+    return fromFragment(`version=1&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
+  });
   /** @type {[string, string][]} */
-  const varied = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
+  const axes = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
   put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
-  put("line", pair("u(0) from, to", (line) => change({ line }), problem));
+  put("line", axis("line", "u(0)"));
   put("order", choice("local map", named(ORDERS), own("order")));
   put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
-  put("vary", choice("axis", varied, own("vary")));
-  put("second", choice("second axis", varied, own("second")));
+  put("vary", choice("axis", axes, own("vary")));
+  put("second", choice("second axis", axes, own("second")));
   put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
-  put("periods", pair("periods from, to", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems));
-  put("span", pair("μ from, to", (span) => change({ span }), problem));
-  put("range", pair("x from, to", (range) => change({ range }), problem));
-  put("positions", pair("u from, to", (positions) => change({ positions }), problem));
-  put("velocities", pair("v from, to", (velocities) => change({ velocities }), problem));
-  put("gaps", pair("l from, to", (gaps) => change({ gaps }), problem));
-  put("reach", pair("from, to", (reach) => change({ reach }), problem));
-  put("heights", pair("from, to", (heights) => change({ heights }), problem));
-  put("window", pair("height", (window) => change({ window }), problem));
+  put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems, true));
+  put("span", axis("span", "μ"));
+  put("range", axis("range", "x"));
+  put("positions", axis("positions", "u"));
+  put("velocities", axis("velocities", "v"));
+  put("gaps", axis("gaps", "l"));
+  put("reach", axis("reach", "reach"));
+  put("heights", axis("heights", "heights"));
+  put("window", axis("window", "window"));
   put("theory", toggle("windows of theory", own("theory")));
   put("colour", toggle("colour by period", own("colour")));
   put("reduced", toggle("reduced diagram below", own("reduced")));
@@ -249,7 +275,7 @@ function build() {
   const word = document.createElement("summary");
   word.textContent = "Accuracy";
   finer.append(word);
-  for (const [name, text, least] of /** @type {[string, string, number][]} */ ([["chart_columns", "columns", 2], ["chart_rows", "rows", 2], ["columns", "columns", 2], ["bins", "rows", 2], ["starts", "random starts", 1], ["transient", "steps passed over", 0], ["keep", "steps counted", 1], ["flow_starts", "random starts", 1], ["flow_transient", "periods passed over", 0], ["flow_keep", "periods counted", 1], ["seed", "seed", 0]])) {
+  for (const [name, text, least] of /** @type {[string, string, number][]} */ ([["chart_columns", "columns of the chart", 2], ["chart_rows", "rows of the chart", 2], ["columns", "columns", 2], ["bins", "rows", 2], ["starts", "starts, gap map", 1], ["transient", "steps passed over", 0], ["keep", "steps counted", 1], ["flow_starts", "starts, oscillator", 1], ["flow_transient", "periods passed over", 0], ["flow_keep", "periods counted", 1], ["seed", "seed", 0]])) {
     controls[name] = whole(name, text, least);
     finer.append(controls[name].box);
   }
@@ -276,7 +302,7 @@ function build() {
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
   addEventListener("hashchange", () => location.hash !== toFragment(state) && read());
-  const again = () => current()?.repaint();
+  const again = () => (failed ? refresh() : current()?.repaint());
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
 }
@@ -285,6 +311,7 @@ function build() {
 function whole(name, text, least) {
   const made = pair(text, () => {}, problem);
   const [, field, second] = made.box.children;
+  made.box.children[0].textContent = text;
   second.remove();
   const input = /** @type {HTMLInputElement} */ (field.cloneNode());
   field.replaceWith(input);
@@ -317,6 +344,7 @@ async function copy(kind) {
   const view = current();
   view?.record?.(); // the ball's place goes into the link
   if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
+  if (kind !== "link" && problems.has("picture")) return say("there is no picture to copy: see the message above");
   address();
   const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
   try {
@@ -371,7 +399,8 @@ async function begin() {
     problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;
   }
-  const { described, machines, pool } = loaded;
+  const { described, machines } = loaded;
+  pool = loaded.pool;
   if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
   const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };

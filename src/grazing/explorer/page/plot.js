@@ -7,18 +7,46 @@ import { Recorder } from "./svg.js";
 
 const MARGIN = { left: 54, right: 12, top: 20, bottom: 34 };
 
-/** Ticks at round numbers. @param {number} low @param {number} high @param {number} about how many */
-export function ticks(low, high, about) {
+/** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
+const ROOM = 7;
+
+const minus = (/** @type {string} */ text) => text.replace("-", "−");
+const raised = (/** @type {number} */ power) => [...String(power)].map((each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(each)]).join("");
+
+/**
+ * Ticks at round numbers. Where their numbers are too long, the texts are those of (value − `base`)·10^`power`.
+ * @param {number} low @param {number} high @param {number} about how many
+ */
+export function scaled(low, high, about) {
   const raw = (high - low) / Math.max(about, 1);
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 2.5, 5, 10].map((m) => m * power).find((s) => s >= raw) ?? 10 * power;
-  const digits = Math.max(0, 1 - Math.floor(Math.log10(step)));
-  const found = [];
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n++) {
-    const value = n * step;
-    found.push({ value, text: Number(value.toFixed(Math.min(digits, 12))).toString().replace("-", "−") });
-  }
-  return found;
+  const size = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 2.5, 5, 10].map((m) => m * size).find((s) => s >= raw) ?? 10 * size;
+  const first = Math.ceil(low / step - 1e-9), last = Math.floor(high / step + 1e-9);
+  // counted from the first: beyond 2^53 a number that grows by one stays as it is
+  const values = Array.from({ length: Math.max(0, Math.min(last - first + 1, 1000)) || 0 }, (_, i) => (first + i) * step);
+  const places = 1 - Math.floor(Math.log10(step));
+  const texts = (/** @type {number} */ base, /** @type {number} */ power) => values.map((value) => ({
+    value, text: minus(Number(((value - base) * 10 ** power).toFixed(Math.min(100, Math.max(0, places - power)))).toString()),
+  }));
+  const fits = (/** @type {{text: string}[]} */ some) => some.every(({ text }) => text.length <= ROOM);
+  const plain = texts(0, 0);
+  if (fits(plain)) return { ticks: plain, base: 0, power: 0 };
+  const unit = 10 ** Math.ceil(Math.log10(high - low) - 1e-9);
+  const base = Number((Math.floor(low / unit + 1e-4) * unit).toPrecision(12));
+  const beside = texts(base, 0);
+  if (fits(beside) && 1e-3 < high - low) return { ticks: beside, base, power: 0 };
+  const power = -Math.floor(Math.log10(Math.max(Math.abs(low - base), Math.abs(high - base))));
+  return { ticks: texts(base, power), base, power };
+}
+
+/** Ticks at round numbers. @param {number} low @param {number} high @param {number} about how many */
+export const ticks = (low, high, about) => scaled(low, high, about).ticks;
+
+/** What is written at an axis whose numbers are scaled. @param {string} label @param {{base: number, power: number}} scale */
+function beside(label, { base, power }) {
+  const part = base ? `${label} ${base < 0 ? "+" : "−"} ${Math.abs(base)}` : label;
+  if (!power) return part;
+  return `${base ? `(${part})` : part} · 10${raised(power)}`;
 }
 
 /** A canvas with axes; `x` and `y` give places in CSS pixels, `atX` and `atY` go back. */
@@ -107,14 +135,16 @@ export class Axes {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.textBaseline = "top";
-    for (const { value, text } of ticks(this.x0, this.x1, box.w / 85)) {
+    const across = scaled(this.x0, this.x1, box.w / 85), upwards = scaled(this.y0, this.y1, box.h / 45);
+    const edge = box.x + box.w + this.margin.right - 1;
+    for (const { value, text } of across.ticks) {
       const x = this.x(value);
       c.fillRect(x - 0.5, box.y + box.h, 1, 4);
-      c.fillText(text, Math.min(x, box.x + box.w - 8), box.y + box.h + 6);
+      c.fillText(text, Math.min(x, edge - c.measureText(text).width / 2), box.y + box.h + 6);
     }
     c.textAlign = "right";
     c.textBaseline = "middle";
-    for (const { value, text } of ticks(this.y0, this.y1, box.h / 45)) {
+    for (const { value, text } of upwards.ticks) {
       c.fillRect(box.x - 5, this.y(value) - 0.5, 4, 1);
       c.fillText(text, box.x - 8, this.y(value));
     }
@@ -122,10 +152,20 @@ export class Axes {
     c.font = "italic 14px Georgia, 'Times New Roman', serif";
     c.textBaseline = "bottom";
     c.textAlign = "right";
-    c.fillText(labelX, box.x + box.w, box.y + box.h + 33);
+    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 33);
     c.textAlign = "left";
     c.textBaseline = "top";
-    c.fillText(labelY, 6, 2);
+    const up = beside(labelY, upwards);
+    if (up === labelY) c.fillText(labelY, 6, 2);
+    else {
+      // too long for the margin: inside, over what is drawn, which is seen through
+      c.globalAlpha = 0.75;
+      c.fillStyle = theme().paper;
+      c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 19);
+      c.globalAlpha = 1;
+      c.fillStyle = ink;
+      c.fillText(up, box.x + 6, box.y + 3);
+    }
     c.font = "12px system-ui, sans-serif";
   }
 }

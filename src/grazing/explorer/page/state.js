@@ -7,7 +7,8 @@ export const VERSION = "1";
 export const VIEWS = ["gap", "edges", "oscillator", "ball", "chart", "strobe"];
 
 /** @typedef {[number, number]} Pair */
-/** @typedef {Record<string, import("./machine.js").Field>} Fields parameters by name, from kernels.json */
+/** @typedef {import("./machine.js").Field} Field */
+/** @typedef {Record<string, Field>} Fields parameters by name, from kernels.json */
 
 /** Orders of the discontinuity map, as the kernels number them. */
 export const ORDERS = ["lowest", "full", "corrected"];
@@ -62,11 +63,18 @@ const SWITCHES = ["reduced", "theory", "colour"];
 /** @type {Record<string, string[]>} */
 const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
+/** The parameters that a diagram can vary: those that the reset law has. @param {string} law */
+export const varied = (law) => VARIED.filter((name) => (name !== "V" || law !== "newton") && (name !== "trigger" || law === "triggered"));
+
+/** The whole of an axis of the oscillator. @param {"reach" | "heights"} axis @param {string} name of its parameter @returns {Pair} */
+export function wholeOf(axis, name) {
+  return name === (axis === "reach" ? DEFAULTS.vary : DEFAULTS.second) ? DEFAULTS[axis] : OSCILLATOR_EXTENTS[name];
+}
+
 /** Axes that zoom, with the whole of each. @param {State} state @returns {Record<string, Pair>} */
 function whole(state) {
   const { span, line, positions, velocities, gaps } = DEFAULTS;
-  const along = (/** @type {string} */ name) => (name === "offset" ? DEFAULTS.reach : OSCILLATOR_EXTENTS[name]);
-  return { span, line, positions, velocities, gaps, reach: along(state.vary), heights: along(state.second) };
+  return { span, line, positions, velocities, gaps, reach: wholeOf("reach", state.vary), heights: wholeOf("heights", state.second) };
 }
 
 /** What a picture zooms out to: the whole of each axis, or the state's own if that reaches further. @param {State} state */
@@ -81,7 +89,8 @@ export function zoomedOut(state) {
 /** Why a number is not allowed for a parameter, in words; empty if it is. @param {string} name @param {number} value @param {Fields} fields */
 export function refusal(name, value, fields) {
   const field = fields[name];
-  if (!Number.isFinite(value)) return `${name} is not a number`;
+  if (Number.isNaN(value)) return `${name} is not a number`;
+  if (!Number.isFinite(value)) return `${name} is too large; numbers of double precision end at ±1.8e308`;
   const low = field?.low ?? null, high = field?.high ?? null;
   if ((low !== null && (value < low || (field.open_low && value === low))) || (high !== null && value > high)) {
     const least = low === null ? "" : `${name} ${field.open_low ? ">" : "≥"} ${low}`;
@@ -89,6 +98,21 @@ export function refusal(name, value, fields) {
     return `${name} = ${value}; allowed is ${[least, most].filter(Boolean).join(" and ")}`;
   }
   return "";
+}
+
+/** The least width of an axis at these values that double precision resolves. @param {number} low @param {number} high */
+export const narrowest = (low, high) => Math.max(1e-12, 1e-10 * Math.max(Math.abs(low), Math.abs(high)));
+
+/**
+ * The part of an interval that a parameter may take; one that lies outside is moved to the end of what it may.
+ * @param {Field | undefined} field @param {Pair} ends @returns {Pair}
+ */
+export function allowed(field, [low, high]) {
+  const width = high - low;
+  const least = (field?.low ?? -Infinity) + (field?.open_low ? 1e-3 * width : 0), most = field?.high ?? Infinity;
+  if (high <= least) return [least, Math.min(least + width, most)];
+  if (low >= most) return [Math.max(least, most - width), most];
+  return [Math.max(low, least), Math.min(high, most)];
 }
 
 /** One value of a fragment, or an Error that says what is wrong with it. @param {string} key @param {string} text @param {Fields} fields */
@@ -105,6 +129,8 @@ function read(key, text, fields) {
   if (PAIRS.includes(key)) {
     const ends = text.split(":").map(number);
     if (ends.length !== 2 || !ends.every(Number.isFinite) || !(ends[0] < ends[1])) throw new Error(`${key}=${text}; give low:high with low < high`);
+    const least = narrowest(ends[0], ends[1]);
+    if (ends[1] - ends[0] < least) throw new Error(`${key}=${text} is too narrow for double precision; give ends that differ by ${least} or more`);
     return ends;
   }
   if (key === "periods") {
@@ -155,7 +181,7 @@ export function fromFragment(fragment, fields) {
   }
   given.delete("version");
   for (const [key, text] of given) {
-    if (!(key in DEFAULTS)) {
+    if (!Object.hasOwn(DEFAULTS, key)) {
       problems.push(`${key} is no part of a link`);
       continue;
     }
@@ -165,7 +191,42 @@ export function fromFragment(fragment, fields) {
       problems.push(/** @type {Error} */ (error).message);
     }
   }
+  problems.push(...mended(state, fields, [...given.keys()]));
   return { state, problems };
+}
+
+/**
+ * Make the parts of a state agree: axes with the reset law and with what their parameters may be, the step of the tour
+ * with the view. Says what had to be changed of the parts that were `given`.
+ * @param {State} state changed in place @param {Fields} fields @param {string[]} given
+ */
+export function mended(state, fields, given = []) {
+  const names = varied(state.law);
+  /** @type {string[]} */
+  const said = [];
+  const say = (/** @type {string} */ key, /** @type {string} */ text) => given.includes(key) && said.push(text);
+  const without = (/** @type {string} */ key, /** @type {string} */ name) => say(key, `${key}=${name}; the law ${state.law} has no ${name}`);
+  if (!names.includes(state.vary)) {
+    without("vary", state.vary);
+    Object.assign(state, { vary: DEFAULTS.vary, reach: DEFAULTS.reach, window: null });
+  }
+  if (!names.includes(state.second)) {
+    without("second", state.second);
+    state.second = ["r", "omega"].find((name) => name !== state.vary) ?? "r";
+    state.heights = wholeOf("heights", state.second);
+  }
+  for (const [axis, name] of /** @type {["reach" | "heights", string][]} */ ([["reach", state.vary], ["heights", state.second]])) {
+    const why = state[axis].map((end) => refusal(name, end, fields)).filter(Boolean);
+    if (!why.length) continue;
+    say(axis, `${axis}=${state[axis].join(":")}: ${why[0]}`);
+    state[axis] = wholeOf(axis, name);
+  }
+  const step = TOUR[state.tour - 1];
+  if (step && step.state.view !== state.view) {
+    say("tour", `tour=${state.tour} shows the view ${step.state.view}, not ${state.view}`);
+    state.tour = 0;
+  }
+  return said;
 }
 
 /** The fragment of a state: what differs from the defaults. @param {State} state */

@@ -12,7 +12,7 @@ export const TOUR = [
   },
   {
     title: "The graze",
-    text: "Let d fall. At d = k²a = 0.1309618694 the lowest point of the swing just touches the wall: the graze. A little lower the ball hits, slowly, and a bumper throws it off with the extra velocity V. Press “Step to next impact”.",
+    text: "Let d fall. At d = k²a = 0.1309618693 the lowest point of the swing just touches the wall: the graze. A little lower the ball hits, slowly, and a bumper throws it off with the extra velocity V. Press “Step to next impact”.",
     state: { ...STANDARD, view: "ball", offset: 0.1305 },
   },
   {

@@ -10,9 +10,10 @@ const machines = {};
 const send = (answer, arrays = []) => /** @type {any} */ (self).postMessage(answer, arrays);
 
 /** @param {MessageEvent<any>} event a module with its name and description, or a job of `pool.js` */
-self.onmessage = async ({ data }) => {
+self.onmessage = ({ data }) => {
   if (data.module) {
-    machines[data.name] = new Machine(await WebAssembly.instantiate(/** @type {WebAssembly.Module} */ (data.module), {}), data.described);
+    // at once, for a job may come next
+    machines[data.name] = new Machine(new WebAssembly.Instance(data.module, {}), data.described);
     return;
   }
   try {
