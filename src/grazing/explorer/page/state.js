@@ -7,7 +7,8 @@ export const VERSION = "1";
 export const VIEWS = ["gap", "edges", "oscillator", "ball", "chart", "strobe"];
 
 /** @typedef {[number, number]} Pair */
-/** @typedef {Record<string, import("./machine.js").Field>} Fields parameters by name, from kernels.json */
+/** @typedef {import("./machine.js").Field} Field */
+/** @typedef {Record<string, Field>} Fields parameters by name, from kernels.json */
 
 /** Orders of the discontinuity map, as the kernels number them. */
 export const ORDERS = ["lowest", "full", "corrected"];
@@ -89,6 +90,21 @@ export function refusal(name, value, fields) {
     return `${name} = ${value}; allowed is ${[least, most].filter(Boolean).join(" and ")}`;
   }
   return "";
+}
+
+/** The least width of an axis at these values that double precision resolves. @param {number} low @param {number} high */
+export const narrowest = (low, high) => Math.max(1e-12, 1e-10 * Math.max(Math.abs(low), Math.abs(high)));
+
+/**
+ * The part of an interval that a parameter may take; one that lies outside is moved to the end of what it may.
+ * @param {Field | undefined} field @param {Pair} ends @returns {Pair}
+ */
+export function allowed(field, [low, high]) {
+  const width = high - low;
+  const least = (field?.low ?? -Infinity) + (field?.open_low ? 1e-3 * width : 0), most = field?.high ?? Infinity;
+  if (high <= least) return [least, Math.min(least + width, most)];
+  if (low >= most) return [Math.max(least, most - width), most];
+  return [Math.max(low, least), Math.min(high, most)];
 }
 
 /** One value of a fragment, or an Error that says what is wrong with it. @param {string} key @param {string} text @param {Fields} fields */
