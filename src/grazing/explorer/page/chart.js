@@ -6,9 +6,9 @@ import { plainSymbol } from "./controls.js";
 import { rowOf, valueOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { basins, linspace } from "./jobs.js";
-import { found, words } from "./orbits.js";
+import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-import { tidy } from "./state.js";
+import { allowed, tidy } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -41,6 +41,7 @@ export class ChartView {
     this.done = done;
     this.tolerance = described.tolerance;
     this.axes = new Axes(document.getElementById("chart"));
+    this.search = new Search(pool, "chart-words", { found: done, problem });
     this.image = document.createElement("canvas");
     this.gestures = new Gestures(this.axes, {
       ready: () => Boolean(this.plan),
@@ -67,9 +68,7 @@ export class ChartView {
     const { plan, state } = this;
     if (!plan || !state) return [low, high];
     if (plan.basins) return [i === 0 ? Math.max(low, state.sigma) : low, high];
-    const field = plan.machine.described.fields[plan.which[i]];
-    const least = (field.low ?? -Infinity) + (field.open_low ? 1e-3 * (high - low) : 0);
-    return [Math.max(low, least), Math.min(high, field.high ?? Infinity)];
+    return allowed(plan.machine.described.fields[plan.which[i]], [low, high]);
   }
 
   /** What a click chooses. @param {number} x @param {number} y */
@@ -119,6 +118,7 @@ export class ChartView {
     plan.which.forEach((i) => (fixed[i] = 0));
     const key = JSON.stringify([fixed, plan.names, plan.ends, plan.sizes, plan.settings, state.seed]);
     this.plan = plan;
+    if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
       /** Of each cell the period, 0 without one; in basins the row of `reached`. */
@@ -132,7 +132,8 @@ export class ChartView {
     }
     if (!plan.basins) {
       const gap = plan.name === "gap", which = plan.which[0];
-      this.classes = found(plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : 300, keep: gap ? 128 : 64, seed: state.seed, tolerance: this.tolerance });
+      const T = gap ? 1 : (2 * Math.PI) / state.omega;
+      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(T));
     }
     this.paint();
   }
@@ -299,7 +300,7 @@ export class ChartView {
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
     const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
-    return [{ text: `At ${at}:` }, ...(this.classes ?? []).map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
+    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...this.search.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
   }
 
   /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */

@@ -2,8 +2,8 @@
 /** The windows of the maximal orbits against the gap l, Figures 3.4 and 3.6: period doubling, border collision, and where windows appear and meet. */
 import { periodColour, theme } from "./colours.js";
 import { Gestures } from "./gestures.js";
-import { linspace } from "./jobs.js";
-import { found, words } from "./orbits.js";
+import { found, linspace } from "./jobs.js";
+import { words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { tidy } from "./state.js";
 
