@@ -96,10 +96,11 @@ export class ChartView {
     const sizes = /** @type {Pair} */ ([state.chart_columns, state.chart_rows]);
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
     if (state.chart === "basins") {
-      if (state.positions[0] < state.sigma) throw new Error(`positions begin at ${state.positions[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
+      const [low, high] = state.positions;
+      if (high <= state.sigma) throw new Error(`positions run to ${high}, behind the wall at ${state.sigma}; choose positions above the wall`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
-        ends: [state.positions, state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
+        ends: [[Math.max(low, state.sigma), high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
@@ -272,9 +273,14 @@ export class ChartView {
     c.textAlign = "left";
     c.textBaseline = "middle";
     let x = axes.box.x;
-    for (const { colour, text } of named) {
-      const wide = c.measureText(text).width;
-      if (x + 15 + wide > axes.box.x + axes.box.w) break;
+    const end = axes.box.x + axes.box.w;
+    for (const [i, { colour, text }] of named.entries()) {
+      const wide = c.measureText(text).width, left = named.length - i, more = `and ${left} more`;
+      if (x + 15 + wide + (left > 1 ? 14 + c.measureText(more).width : 0) > end) {
+        c.fillStyle = theme().faint;
+        c.fillText(more, x, 11);
+        break;
+      }
       c.fillStyle = colour;
       c.fillRect(x, 5, 11, 11);
       c.fillStyle = theme().faint;
@@ -300,7 +306,16 @@ export class ChartView {
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
     const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
-    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...this.search.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
+    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...this.search.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) })), ...this.#periods()];
+  }
+
+  /** The periods that occur, all of them, and which of them share a colour. @returns {import("./state.js").Line[]} */
+  #periods() {
+    const periods = [...(this.colours ?? [])].map(([code]) => code).filter(Boolean);
+    if (!periods.length) return [];
+    const alike = periods.map((one) => periods.filter((other) => periodColour(other) === periodColour(one)));
+    const shared = [...new Set(alike.filter((some) => some.length > 1).map((some) => some.join(" and ")))];
+    return [{ text: `Periods in the picture: ${periods.join(", ")}${periods.includes(254) ? " or above" : ""}.${shared.length ? ` One colour stands for ${shared.join(", for ")}.` : ""}` }];
   }
 
   /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */
@@ -315,8 +330,9 @@ export class ChartView {
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (state.ball) {
       const [u, v] = state.ball;
-      const { reached } = this.#follow(u, v);
-      said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
+      if (u < state.sigma) said.push({ text: `(${number(u)}, ${number(v)}) lies behind the wall at ${number(state.sigma)}.` });
+      const { reached } = u < state.sigma ? { reached: [] } : this.#follow(u, v);
+      if (reached.length) said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
     }
     return said;
   }
