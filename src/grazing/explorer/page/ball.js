@@ -24,6 +24,7 @@ export class BallView {
   /** The period of the forcing. */ T = 1;
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
+  /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
   /** @type {{times: Float64Array, cut: boolean, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on, or a part of it */ attractor = later();
   /** @type {Thrown} on the attractor */ home = later();
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
@@ -79,6 +80,8 @@ export class BallView {
 
   /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. @param {State} state */
   show(state) {
+    // a wall that is moved takes the ball along that was shown before it; a link that begins behind the wall is wrong
+    if (state.ball && state.ball[0] < state.sigma && JSON.stringify(state.ball) === this.thrown) this.change({ ball: [state.sigma, state.ball[1], state.ball[2]] });
     if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     this.state = state;
     const { machine } = this;
@@ -145,7 +148,7 @@ export class BallView {
     const [u, v] = this.trail.at(-1) ?? this.begun;
     const time = this.begun[2] + this.now;
     const ball = [u, v, time - this.T * Math.floor(time / this.T)];
-    this.thrown = JSON.stringify(ball); // it is there already
+    this.thrown = this.recorded = JSON.stringify(ball); // it is there already
     this.change({ ball });
   }
 
@@ -176,7 +179,7 @@ export class BallView {
     const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
     const { result, legs, state: end } = machine.call("legs", { capacity: LEGS, row, state, until: periods * T, patience: 1e-6 }, ["legs", "state"]);
     const count = Number(result), samples = Math.max(periods * SAMPLES, POINTS * count) + 1;
-    const until = count < LEGS ? periods * T : Math.min(periods * T, end[0] * T + end[1]);
+    const reached = end[0] * T + end[1], until = reached < (1 - 1e-9) * periods * T ? reached : periods * T;
     const times = Float64Array.from({ length: samples }, (_, i) => (i / (samples - 1)) * until);
     const flown = legs.subarray(0, count * WIDTH);
     const path = machine.call("sample", { count, samples, row, legs: flown, times }, ["u", "v"]);
@@ -390,10 +393,10 @@ export class BallView {
   summary() {
     const { state } = this;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
+    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${state.offset}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
-    if (state.ball) said.push({ text: `Thrown from (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
