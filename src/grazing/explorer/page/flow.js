@@ -165,9 +165,9 @@ export class FlowView {
     if (this.form) axes.vertical(this.form.graze, theme().graze, [2, 2]);
     axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6);
     c.fillStyle = theme().faint;
-    c.textAlign = "right";
-    c.textBaseline = "top";
-    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x + axes.box.w - 6, axes.box.y + 5);
+    c.textAlign = "left";
+    c.textBaseline = "bottom"; // below the axis, where no curve is
+    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x, axes.box.y + axes.box.h + 33);
   }
 
   repaint() {

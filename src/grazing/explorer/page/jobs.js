@@ -88,9 +88,9 @@ export function periods(machine, job) {
   return { codes };
 }
 
+export const CHATTER = -1;
 /** Letters as Python writes them: impacts in a step, above 9 as (12), C for completed chatter, S for rest on the wall. @param {number[]} letters */
 export const written = (letters) => letters.map((k) => (k === CHATTER ? "C" : k < 0 ? "S" : k > 9 ? `(${k})` : String(k))).join("");
-const CHATTER = -1;
 
 /** A word in its least rotation. @param {number[]} letters */
 function least(letters) {
