@@ -1,4 +1,4 @@
-"""What the explorer says of what it shows, in a real browser: true words, axes that hold it, answers while it computes."""
+"""What the explorer says of what it shows, in a real browser: true words and axes, and answers while it computes."""
 
 import re
 
@@ -225,3 +225,15 @@ def test_the_key_of_one_period_fits_above_the_picture(phone, address):
     )
     places, width, top = seen
     assert len(places) == 2 and all(x <= width and y < top for x, y in places)
+
+
+def test_the_names_of_both_diagrams_stand_below_their_axes(shown, address):
+    shown.open(f"{address}#version=1&view=oscillator&columns=20&bins=20")
+    for diagram, name in (("diagram", "full oscillator"), ("reduced", "reduced map (2.6)")):
+        y, low = shown.page.evaluate(
+            "([which, name]) => { const d = explorer.views.oscillator[which], c = d.axes.context; let at = NaN;"
+            " c.fillText = (text, x, y) => { if (text === name) at = y; }; d.draw(); delete c.fillText;"
+            " return [at, d.axes.box.y + d.axes.box.h]; }",
+            [diagram, name],
+        )
+        assert y > low + 18
