@@ -38,6 +38,7 @@ def said(page):
         "view=ball&omega=0.001",
         "view=ball&omega=0.001&ball=0.3:0:0",
         "view=oscillator&flow_transient=100000&columns=4&bins=20&flow_starts=1",
+        "view=oscillator&omega=0.001&columns=50&reduced=no",
     ],
 )
 def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment):

@@ -95,12 +95,13 @@ export class ChartView {
     if (!machine) throw new Error(`the module ${gap ? "gap" : "oscillator"}.wasm is not loaded`);
     const sizes = /** @type {Pair} */ ([state.chart_columns, state.chart_rows]);
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
+    const T = (2 * Math.PI) / state.omega;
     if (state.chart === "basins") {
       const [low, high] = state.positions;
       if (high <= state.sigma) throw new Error(`positions run to ${high}, behind the wall at ${state.sigma}; choose positions above the wall`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
-        ends: [[Math.max(low, state.sigma), high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
+        ends: [[Math.max(low, state.sigma), high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(T),
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
@@ -108,7 +109,7 @@ export class ChartView {
     const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
     return gap
       ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
-      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 };
+      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(T) };
   }
 
   /** @param {State} state */
@@ -339,8 +340,8 @@ export class ChartView {
 
   /** @param {number} u @param {number} v */
   #follow(u, v) {
-    const plan = /** @type {Plan} */ (this.plan);
-    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: plan.settings.transient, keep: plan.settings.keep, tolerance: this.tolerance, same: new Float64Array(2) });
+    const plan = /** @type {Plan} */ (this.plan), T = (2 * Math.PI) / (this.state?.omega ?? 1);
+    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: within(plan.settings.transient, T), keep: within(plan.settings.keep, T), tolerance: this.tolerance, same: new Float64Array(2) });
   }
 }
 

@@ -14,8 +14,8 @@ import { allowed, later } from "./state.js";
 /** @typedef {import("./plot.js").Axes} Axes */
 /** @typedef {import("./svg.js").Pen} Pen */
 
-/** Below this frequency a period of the forcing is long: few orbits say how high the diagram is. */
-const SLOW = 0.1;
+/** A period of the forcing longer than this is long: few orbits say how high the diagram is. */
+const SLOW = 60;
 
 /** The value of a parameter of the oscillator. @param {State} state @param {string} name */
 export const valueOf = (state, name) => /** @type {Record<string, any>} */ (state)[name];
@@ -86,16 +86,17 @@ export class FlowView {
     others[which] = 0;
     const key = JSON.stringify({ ...common, gap: [state.starts, state.transient, state.keep], reduced: state.reduced, others, which, coordinate, window: state.window, bins: state.bins });
     if (this.key === undefined) this.search.forget();
+    const longest = (2 * Math.PI) / (state.vary === "omega" ? state.reach[0] : state.omega);
     if (key !== this.key) {
       this.key = key;
       let [low, high] = state.window ?? [0, 0];
       if (!state.window) {
-        const slow = (state.vary === "omega" ? state.reach[0] : state.omega) < SLOW;
+        const slow = longest > SLOW;
         const trial = extent(machine, { row, which, values: linspace(...state.reach, slow ? 6 : 24), coordinate, seed: state.seed, slow });
         [low, high] = outwards(trial.low, trial.high);
       }
       const symbol = plainSymbol(field);
-      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40, quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
+      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
       this.#reduce(state, row, which, field, common);
     } else {
       this.diagram.draw();
