@@ -2,11 +2,14 @@
 /** The ball against its bumper in time, and its phase portrait. */
 import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
-import { found, words } from "./orbits.js";
+import { Here } from "./here.js";
+import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { later, tidy } from "./state.js";
 
 const CAPACITY = 512, WIDTH = 9, AHEAD = 3;
+/** Legs of a flight that is drawn, and points of the curve on each, where they are many; points in one stroke: longer ones take long. */
+const LEGS = 800, POINTS = 6, STROKE = 400;
 /** Periods of forcing in a second at speed 1, and samples in a period. */
 const PACE = 0.7, SAMPLES = 160;
 
@@ -21,8 +24,8 @@ export class BallView {
   /** The period of the forcing. */ T = 1;
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
-  /** @type {import("./orbits.js").Class[]} */ classes = [];
-  /** @type {{times: Float64Array, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on */ attractor = later();
+  /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
+  /** @type {{times: Float64Array, cut: boolean, u: number[], v: number[], hits: Hit[]}} once around the orbit that most starts settle on, or a part of it */ attractor = later();
   /** @type {Thrown} on the attractor */ home = later();
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Thrown} where the flight began */ begun = later();
@@ -41,9 +44,11 @@ export class BallView {
    * @param {import("./machine.js").Machine} machine
    * @param {{tolerance: number}} described
    * @param {import("./state.js").Events} events
+   * @param {Pick<import("./pool.js").Pool, "batch">} pool what searches where that takes long; else the page itself, a moment later
    */
-  constructor(machine, described, { change, problem, done }) {
+  constructor(machine, described, { change, problem, done }, pool = new Here({ oscillator: machine })) {
     this.machine = machine;
+    this.search = new Search(pool, "ball", { found: () => this.#found(), problem });
     this.tolerance = described.tolerance;
     this.change = change;
     this.problem = problem;
@@ -75,29 +80,45 @@ export class BallView {
 
   /** Show a state: find what random starts settle on, and follow it, or the ball that was thrown, in time. @param {State} state */
   show(state) {
+    // a wall that is moved takes the ball along that was shown before it; a link that begins behind the wall is wrong
+    if (state.ball && state.ball[0] < state.sigma && JSON.stringify(state.ball) === this.thrown) this.change({ ball: [state.sigma, state.ball[1], state.ball[2]] });
     if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     this.state = state;
     const { machine } = this;
     this.row = rowOf(machine, state);
     this.T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(this.row)), thrown = JSON.stringify(state.ball);
+    if (this.key === undefined) this.search.forget();
+    const which = machine.fields.indexOf(state.vary);
+    this.search.ask("oscillator", machine, { row: this.row, which, value: this.row[which], transient: within(400, this.T), keep: within(64, this.T), seed: state.seed, tolerance: this.tolerance }, costOf(this.T));
     if (key === this.key && thrown === this.thrown) return this.draw();
     this.thrown = thrown;
     if (key === this.key) return this.begin();
     this.key = key;
-    const which = machine.fields.indexOf(state.vary);
-    this.classes = found(machine, { row: this.row, which, value: this.row[which], transient: 400, keep: 64, seed: state.seed, tolerance: this.tolerance });
     this.#portrait();
     this.begin();
   }
 
-  /** Follow the attractor that most starts reach once around. */
+  /** The pool has found what starts settle on: the ball that was not thrown goes on from there. */
+  #found() {
+    this.#portrait();
+    if (this.state.ball) this.draw();
+    else this.begin();
+    this.told();
+  }
+
+  get classes() {
+    return this.search.classes;
+  }
+
+  /** Follow the attractor that most starts reach once around; while it is searched, a few periods from above the wall, not drawn. */
   #portrait() {
     const most = this.classes[0];
     const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
-    this.attractor = this.#fly(u, v, periods, this.row);
+    this.attractor = this.#fly(u, v, this.search.waiting ? 1 : periods, this.row);
     this.ends = this.#around(this.attractor);
+    if (this.search.waiting) this.attractor = { times: new Float64Array(0), cut: false, u: [], v: [], hits: [] };
     this.home = [u, v, this.state.phase];
   }
 
@@ -127,7 +148,7 @@ export class BallView {
     const [u, v] = this.trail.at(-1) ?? this.begun;
     const time = this.begun[2] + this.now;
     const ball = [u, v, time - this.T * Math.floor(time / this.T)];
-    this.thrown = JSON.stringify(ball); // it is there already
+    this.thrown = this.recorded = JSON.stringify(ball); // it is there already
     this.change({ ball });
   }
 
@@ -156,12 +177,13 @@ export class BallView {
   #fly(u, v, periods, row) {
     const { machine, T } = this;
     const state = Float64Array.of(0, 0, u - this.state.sigma, v, 0, 0, 0);
-    const { result, legs } = machine.call("legs", { capacity: 4096, row, state, until: periods * T, patience: 1e-6 }, ["legs"]);
-    const count = Number(result), samples = periods * SAMPLES + 1;
-    const times = Float64Array.from({ length: samples }, (_, i) => (i / (samples - 1)) * periods * T);
+    const { result, legs, state: end } = machine.call("legs", { capacity: LEGS, row, state, until: periods * T, patience: 1e-6 }, ["legs", "state"]);
+    const count = Number(result), samples = Math.max(periods * SAMPLES, POINTS * count) + 1;
+    const reached = end[0] * T + end[1], until = reached < (1 - 1e-9) * periods * T ? reached : periods * T;
+    const times = Float64Array.from({ length: samples }, (_, i) => (i / (samples - 1)) * until);
     const flown = legs.subarray(0, count * WIDTH);
     const path = machine.call("sample", { count, samples, row, legs: flown, times }, ["u", "v"]);
-    return { times, u: Array.from(path.u), v: Array.from(path.v), hits: this.#hits(flown).filter((hit) => hit.t <= periods * T) };
+    return { times, cut: until < periods * T, u: Array.from(path.u), v: Array.from(path.v), hits: this.#hits(flown).filter((hit) => hit.t <= until) };
   }
 
   /** @param {ArrayLike<number>} legs */
@@ -246,9 +268,11 @@ export class BallView {
   /** Stop, and move on to just after the next impact, or by a period if there is none in twenty. */
   step() {
     this.play(false);
-    if (!this.#ahead(this.now + 20 * this.T)) return;
-    const next = this.#hits(this.legs).find((hit) => hit.t > this.now + 1e-12);
-    this.#advance(next && next.t <= this.now + 20 * this.T ? next.t - this.now + 1e-9 : this.T);
+    const last = this.now + 20 * this.T, after = () => this.#hits(this.legs).find((hit) => hit.t > this.now + 1e-12);
+    if (!this.#ahead(this.now)) return;
+    while (!after() && this.known <= last) if (!this.#ahead(this.known)) return;
+    const next = after();
+    this.#advance(next && next.t <= last ? next.t - this.now + 1e-9 : this.T);
     this.draw();
     this.record();
     this.told();
@@ -288,6 +312,12 @@ export class BallView {
           hit++;
         }
         const place = [axes.x(this.attractor.u[i]), axes.y(this.attractor.v[i])];
+        if (open && i % STROKE === 0) {
+          c.lineTo(place[0], place[1]);
+          c.stroke();
+          c.beginPath();
+          open = false;
+        }
         open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
         open = true;
       }
@@ -363,10 +393,12 @@ export class BallView {
   summary() {
     const { state } = this;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}`}, constant force d = ${state.offset}:` }];
+    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${state.offset}:` }];
+    if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
-    if (state.ball) said.push({ text: `Thrown from (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
     const hits = this.attractor?.hits ?? [];
+    if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;
   }

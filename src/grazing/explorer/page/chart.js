@@ -6,9 +6,9 @@ import { plainSymbol } from "./controls.js";
 import { rowOf, valueOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { basins, linspace } from "./jobs.js";
-import { found, words } from "./orbits.js";
+import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-import { tidy } from "./state.js";
+import { allowed, tidy } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -41,6 +41,7 @@ export class ChartView {
     this.done = done;
     this.tolerance = described.tolerance;
     this.axes = new Axes(document.getElementById("chart"));
+    this.search = new Search(pool, "chart-words", { found: done, problem });
     this.image = document.createElement("canvas");
     this.gestures = new Gestures(this.axes, {
       ready: () => Boolean(this.plan),
@@ -67,9 +68,7 @@ export class ChartView {
     const { plan, state } = this;
     if (!plan || !state) return [low, high];
     if (plan.basins) return [i === 0 ? Math.max(low, state.sigma) : low, high];
-    const field = plan.machine.described.fields[plan.which[i]];
-    const least = (field.low ?? -Infinity) + (field.open_low ? 1e-3 * (high - low) : 0);
-    return [Math.max(low, least), Math.min(high, field.high ?? Infinity)];
+    return allowed(plan.machine.described.fields[plan.which[i]], [low, high]);
   }
 
   /** What a click chooses. @param {number} x @param {number} y */
@@ -96,11 +95,13 @@ export class ChartView {
     if (!machine) throw new Error(`the module ${gap ? "gap" : "oscillator"}.wasm is not loaded`);
     const sizes = /** @type {Pair} */ ([state.chart_columns, state.chart_rows]);
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
+    const T = (2 * Math.PI) / state.omega;
     if (state.chart === "basins") {
-      if (state.positions[0] < state.sigma) throw new Error(`positions begin at ${state.positions[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
+      const [low, high] = state.positions;
+      if (high <= state.sigma) throw new Error(`positions run to ${high}, behind the wall at ${state.sigma}; choose positions above the wall`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
-        ends: [state.positions, state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40,
+        ends: [[Math.max(low, state.sigma), high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(T),
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
@@ -108,7 +109,7 @@ export class ChartView {
     const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
     return gap
       ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
-      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 };
+      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(T) };
   }
 
   /** @param {State} state */
@@ -119,6 +120,7 @@ export class ChartView {
     plan.which.forEach((i) => (fixed[i] = 0));
     const key = JSON.stringify([fixed, plan.names, plan.ends, plan.sizes, plan.settings, state.seed]);
     this.plan = plan;
+    if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
       /** Of each cell the period, 0 without one; in basins the row of `reached`. */
@@ -132,7 +134,8 @@ export class ChartView {
     }
     if (!plan.basins) {
       const gap = plan.name === "gap", which = plan.which[0];
-      this.classes = found(plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : 300, keep: gap ? 128 : 64, seed: state.seed, tolerance: this.tolerance });
+      const T = gap ? 1 : (2 * Math.PI) / state.omega;
+      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(T));
     }
     this.paint();
   }
@@ -271,9 +274,14 @@ export class ChartView {
     c.textAlign = "left";
     c.textBaseline = "middle";
     let x = axes.box.x;
-    for (const { colour, text } of named) {
-      const wide = c.measureText(text).width;
-      if (x + 15 + wide > axes.box.x + axes.box.w) break;
+    const end = axes.box.x + axes.box.w;
+    for (const [i, { colour, text }] of named.entries()) {
+      const wide = c.measureText(text).width, left = named.length - i, more = `and ${left} more`;
+      if (x + 15 + wide + (left > 1 ? 14 + c.measureText(more).width : 0) > end) {
+        c.fillStyle = theme().faint;
+        c.fillText(more, x, 11);
+        break;
+      }
       c.fillStyle = colour;
       c.fillRect(x, 5, 11, 11);
       c.fillStyle = theme().faint;
@@ -299,7 +307,16 @@ export class ChartView {
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
     const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
-    return [{ text: `At ${at}:` }, ...(this.classes ?? []).map((each) => ({ colour: periodColour(each.period), text: words(each) }))];
+    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...this.search.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) })), ...this.#periods()];
+  }
+
+  /** The periods that occur, all of them, and which of them share a colour. @returns {import("./state.js").Line[]} */
+  #periods() {
+    const periods = [...(this.colours ?? [])].map(([code]) => code).filter(Boolean);
+    if (!periods.length) return [];
+    const alike = periods.map((one) => periods.filter((other) => periodColour(other) === periodColour(one)));
+    const shared = [...new Set(alike.filter((some) => some.length > 1).map((some) => some.join(" and ")))];
+    return [{ text: `Periods in the picture: ${periods.join(", ")}${periods.includes(254) ? " or above" : ""}.${shared.length ? ` One colour stands for ${shared.join(", for ")}.` : ""}` }];
   }
 
   /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */
@@ -314,16 +331,17 @@ export class ChartView {
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (state.ball) {
       const [u, v] = state.ball;
-      const { reached } = this.#follow(u, v);
-      said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
+      if (u < state.sigma) said.push({ text: `(${number(u)}, ${number(v)}) lies behind the wall at ${number(state.sigma)}.` });
+      const { reached } = u < state.sigma ? { reached: [] } : this.#follow(u, v);
+      if (reached.length) said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
     }
     return said;
   }
 
   /** @param {number} u @param {number} v */
   #follow(u, v) {
-    const plan = /** @type {Plan} */ (this.plan);
-    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: plan.settings.transient, keep: plan.settings.keep, tolerance: this.tolerance, same: new Float64Array(2) });
+    const plan = /** @type {Plan} */ (this.plan), T = (2 * Math.PI) / (this.state?.omega ?? 1);
+    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: within(plan.settings.transient, T), keep: within(plan.settings.keep, T), tolerance: this.tolerance, same: new Float64Array(2) });
   }
 }
 

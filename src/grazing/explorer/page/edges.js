@@ -2,8 +2,8 @@
 /** The windows of the maximal orbits against the gap l, Figures 3.4 and 3.6: period doubling, border collision, and where windows appear and meet. */
 import { periodColour, theme } from "./colours.js";
 import { Gestures } from "./gestures.js";
-import { linspace } from "./jobs.js";
-import { found, words } from "./orbits.js";
+import { found, linspace } from "./jobs.js";
+import { words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { tidy } from "./state.js";
 
@@ -199,7 +199,8 @@ export class EdgesView {
     const { lam, l, mu, periods } = /** @type {State} */ (this.state);
     const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${l}, μ = ${mu}, λ = ${lam}:` }]);
     for (const each of this.classes ?? []) said.push({ colour: periodColour(each.period), text: words(each) });
-    const { table } = this.machine.call("edges", { periods: periods[1], lam, l: Math.max(l, 0) }, ["table"]);
+    if (l < 0) return [...said, { text: "The windows of theory are known for l ≥ 0." }];
+    const { table } = this.machine.call("edges", { periods: periods[1], lam, l }, ["table"]);
     const last = Math.min(periods[1], periods[0] + SAID - 1);
     for (let N = periods[0]; N <= last; N++) {
       const [doubling, collision] = [table[3 * N - 2], table[3 * N - 1]];

@@ -2,17 +2,20 @@
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { drawWindows, reach, windows } from "./gap.js";
+import { drawWindows, outwards, reach, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
-import { found, words } from "./orbits.js";
+import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
-import { later } from "./state.js";
+import { allowed, later } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
 /** @typedef {import("./machine.js").Floats} Floats */
 /** @typedef {import("./plot.js").Axes} Axes */
 /** @typedef {import("./svg.js").Pen} Pen */
+
+/** A period of the forcing longer than this is long: few orbits say how high the diagram is. */
+const SLOW = 60;
 
 /** The value of a parameter of the oscillator. @param {State} state @param {string} name */
 export const valueOf = (state, name) => /** @type {Record<string, any>} */ (state)[name];
@@ -28,7 +31,6 @@ export function rowOf(machine, state) {
 export class FlowView {
   /** @type {State} */ state = later();
   /** @type {import("./gap.js").Window[]} */ windows = [];
-  /** @type {import("./orbits.js").Class[]} */ classes = [];
   /** @type {ReturnType<typeof normalForm>} */ form = null;
   /** Why there is no reduced diagram, if there is none. */ why = "";
   /** The columns of the reduced diagram: values of the parameter, and of μ. */
@@ -49,7 +51,7 @@ export class FlowView {
     this.tolerance = described.tolerance;
     const events = {
       pick: (/** @type {number} */ value) => change({ [this.state.vary]: value }),
-      zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: span, window }),
+      zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: allowed(this.#field(), /** @type {import("./state.js").Pair} */ (span)), window }),
       zoomOut: () => change({ reach: null, window: null }),
       chosen: () => valueOf(this.state, this.state.vary),
       problem,
@@ -58,6 +60,7 @@ export class FlowView {
     this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
       ...events, zoom: (span) => events.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
     });
+    this.search = new Search(pool, "flow-words", { found: done, problem });
     this.figure = /** @type {HTMLElement} */ (document.getElementById("reduced-figure"));
   }
 
@@ -82,21 +85,34 @@ export class FlowView {
     const others = Array.from(row);
     others[which] = 0;
     const key = JSON.stringify({ ...common, gap: [state.starts, state.transient, state.keep], reduced: state.reduced, others, which, coordinate, window: state.window, bins: state.bins });
+    if (this.key === undefined) this.search.forget();
+    const longest = (2 * Math.PI) / (state.vary === "omega" ? state.reach[0] : state.omega);
     if (key !== this.key) {
       this.key = key;
       let [low, high] = state.window ?? [0, 0];
       if (!state.window) {
-        const trial = extent(machine, { row, which, values: linspace(...state.reach, 24), coordinate, seed: state.seed });
-        [low, high] = [trial.low, trial.high].map((value) => Number(value.toPrecision(4)));
+        const slow = longest > SLOW;
+        const trial = extent(machine, { row, which, values: linspace(...state.reach, slow ? 6 : 24), coordinate, seed: state.seed, slow });
+        [low, high] = outwards(trial.low, trial.high);
       }
       const symbol = plainSymbol(field);
-      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40, quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
+      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
       this.#reduce(state, row, which, field, common);
     } else {
       this.diagram.draw();
       this.reduced.draw();
     }
-    this.classes = found(machine, { row, which, value: valueOf(state, state.vary), transient: Math.max(300, state.flow_transient), keep: 64, seed: state.seed, tolerance: this.tolerance });
+    const T = (2 * Math.PI) / state.omega, transient = Math.max(within(300, T), state.flow_transient);
+    this.search.ask("oscillator", machine, { row, which, value: valueOf(state, state.vary), transient, keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
+  }
+
+  /** The parameter that varies. */
+  #field() {
+    return this.machine.described.fields[this.machine.fields.indexOf(this.state.vary)];
+  }
+
+  get classes() {
+    return this.search.classes;
   }
 
   /**
@@ -150,9 +166,9 @@ export class FlowView {
     if (this.form) axes.vertical(this.form.graze, theme().graze, [2, 2]);
     axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6);
     c.fillStyle = theme().faint;
-    c.textAlign = "right";
-    c.textBaseline = "top";
-    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x + axes.box.w - 6, axes.box.y + 5);
+    c.textAlign = "left";
+    c.textBaseline = "bottom"; // below the axis, where no curve is
+    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x, axes.box.y + axes.box.h + 33);
   }
 
   repaint() {
@@ -170,6 +186,7 @@ export class FlowView {
     const value = valueOf(state, state.vary);
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At ${name} = ${value}:` }];
+    if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (this.form) {
       const { graze, lam, l } = this.form;

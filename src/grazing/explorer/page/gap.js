@@ -2,7 +2,8 @@
 /** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { found, words } from "./orbits.js";
+import { found } from "./jobs.js";
+import { words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { LONGEST, later } from "./state.js";
 
@@ -29,8 +30,16 @@ export function reach(lam, l, [from, to]) {
     high = Math.max(high, ...ends);
   }
   const room = 0.05 * (high - low) || 0.1;
-  const round = (/** @type {number} */ value) => Number(value.toPrecision(4));
-  return [round(low - room), round(high + room)];
+  return outwards(low - room, high + room);
+}
+
+/** An interval with no more digits than its width needs, and nothing of it lost. @param {number} low @param {number} high @returns {Pair} */
+export function outwards(low, high) {
+  const places = 3 - Math.floor(Math.log10(high - low));
+  const unit = 10 ** Math.abs(places);
+  const step = (/** @type {number} */ value, /** @type {(value: number) => number} */ to) => (places < 0 ? to(value / unit) * unit : to(value * unit) / unit);
+  const ends = /** @type {Pair} */ ([step(low, Math.floor), step(high, Math.ceil)]);
+  return ends[0] <= low && ends[1] >= high && places < 15 ? ends : [low, high];
 }
 
 /** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis. @param {Axes} axes @param {Pen} c @param {Window[]} all @param {(mu: number) => number} place */
@@ -76,7 +85,7 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
 export class GapView {
   /** @type {State} */ state = later();
   /** @type {Window[]} */ windows = [];
-  /** @type {import("./orbits.js").Class[]} */ classes = [];
+  /** @type {import("./jobs.js").Class[]} */ classes = [];
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
 
   /**

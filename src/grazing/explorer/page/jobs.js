@@ -88,13 +88,57 @@ export function periods(machine, job) {
   return { codes };
 }
 
-/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & {coordinate: number}} job */
-export function extent(machine, { row, which, values, coordinate, seed }) {
+export const CHATTER = -1;
+/** Letters as Python writes them: impacts in a step, above 9 as (12), C for completed chatter, S for rest on the wall. @param {number[]} letters */
+export const written = (letters) => letters.map((k) => (k === CHATTER ? "C" : k < 0 ? "S" : k > 9 ? `(${k})` : String(k))).join("");
+
+/** A word in its least rotation. @param {number[]} letters */
+function least(letters) {
+  const turns = letters.map((_, i) => [...letters.slice(i), ...letters.slice(0, i)]);
+  turns.sort((a, b) => {
+    const at = a.findIndex((letter, i) => letter !== b[i]);
+    return at < 0 ? 0 : a[at] - b[at];
+  });
+  return turns[0] ?? [];
+}
+
+/**
+ * Orbits of one period and word, with one cycle; `impacts` in the word, null where they are not counted.
+ * @typedef {{period: number, word: string, share: number, points: number[][], impacts: number | null, length: number, multiplier?: number}} Class
+ */
+
+/**
+ * The classes of orbits that random starts settle on at one parameter value, most starts first.
+ * @param {Machine} machine
+ * @param {{row: Floats, which: number, value: number, starts?: number, transient: number, keep?: number, seed: number, tolerance: number}} job
+ */
+export function found(machine, { row, which, value, starts = 16, transient, keep = 128, seed, tolerance }) {
+  const made = settled(machine, { row, which, values: Float64Array.of(value), starts, transient, keep, seed, tolerance });
   const dimension = machine.described.coordinates.length;
-  const starts = 6, keep = 40, columns = values.length;
+  /** @type {Class[]} */
+  const classes = [];
+  for (let i = 0; i < starts && made.count[i] > 0; i++) {
+    const j = made.first[i];
+    const period = made.period[j];
+    const begin = made.begin[j] - Math.max(period, 0); // the letters repeat, and here none of the word lies beyond the end
+    const letters = Array.from({ length: made.length[j] }, (_, n) => made.letters[(begin + n) * starts + j]);
+    const names = machine.described.letters;
+    const word = names ? least(letters).map((k) => names[k]).join("") : written(least(letters));
+    const length = period > 0 ? Math.min(period, keep) : keep;
+    const points = Array.from({ length }, (_, n) => Array.from({ length: dimension }, (_, d) => made.points[(n * dimension + d) * starts + j]));
+    const counted = !names && letters.every((k) => k >= 0);
+    classes.push({ period, word, share: made.count[i] / starts, points, impacts: counted ? letters.reduce((sum, k) => sum + k, 0) : null, length: letters.length });
+  }
+  return classes;
+}
+
+/** Where a few orbits have a coordinate, and a little more; `slow` where a period of the forcing is long. @param {Machine} machine @param {Columns & {coordinate: number, slow: boolean}} job */
+export function extent(machine, { row, which, values, coordinate, seed, slow }) {
+  const dimension = machine.described.coordinates.length;
+  const starts = slow ? 2 : 6, keep = slow ? 4 : 40, columns = values.length;
   const rows = rowsOf(row, which, values);
   const lanes = drawn(machine, rows, values, starts, seed);
-  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient: 100 }, ["points"]);
+  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient: slow ? 3 : 100 }, ["points"]);
   let low = Infinity, high = -Infinity;
   for (let q = 0; q < columns * keep; q++) {
     for (let j = 0; j < starts; j++) {
@@ -203,7 +247,7 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
   const turns = Array.from({ length: N / p }, (_, k) => point(start + modulo(begin[j] - 1 - start + k * p, N)));
   turns.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const word = Array.from({ length: p }, (_, n) => letters[(start + modulo(begin[j] - start + n, N)) * starts + j]);
-  return { period: N, word: word.map((k) => (k > 9 ? `(${k})` : String(k))).join(""), point: turns[0] };
+  return { period: N, word: written(word), point: turns[0] };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins };
+export const JOBS = { raster, periods, extent, chart, basins, found };

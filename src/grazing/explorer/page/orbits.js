@@ -1,45 +1,88 @@
 // @ts-check
-/** The orbits that random starts settle on at one parameter value, named by period and word. */
-import { settled } from "./jobs.js";
+/** The orbits that random starts settle on at one parameter value, in words, and the search for them. */
+import { found } from "./jobs.js";
 
-/** @typedef {{period: number, word: string, share: number, points: number[][], impacts: number | null, length: number, multiplier?: number}} Class orbits of one period and word, with one cycle */
+/** @typedef {import("./jobs.js").Class} Class */
+/** @typedef {Parameters<typeof found>[1]} Asked what is searched */
 
-/** A word in its least rotation; letters above 9 as (12). @param {number[]} letters */
-function least(letters) {
-  const turns = letters.map((_, i) => [...letters.slice(i), ...letters.slice(0, i)]);
-  turns.sort((a, b) => {
-    const at = a.findIndex((letter, i) => letter !== b[i]);
-    return at < 0 ? 0 : a[at] - b[at];
-  });
-  return turns[0] ?? [];
-}
+/** A search that is expected to take longer is left to the pool, in milliseconds. */
+const SOON = 30;
+/** Time in which the oscillator is followed, at most, unless it is fewer periods than `FEWEST`. */
+const LONGEST = 2e4, FEWEST = 16;
 
-/**
- * Classes of orbits, most starts first.
- * @param {import("./machine.js").Machine} machine
- * @param {{row: import("./machine.js").Floats, which: number, value: number, starts?: number, transient: number, keep?: number, seed: number, tolerance: number}} job
- */
-export function found(machine, { row, which, value, starts = 16, transient, keep = 128, seed, tolerance }) {
-  const given = { row, which, values: Float64Array.of(value), starts, transient, keep, seed, tolerance };
-  const made = settled(machine, given);
-  const dimension = machine.described.coordinates.length;
-  /** @type {Class[]} */
-  const classes = [];
-  for (let i = 0; i < starts && made.count[i] > 0; i++) {
-    const j = made.first[i];
-    const period = made.period[j];
-    const begin = made.begin[j] - Math.max(period, 0); // the letters repeat, and here none of the word lies beyond the end
-    const letters = Array.from({ length: made.length[j] }, (_, n) => made.letters[(begin + n) * starts + j]);
-    const names = machine.described.letters;
-    const word = least(letters).map((k) => (names ? names[k] : k > 9 ? `(${k})` : String(k))).join("");
-    const length = period > 0 ? Math.min(period, keep) : keep;
-    const points = Array.from({ length }, (_, n) => Array.from({ length: dimension }, (_, d) => made.points[(n * dimension + d) * starts + j]));
-    classes.push({ period, word, share: made.count[i] / starts, points, impacts: names ? null : letters.reduce((sum, k) => sum + (k < 0 ? 0 : k), 0), length: letters.length });
+/** So many periods of the forcing, or fewer where each is long: starts come to rest in time, not in periods. @param {number} periods @param {number} T */
+export const within = (periods, T) => Math.min(periods, Math.max(FEWEST, Math.ceil(LONGEST / T)));
+
+/** What a period of the forcing costs, beside one of the standard set. @param {number} T */
+export const costOf = (T) => Math.max(1, T / 2.9);
+
+/** Finds what random starts settle on: at once where that is quick, else in the pool, so that the page answers meanwhile. */
+export class Search {
+  /** @type {Class[]} */ classes = [];
+  /** Whether the pool is still at it. */ waiting = false;
+  /** Milliseconds for one start in one step of unit cost, as measured last. */
+  #rate = 1e-3;
+  /** @type {string | undefined} */ #key = undefined;
+  /** Whether the pool's answer is still wanted. */ #live = () => false;
+
+  /**
+   * @param {Pick<import("./pool.js").Pool, "batch">} pool
+   * @param {string} channel
+   * @param {{found: () => void, problem: (text: string) => void}} told what is done when the pool has found them
+   */
+  constructor(pool, channel, told) {
+    this.pool = pool;
+    this.channel = channel;
+    this.told = told;
   }
-  return classes;
+
+  /** Search once more, even for the same. */
+  forget() {
+    this.#key = undefined;
+  }
+
+  /** Begin, unless the same was asked last; what was asked before is dropped. @param {string} name of the module @param {import("./machine.js").Machine} machine @param {Asked} asked @param {number} cost of a step */
+  ask(name, machine, asked, cost = 1) {
+    const key = JSON.stringify([Array.from(asked.row), { ...asked, row: null }]);
+    if (key === this.#key && (!this.waiting || this.#live())) return;
+    this.#key = key;
+    const batch = this.pool.batch(this.channel), begun = performance.now();
+    this.#live = batch.live;
+    const steps = (asked.starts ?? 16) * (asked.transient + (asked.keep ?? 128)) * cost;
+    this.waiting = steps * this.#rate > SOON;
+    if (!this.waiting) {
+      this.classes = found(machine, asked);
+      this.#rate = (performance.now() - begun) / steps;
+      return;
+    }
+    this.classes = [];
+    batch.run(name, "found", asked).then(
+      (classes) => {
+        this.waiting = false;
+        this.classes = classes;
+        this.#rate = (performance.now() - begun) / steps;
+        this.told.found();
+      },
+      (error) => {
+        this.waiting = false;
+        this.told.problem(`What starts settle on could not be found: ${error.message}.`);
+      },
+    );
+  }
 }
+
+/** In place of the classes while they are searched. */
+export const SEARCHING = "Looking for what random starts settle on …";
 
 const fixed = (/** @type {number} */ value) => Number(value.toPrecision(7)).toString().replace("-", "−");
+
+/** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
+function impactsOf({ impacts, word, length, period }) {
+  const turns = length !== period ? ` in ${length} periods` : "";
+  if (impacts !== null) return impacts === 0 ? ", no impact" : `, ${impacts === 1 ? "one impact" : `${impacts} impacts`}${turns}`;
+  if (/^S+$/.test(word)) return ", at rest on the wall";
+  return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
+}
 
 /** A class in words. @param {Class} each */
 export function words(each, starts = 16) {
@@ -47,8 +90,7 @@ export function words(each, starts = 16) {
   if (each.period === -1) return `no period found (aperiodic as far as seen); ${share}`;
   if (each.period === 0) return `undecided; ${share}`;
   if (each.period < 0) return `orbit that ended; ${share}`;
-  let text = `period-${each.period} orbit`;
-  if (each.impacts !== null) text += each.impacts === 0 ? ", no impact" : `, ${each.impacts === 1 ? "one impact" : `${each.impacts} impacts`}${each.length !== each.period ? ` in ${each.length} periods` : ""}`;
+  let text = `period-${each.period} orbit${impactsOf(each)}`;
   if (each.word) text += `, word ${each.word}`;
   if (each.multiplier !== undefined) text += `, multiplier ${fixed(each.multiplier)}`;
   text += `; ${share}`;

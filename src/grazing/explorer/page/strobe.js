@@ -3,7 +3,7 @@
 import { periodColour, theme } from "./colours.js";
 import { rowOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
-import { linspace } from "./jobs.js";
+import { CHATTER, linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
 import { ORDERS } from "./state.js";
 import { drawZeroTime, zeroTime } from "./zdm.js";
@@ -17,7 +17,7 @@ const SAMPLES = 600;
 /** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number}} Jump first start beyond a change of letter */
 
 const number = (/** @type {number} */ value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");
-const impacts = (/** @type {number} */ count) => `${count} impact${count === 1 ? "" : "s"}`;
+const impacts = (/** @type {number} */ letter) => (letter < 0 ? (letter === CHATTER ? "completed chatter" : "rest on the wall") : `${letter} impact${letter === 1 ? "" : "s"}`);
 
 export class StrobeView {
   /** The starts. */
@@ -154,28 +154,32 @@ export class StrobeView {
     });
     axes.vertical(state.u0, theme().accent, [], 1.6);
     axes.frame("u(0)", `${state.coordinate}(T)`);
-    c.textAlign = "left";
-    c.textBaseline = "middle";
-    const wide = 30 + Math.max(...curves.map(([, , , , text]) => c.measureText(text).width));
-    const [left, top] = this.#emptiest(wide, 40, [one, other]);
-    curves.forEach(([, , colour, , text], k) => {
-      c.fillStyle = colour;
-      c.fillRect(left, top + 8 + 18 * k, 11, 5);
-      c.fillStyle = theme().faint;
-      c.fillText(text, left + 17, top + 11 + 18 * k);
-    });
+    this.#key(c, curves.map(([, , colour, , text]) => [colour, text]));
     this.gestures.draw(c);
   }
 
-  /** The corner of so many pixels in which fewest points of curves lie. @param {number} wide @param {number} high @param {Floats[]} curves */
-  #emptiest(wide, high, curves) {
-    const { axes } = this, { x, y, w, h } = axes.box;
-    const corners = [[x + 14, y + h - high - 6], [x + w - wide - 6, y + h - high - 6], [x + w - wide - 6, y + 6], [x + 14, y + 6]];
-    const inside = (/** @type {number[]} */ [left, top]) => curves.reduce((sum, values) => sum + values.filter((value, i) => {
-      const [a, b] = [axes.x(this.u[i]) - left, axes.y(value) - top];
-      return a >= 0 && a <= wide && b >= 0 && b <= high;
-    }).length, 0);
-    return corners.map((corner) => ({ corner, points: inside(corner) })).reduce((best, each) => (each.points < best.points ? each : best)).corner;
+  /** What the curves are, above the picture, where nothing else is; in short where there is little room. @param {import("./svg.js").Pen} c @param {[string, string][]} curves */
+  #key(c, curves) {
+    const { x, w } = this.axes.box;
+    c.textAlign = "left";
+    c.textBaseline = "middle";
+    const wide = curves.reduce((sum, [, text]) => sum + c.measureText(text).width + 31, -14);
+    let left = x;
+    for (const [colour, text] of curves) {
+      const said = wide > w ? text.replace("stroboscopic map", "exact").replace("discontinuity map", "local map") : text;
+      c.fillStyle = colour;
+      c.fillRect(left, 8, 11, 5);
+      c.fillStyle = theme().faint;
+      c.fillText(said, left + 17, 11);
+      left += 31 + c.measureText(said).width;
+    }
+  }
+
+  /** Why the zero-time map of the start moves nothing. */
+  #still() {
+    const { u0, v0, sigma } = /** @type {State} */ (this.state);
+    if (u0 < sigma) return [`u(0) = ${number(u0)} lies behind the wall at ${number(sigma)}:`, "there is no zero-time map of it."];
+    return ["The zero-time map of this start is the identity:", v0 < 0 ? "at constant acceleration the ball turns before the wall." : "the ball does not move towards the wall."];
   }
 
   #drawZero() {
@@ -185,7 +189,7 @@ export class StrobeView {
     c.fillStyle = theme().faint;
     c.textAlign = "center";
     c.textBaseline = "middle";
-    c.fillText("no impact follows from this start", zero.canvas.clientWidth / 2, zero.canvas.clientHeight / 2);
+    this.#still().forEach((line, i) => c.fillText(line, zero.canvas.clientWidth / 2, zero.canvas.clientHeight / 2 + 18 * i - 9));
   }
 
   raster() {
@@ -197,7 +201,7 @@ export class StrobeView {
     if (!full || !local || !jumps) return [];
     const said = [{ text: `One period of the forcing from u(0) between ${number(u[0])} and ${number(u[SAMPLES - 1])}, v(0) = ${number(state.v0)}.` }];
     for (const { map, at, below, above } of jumps) {
-      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${number(at, 10)}, and ${above} above: there one is gained or lost, at a graze or across the strobe.` });
+      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${number(at, 10)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
       else said.push({ text: `The discontinuity map jumps at u(0) = ${number(at, 10)}.` });
     }
     if (!jumps.some(({ map }) => map === "orbits")) said.push({ text: `No graze of the oscillator on this line: ${impacts(full.letters[0])} everywhere.` });
@@ -205,7 +209,8 @@ export class StrobeView {
     const most = differ.reduce((best, value, i) => (value > differ[best] ? i : best), 0);
     said.push({ text: `The positions after a period differ most at u(0) = ${number(u[most])}, by ${number(differ[most])}.` });
     if (four) said.push({ text: `Zero-time map at u(0) = ${number(state.u0)}: δ = ${number(four.delta)}, acceleration A = ${number(four.acceleration)}; ${four.points.map(([U, V], i) => `(U${"₀₁₂₃"[i]}, V${"₀₁₂₃"[i]}) = (${number(U)}, ${number(V)})`).join(", ")}.` });
-    else said.push({ text: `From u(0) = ${number(state.u0)} the zero-time map is the identity: at constant acceleration the ball turns before the wall.` });
+    else if (state.u0 < state.sigma) said.push({ text: this.#still().join(" ") });
+    else said.push({ text: `From u(0) = ${number(state.u0)}: ${this.#still().join(" ").replace("The", "the")}` });
     return said;
   }
 }

@@ -196,11 +196,21 @@ function rectangle(x, y, w, h) {
   return Number.isFinite(x + y + w + h) ? `M${short(x)} ${short(y)}h${short(w)}v${short(h)}h${short(-w)}z` : "";
 }
 
-/** Where pictures lie beside one another on screen, and how large they are together. @param {Panel[]} panels */
+/** Pixels between the pictures of one file, as on a wide screen. */
+const BETWEEN = 26;
+
+/**
+ * Where pictures lie in one file, and how large they are together: side by side where they are so on screen, else one
+ * below the other, whatever lies between them there. @param {Panel[]} panels
+ */
 function layout(panels) {
-  const boxes = panels.map(({ sheet }) => sheet.canvas.getBoundingClientRect());
-  const left = Math.min(...boxes.map((box) => box.left)), top = Math.min(...boxes.map((box) => box.top));
-  const places = panels.map(({ sheet }, i) => ({ x: Math.round(boxes[i].left - left), y: Math.round(boxes[i].top - top), w: sheet.canvas.clientWidth, h: sheet.canvas.clientHeight }));
+  const places = /** @type {{x: number, y: number, w: number, h: number}[]} */ ([]);
+  panels.forEach(({ sheet: { canvas } }, i) => {
+    const last = places[i - 1], w = canvas.clientWidth, h = canvas.clientHeight;
+    const beside = last && canvas.getBoundingClientRect().left >= panels[i - 1].sheet.canvas.getBoundingClientRect().right;
+    if (!last) places.push({ x: 0, y: 0, w, h });
+    else places.push(beside ? { x: last.x + last.w + BETWEEN, y: last.y, w, h } : { x: last.x, y: last.y + last.h + BETWEEN, w, h });
+  });
   return { places, width: Math.max(...places.map(({ x, w }) => x + w)), height: Math.max(...places.map(({ y, h }) => y + h)) };
 }
 
