@@ -37,6 +37,11 @@ class Shown:
             " done(seen.length > 0 && seen.every(c => c.dataset.stage === 'done')); })))"
         )
 
+    def link(self):
+        """Return the address once it says what is shown: it follows when the hand has rested."""
+        self.until("() => location.hash === explorer.link()")
+        return self.page.url
+
     def problem(self):
         return self.page.inner_text("#problem p") if self.page.is_visible("#problem") else ""
 

@@ -146,13 +146,13 @@ def test_no_request_leaves_the_host(shown, address):
 
 def test_a_slider_changes_picture_link_and_words(shown, address):
     shown.open(f"{address}#version=1&view=gap&columns=200")
-    before = shown.pixels("gap-diagram"), shown.page.inner_text("#summary"), shown.page.url
+    before = shown.pixels("gap-diagram"), shown.page.inner_text("#summary"), shown.link()
     shown.page.locator("#gap-sliders input[type=range]").nth(1).focus()
     for _ in range(40):
         shown.page.keyboard.press("ArrowRight")
     shown.until("() => explorer.state().l > 0.23")
     shown.settle()
-    after = shown.pixels("gap-diagram"), shown.page.inner_text("#summary"), shown.page.url
+    after = shown.pixels("gap-diagram"), shown.page.inner_text("#summary"), shown.link()
     assert all(one != other for one, other in zip(before, after, strict=True))
 
 
@@ -326,7 +326,7 @@ def test_a_phone_shows_all_of_its_width(browser, address, scheme):
 
 def test_copy_buttons_give_what_is_on_screen(shown, address):
     shown.open(f"{address}#version=1&view=gap&columns=20&lam=0.7")
-    texts = shown.page.evaluate("() => ({...explorer.texts(), link: location.href})")
+    texts = {**shown.page.evaluate("() => explorer.texts()"), "link": shown.link()}
     for kind, text in texts.items():
         shown.page.click(f"[data-copy={kind}]")
         shown.until("() => document.getElementById('said').textContent.endsWith('copied')")

@@ -103,7 +103,7 @@ def test_a_picture_is_saved_whole_and_as_vectors(browser, address, tmp_path, sce
         np.testing.assert_array_equal(bitmap[i : i + seen.shape[0], j : j + seen.shape[1]], seen)
     # the vectors give the same picture
     root = ElementTree.parse(path).getroot()
-    assert root.tag == f"{SVG}svg" and root.find(f"{SVG}desc").text.endswith(page.page.url.partition("#")[2])
+    assert root.tag == f"{SVG}svg" and root.find(f"{SVG}desc").text.endswith(page.link().partition("#")[2])
     assert len(root.findall(f".//{SVG}text")) > 8 and len(root.findall(f".//{SVG}path")) > 8
     assert len(root.findall(f".//{SVG}image")) == {"gap": 1, "oscillator": 2, "chart": 1, "basins": 1}.get(scene, 0)
     assert vectors.shape == bitmap.shape
@@ -398,7 +398,7 @@ def test_a_link_begins_where_the_ball_is(shown, address):
     shown.page.click("#step")
     here = shown.page.evaluate("() => explorer.views.ball.trail.at(-1)")
     assert state(shown, "ball")[:2] == here
-    link = shown.page.evaluate("() => location.href")
+    link = shown.link()
     shown.page.click("#step")
     want = hits(shown)[-1]
     shown.page.goto("about:blank")

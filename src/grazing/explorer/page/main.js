@@ -417,7 +417,7 @@ async function begin() {
   build();
   read();
   // for tests and for the curious: what is on screen
-  Object.assign(globalThis, { explorer: { views, state: () => state, texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
+  Object.assign(globalThis, { explorer: { views, state: () => state, link: () => toFragment(state), texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
 }
 
 begin();
