@@ -92,6 +92,7 @@ def test_a_picture_is_saved_whole_and_as_vectors(browser, address, tmp_path, sce
         "const { left, top } = c.getBoundingClientRect(); return [left, top, c.toDataURL()]; })"
     )
     vectors = pixels_of(page.page.evaluate(DRAWN, f"data:image/svg+xml,{quoted(path.read_text(encoding='utf-8'))}"))
+    link = page.link()
     context.close()
     assert page.errors == []
     # the bitmap holds every sheet that is seen, as it is seen
@@ -103,7 +104,7 @@ def test_a_picture_is_saved_whole_and_as_vectors(browser, address, tmp_path, sce
         np.testing.assert_array_equal(bitmap[i : i + seen.shape[0], j : j + seen.shape[1]], seen)
     # the vectors give the same picture
     root = ElementTree.parse(path).getroot()
-    assert root.tag == f"{SVG}svg" and root.find(f"{SVG}desc").text.endswith(page.link().partition("#")[2])
+    assert root.tag == f"{SVG}svg" and root.find(f"{SVG}desc").text.endswith(link.partition("#")[2])
     assert len(root.findall(f".//{SVG}text")) > 8 and len(root.findall(f".//{SVG}path")) > 8
     assert len(root.findall(f".//{SVG}image")) == {"gap": 1, "oscillator": 2, "chart": 1, "basins": 1}.get(scene, 0)
     assert vectors.shape == bitmap.shape

@@ -411,7 +411,7 @@ async function begin() {
   if (machines.oscillator && pool) {
     views.oscillator = new FlowView(machines.oscillator, machines.gap, pool, described, events);
     views.strobe = new StrobeView(machines.oscillator, events);
-    views.ball = ball = new BallView(machines.oscillator, described, events);
+    views.ball = ball = new BallView(machines.oscillator, described, events, pool);
   }
   if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
   build();

@@ -11,7 +11,7 @@ export const PRESETS = {
   "1.3": { title: "Passive oscillator, orbit diagram", state: { ...STANDARD, view: "oscillator", V: 0, offset: 0.12 } },
   "1.5": { title: "Active oscillator, period 3", state: { ...STANDARD, view: "ball", V: 0.4, offset: 0.12 } },
   "1.6": { title: "Active oscillator, orbit diagram", state: { ...STANDARD, view: "oscillator", V: 0.4, offset: 0.12 } },
-  "2.1": { title: "Zero-time map of a low impact, on the right", state: SHALLOW },
+  "2.1": { title: "Zero-time map of a low impact, the further picture", state: SHALLOW },
   "2.2": { title: "Stroboscopic against discontinuity map", state: SHALLOW },
   "3.1": { title: "Cobweb, λ = 0.8, l = 1, μ = 0.5", state: gap(0.8, 1, [-0.1, 1.2], 0.5) },
   "3.2": { title: "Gap map, λ = 0.34, l = 0.21", state: gap(0.34, 0.21, [-0.1, 0.6], 0.2) },
