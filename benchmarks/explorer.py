@@ -41,7 +41,10 @@ WATCH = """
     port1.onmessage = then;
     port2.postMessage(0);
   });
-  slider.addEventListener("input", (event) => seen.asked.push({value: Number(slider.value), at: event.timeStamp}));
+  // before the page's own listener, which may draw at once
+  addEventListener("input", ({target, timeStamp: at}) => {
+    if (target === slider) seen.asked.push({value: Number(slider.value), at});
+  }, true);
   // what the raster holds was counted; what was passed over before is known from that
   const iterates = ({counts, drawn: {quick}}) =>
     (counts.reduce((sum, count) => sum + count, 0) / quick.stride) * (1 + quick.transient / quick.keep);

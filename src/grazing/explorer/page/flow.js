@@ -96,7 +96,7 @@ export class FlowView {
         [low, high] = outwards(trial.low, trial.high);
       }
       const symbol = plainSymbol(field);
-      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 8, starts: 4, transient: 60, keep: 40 } });
+      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 12, starts: 4, transient: 50, keep: 40 } });
       this.#reduce(state, row, which, field, common);
     } else {
       this.diagram.draw();
