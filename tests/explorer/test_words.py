@@ -19,10 +19,18 @@ setInterval(() => {
 }, 5);"""
 
 
+#: Goes to a link; done when the page, which was told first, has had a frame.
+GO = """(link) => new Promise((done) => {
+  const shown = () => requestAnimationFrame(() => requestAnimationFrame(() => done(true)));
+  if (location.hash === link) return shown();
+  addEventListener("hashchange", shown, {once: true});
+  location.hash = link;
+})"""
+
+
 def show(page, address, fragment):
     """Go to a state in the page that is open, and wait until it is shown."""
-    page.page.evaluate("text => location.hash = text", f"version=1&{fragment}")
-    page.until("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
+    page.page.evaluate(GO, f"#version=1&{fragment}")
 
 
 def said(page):
