@@ -180,8 +180,8 @@ def series_at(w: Any, i: int, harmonics: int) -> Any:
 def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     """Return the solver of impacts for a number of harmonics.
 
-    Some impacts pass through one short loop after the other: what one loop waits for, the next has long had. A single
-    loop would be a chain of two hundred cycles, of which the processor cannot overlap enough.
+    Some impacts pass through one short loop after the other: what one loop waits for, the next has long had. In a
+    single loop each impact is a long chain of operations, of which the processor overlaps too few.
     """
 
     @inlined
