@@ -1,7 +1,6 @@
 """What plain Python and a compiler say in two ways must be one thing: compiled and plain, bit for bit."""
 
 import os
-import platform
 import subprocess
 import sys
 from collections import namedtuple
@@ -14,17 +13,13 @@ import grazing
 from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import (
-    appended,
     at,
     built,
     called,
     called_for_all,
-    filled,
-    handed_back,
     inlined,
     numbers_at,
     replaced,
-    transposed,
 )
 from grazing.outcome import UserCodeError
 
@@ -140,110 +135,6 @@ def test_an_inlined_kernel_is_the_same_kernel():
     assert [compiled(lambda x: marked(x))(x) for x in (0.1, 0.3)] == [
         compiled(lambda x: bare(x))(x) for x in (0.1, 0.3)
     ]
-
-
-def deals(work, to, step, table, where, plus):
-    transposed(work, to, step, table, where, plus)
-
-
-def test_records_are_dealt_out_to_rows():
-    table = np.random.default_rng(2).normal(size=(3, 40))
-    records = np.array([0, 64, 8, 8, 25, 103, 3, 48])
-    plain, fast = np.zeros(300), np.zeros(300)
-    for work in (plain, fast):
-        work[250:258] = records
-    deals(plain, 5, 11, table, 250, 9)
-    compiled(deals)(fast, 5, 11, table, 250, 9)
-    for h in range(8):
-        assert np.array_equal(plain[5 + 11 * h : 13 + 11 * h], table.ravel()[records + 9 + h])
-    assert np.count_nonzero(plain) == 64 + np.count_nonzero(records)
-    assert np.array_equal(fast, plain)
-
-
-def appends(work, i, place):
-    return appended(work, i, 0, 20, (40, 60), (80, 100), place)
-
-
-@pytest.mark.parametrize("place", [0, 3])
-def test_what_falls_short_is_appended(place):
-    """Not a number falls short of anything, and anything of it."""
-    random = np.random.default_rng(3)
-    for _ in range(50):
-        work = random.normal(size=120)
-        work[random.integers(0, 40, 3)] = np.nan
-        wanted = [k for k in range(2, 10) if not work[k] >= work[20 + k]]
-        plain, fast = work.copy(), work.copy()
-        assert appends(plain, 2, place) == compiled(appends)(fast, 2, place) == place + len(wanted)
-        for found in (plain, fast):
-            for source, target in ((40, 80), (60, 100)):
-                assert np.array_equal(found[target + place :][: len(wanted)], work[source:][wanted])
-                assert np.array_equal(found[target : target + place], work[target : target + place])
-
-
-def hands_back(work, i, place):
-    return handed_back(work, i, 0, 20, (80, 100), (40, 60), place)
-
-
-@pytest.mark.parametrize("place", [0, 3])
-def test_what_was_appended_is_handed_back(place):
-    random = np.random.default_rng(4)
-    for _ in range(50):
-        work = random.normal(size=120)
-        work[random.integers(0, 40, 3)] = np.nan
-        chosen = np.array([not work[k] >= work[20 + k] for k in range(2, 10)])
-        plain, fast = work.copy(), work.copy()
-        assert hands_back(plain, 2, place) == compiled(hands_back)(fast, 2, place) == place + chosen.sum()
-        for found in (plain, fast):
-            for source, target in ((80, 40), (100, 60)):
-                given, kept = found[target + 2 : target + 10], work[target + 2 : target + 10]
-                assert np.array_equal(given[chosen], work[source + place :][: chosen.sum()])
-                assert np.array_equal(given[~chosen], kept[~chosen], equal_nan=True)
-        assert np.array_equal(fast, plain, equal_nan=True)
-        appends(plain, 2, place)  # and there again
-        assert np.array_equal(plain, fast, equal_nan=True)
-
-
-OLDER = """
-import sys
-sys.path[:0] = [{source!r}, {root!r}]
-import numpy as np
-from grazing.kernel.compile import compiled
-from tests.kernel.test_primitives import appends, deals, fills, hands_back
-
-work = np.random.default_rng(5).normal(size=300)
-work[250:258] = [0, 64, 8, 8, 25, 103, 3, 48]
-table = np.random.default_rng(2).normal(size=(3, 40))
-plain, fast = work.copy(), work.copy()
-for kernel in (appends, hands_back):
-    assert kernel(plain, 2, 3) == compiled(kernel)(fast, 2, 3)
-deals(plain, 5, 11, table, 250, 9), compiled(deals)(fast, 5, 11, table, 250, 9)
-fills(plain, 3, 0.1), compiled(fills)(fast, 3, 0.1)
-print(bool(np.array_equal(plain[:80], fast[:80])))
-"""
-
-
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names a processor of this family")
-def test_processors_without_wide_registers(tmp_path):
-    source = Path(grazing.__file__).parents[1]
-    env = {
-        **os.environ, "NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": "", "GRAZING_CACHE": str(tmp_path),
-    }  # fmt: skip
-    env.pop("NUMBA_DISABLE_JIT", None)
-    program = OLDER.format(source=str(source), root=str(Path(__file__).parents[2]))
-    ran = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True)
-    assert ran.stdout == "True\n", ran.stderr
-
-
-def fills(work, i, x):
-    filled(work, i, x)
-
-
-def test_eight_neighbours_are_filled():
-    plain, fast = np.zeros(20), np.zeros(20)
-    fills(plain, 3, 0.1)
-    compiled(fills)(fast, 3, 0.1)
-    assert np.array_equal(plain, [0.0] * 3 + [0.1] * 8 + [0.0] * 9)
-    assert np.array_equal(fast, plain)
 
 
 ORDER = """

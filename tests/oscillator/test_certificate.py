@@ -5,9 +5,38 @@ import pytest
 
 import grazing as gz
 from grazing.kernel.compile import compiled
-from grazing.oscillator.cells import ALWAYS, CERTIFICATE, COUNT, NEVER, ROW_COUNT, ROWS, UPRIGHT, fill_table, table_size
-from grazing.oscillator.certificate import certify_of, certify_rest_of, locate_of
-from grazing.oscillator.workspace import C1, C2, DOUBT, EVENT, LEAST, LOW, ONE_ON, X1, X2, Z1, Z2, workspace_size
+from grazing.oscillator.cells import (
+    ALWAYS,
+    CERTIFICATE,
+    CERTIFY_ON,
+    COUNT,
+    GO_ON,
+    MAX_ROWS,
+    NEVER,
+    ROW_COUNT,
+    ROWS,
+    UPRIGHT,
+    fill_table,
+    table_size,
+)  # fmt: skip
+from grazing.oscillator.certificate import certify_of, certify_rest, locate, next_event
+from grazing.oscillator.workspace import (
+    C1,
+    C2,
+    DOUBT,
+    EVENT,
+    FREE,
+    HIGH,
+    INSIDE,
+    LEAST,
+    REST,
+    WIDER,
+    X1,
+    X2,
+    Z1,
+    Z2,
+    workspace_size,
+)  # fmt: skip
 from tests.models import MODELS, packed
 
 NAMES = [name for name, model in MODELS.items() if name != "stiff"]
@@ -23,8 +52,7 @@ def table_of(name):
 
 def rows(t, start, count):
     """Return p, q, r and the place of every row of a list, without its padding."""
-    numbers = t[0, start : start + 4 * int(t[0, count])]
-    found = numbers.reshape(-1, 4, 8).transpose(0, 2, 1).reshape(-1, 4)
+    found = t[0, start : start + 4 * MAX_ROWS].reshape(4, MAX_ROWS)[:, : int(t[0, count])].T
     return found[found[:, 2] < NEVER]
 
 
@@ -79,32 +107,62 @@ def test_longer_chords_ask_for_more(name):
         assert inside[passed & both].all()
 
 
+def asked(upright):
+    """Return all questions as one kernel: the answers to each are left in ``w``."""
+    certify = certify_of(upright)
+
+    def ask(w, t, runs, since, events):
+        certify(w, t, 0, 0, N)
+        locate(w, t, runs, 1)
+        for i in range(N):
+            events[i] = next_event(t, 0, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
+        return certify_rest(w, t, runs, 1)
+
+    return ask
+
+
 @pytest.mark.parametrize("arithmetic", ["strict", "fast"])
-@pytest.mark.parametrize("name", ["standard", "critical", "under-damped", "undamped, no stiffness", "near resonance"])
+@pytest.mark.parametrize(
+    "name", ["standard", "critical", "under-damped", "undamped, no stiffness", "near resonance", "three harmonics"]
+)
 def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic):
     t = table_of(name)
     x, y = pairs(t)
     x[3], y[5], x[7] = np.nan, np.nan, 1e-3
     certificate, every = rows(t, CERTIFICATE, COUNT), rows(t, ROWS, ROW_COUNT)
-    last = int(every[-1, 3])
-    since = np.random.default_rng(2).integers(0, last + 2, N).astype(float)
+    random, cells = np.random.default_rng(2), int(every[-1, 3]) // 2
+    since = random.integers(0, 2 * cells + 2, N).astype(float)
+    inside = random.integers(0, cells, N)
     heights = certificate[:, :1] * x + (certificate[:, 1:2] * y + certificate[:, 2:3])
-    later = np.where(certificate[:, 3:] >= since, heights, np.inf)
-    failing = ~(every[:, :1] * x + (every[:, 1:2] * y + every[:, 2:3]) >= 1e-9) & (every[:, 3:] >= since)
-    first = np.where(failing.any(axis=0), every[failing.argmax(axis=0), 3], 0.0)
+    failing = ~(every[:, :1] * x + (every[:, 1:2] * y + every[:, 2:3]) >= 1e-9)
+    later = failing & (every[:, 3:] >= since)
+    first, following = (
+        np.where(found.any(axis=0), every[found.argmax(axis=0), 3], 0.0) for found in (failing, later)
+    )  # fmt: skip
+    rest = certificate[:, 3:] >= t[0, GO_ON + inside]
+    wider = np.where(random.random(N) < 0.2, np.nan, 1e-9)
+    free = (np.where(rest, heights, np.inf) >= 1e-9).all(axis=0) & (wider < HIGH)
     numbers = np.isfinite(x + y)
     scale = 1e-14 * np.abs(heights[:, numbers]).max()
     for upright in {False, bool(t[0, UPRIGHT])}:
-        w = np.zeros(workspace_size(1))
-        for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (ONE_ON, since)):
+        w, events = np.zeros(workspace_size(3)), np.zeros(N)
+        for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (INSIDE, inside), (WIDER, wider)):
             w[start : start + N] = values
-        w[DOUBT : DOUBT + N] = 1e-9
-        for question in (certify_of(upright), certify_rest_of(upright), locate_of(upright)):
-            compiled(question, arithmetic)(w, t, 0, 0, N)
-        least, low, event = (w[start : start + N] for start in (LEAST, LOW, EVENT))
+        w[DOUBT : DOUBT + N], w[LEAST : LEAST + N] = 1e-9, HIGH
+        left = compiled(asked(upright), arithmetic)(w, t, np.array([0, N]), since, events)
+        least, event, flies = (w[start : start + N] for start in (LEAST, EVENT, FREE))
+        least = least + x if upright else least
         assert (np.abs(least - heights.min(axis=0))[numbers] <= scale).all()
-        some = numbers & (later.min(axis=0) < np.inf)
-        assert (np.abs(low - later.min(axis=0))[some] <= scale).all()
-        assert (low[numbers & ~some] > 1e270).all()
         assert np.array_equal(event, first)
+        assert np.array_equal(events, following)
         assert (event > 0.0).any()
+        assert np.array_equal(flies, free.astype(float))
+        assert np.array_equal(w[REST : REST + left], np.flatnonzero(~free))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_after_an_impact_the_certificate_goes_on_at_the_first_row_from_there_on(name):
+    t = table_of(name)
+    places = t[0, CERTIFICATE + 3 * MAX_ROWS :][: int(t[0, COUNT]) + 8]
+    for cell in range(int(rows(t, ROWS, ROW_COUNT)[-1, 3]) // 2):
+        assert t[0, CERTIFY_ON + cell] == np.argmax(places >= t[0, GO_ON + cell])

@@ -31,10 +31,10 @@ from grazing.outcome import InputError, UserCodeError
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
-#: The functions of this module have a compiled form of their own and are not compiled from their source.
-PRIMITIVES = "grazing.kernel.primitives"
+#: The functions of these modules have a compiled form of their own and are not compiled from their source.
+PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.vectors")
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 3
+LAYOUT = 4
 
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}
@@ -170,7 +170,7 @@ def _inner_jit(function: FunctionType, arithmetic: str) -> Any:
 
 
 def _is_kernel(value: object) -> bool:
-    return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES
+    return isinstance(value, FunctionType) and value.__module__ not in PRIMITIVES
 
 
 @lru_cache(maxsize=4096)
@@ -226,7 +226,7 @@ def digest(function: Callable[..., Any]) -> str:
 
 def _content(value: Any, above: tuple[Any, ...]) -> Any:
     """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
-    if isinstance(value, FunctionType) and value.__module__ == PRIMITIVES:
+    if isinstance(value, FunctionType) and value.__module__ in PRIMITIVES:
         return ("primitive", value.__name__)  # its compiled form is not its source: LAYOUT stands for that
     if isinstance(value, FunctionType):
         if value in above:

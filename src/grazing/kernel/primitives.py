@@ -50,56 +50,6 @@ def called_for_all(function: float, work: Any, start: int, end: int, row: float)
     pointed[int(function)](work, start, end, numbers_at(row))
 
 
-def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
-    """Copy eight records of eight numbers from a table to rows of ``work``: number h of record k to place k of row h.
-
-    The eight rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
-    table, counted through all its rows. Compiled code reads and writes whole vectors.
-    """
-    numbers = table.reshape(-1)
-    for k in range(8):
-        record = int(work[where + k]) + plus
-        for h in range(8):
-            work[to + h * step + k] = numbers[record + h]
-
-
-def appended(
-    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
-) -> int:
-    """Append those of eight neighbours that fall short to lists; return how long the lists are then.
-
-    Of the eight places from ``i`` on those count where ``work[least + i] >= work[limit + i]`` does not hold. Their
-    numbers ``work[source + i]`` go to ``work[target + place]``. Compiled code may write over eight places of a list.
-    """
-    for k in range(i, i + 8):
-        if not work[least + k] >= work[limit + k]:
-            for source, target in zip(sources, targets, strict=True):
-                work[target + place] = work[source + k]
-            place += 1
-    return place
-
-
-def filled(work: Any, i: int, value: float) -> None:
-    """Write a number to eight neighbours; compiled code writes one vector."""
-    work[i : i + 8] = value
-
-
-def handed_back(
-    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
-) -> int:
-    """Give those of eight neighbours that fall short their numbers back from lists; return where the lists go on.
-
-    The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on. Compiled code
-    may read over eight places of a list.
-    """
-    for k in range(i, i + 8):
-        if not work[least + k] >= work[limit + k]:
-            for source, target in zip(sources, targets, strict=True):
-                work[target + k] = work[source + place]
-            place += 1
-    return place
-
-
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
 pointed: list[Callable[..., Any]] = []
 
@@ -117,7 +67,7 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
 def _register() -> None:
     """Tell the compiler the second form of each primitive; importing numba here is the reason to be lazy."""
     from llvmlite import ir
-    from numba.core import cgutils, types
+    from numba.core import types
     from numba.cpython.unsafe.tuple import tuple_setitem
     from numba.extending import intrinsic, overload
 
@@ -172,137 +122,6 @@ def _register() -> None:
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, types.int64, types.int64, types.float64), code
-
-    @intrinsic  # type: ignore[untyped-decorator]
-    def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
-        vector, places = ir.VectorType(number, 8), ir.VectorType(count, 8)
-
-        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            out = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
-            source = ctx.make_array(signature.args[3])(ctx, builder, args[3]).data
-
-            def place(pointer: Any, index: Any) -> Any:
-                return builder.bitcast(builder.gep(pointer, [index]), vector.as_pointer())
-
-            def loaded(pointer: Any, index: Any) -> Any:
-                found = builder.load(place(pointer, index))
-                found.align = 8
-                return found
-
-            starts = builder.fptosi(loaded(out, args[4]), places)
-            lanes = [builder.extract_element(starts, ir.Constant(ir.IntType(32), k)) for k in range(8)]
-            rows = [loaded(source, builder.add(lane, args[5])) for lane in lanes]
-            for size in (1, 2, 4):  # blocks of this size change places across the diagonal
-                for k in range(8):
-                    if k & size == 0:
-                        a, b = rows[k], rows[k + size]
-                        upper = [j + 8 - size if j & size else j for j in range(8)]
-                        lower = [j + 8 if j & size else j + size for j in range(8)]
-                        kinds = [ir.Constant(ir.VectorType(ir.IntType(32), 8), mask) for mask in (upper, lower)]
-                        rows[k], rows[k + size] = (builder.shuffle_vector(a, b, kind) for kind in kinds)
-            for h, row in enumerate(rows):
-                at_row = builder.add(args[1], builder.mul(args[2], count(h)))
-                builder.store(row, place(out, at_row)).align = 8
-            return ctx.get_dummy_value()
-
-        return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
-
-    def gathered(builder: Any, name: str, values: Any, others: Any, mask: Any) -> Any:
-        """Move the chosen numbers of a vector to its front (compress), or its first to the chosen places (expand)."""
-        bits = ir.VectorType(ir.IntType(1), 8)
-        kind = ir.FunctionType(values.type, [values.type, values.type, bits])
-        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.x86.avx512.mask.{name}.v8f64")
-        return builder.call(function, [values, others, mask])
-
-    def moving(lists_to_places: bool) -> Any:
-        """Return the code of :func:`handed_back`, or of :func:`appended`."""
-        vector = ir.VectorType(number, 8)
-
-        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            data = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
-            vectors = "+avx512f" in ctx.codegen().magic_tuple()[2]
-
-            def place_of(row: Any, index: Any) -> Any:
-                return builder.gep(data, [builder.add(row, index)])
-
-            def eight(row: Any, index: Any) -> Any:
-                return builder.bitcast(place_of(row, index), vector.as_pointer())
-
-            def loaded(row: Any, index: Any) -> Any:
-                found = builder.load(eight(row, index))
-                found.align = 8
-                return found
-
-            mask = builder.fcmp_unordered("ult", loaded(args[2], args[1]), loaded(args[3], args[1]))
-            sources = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
-            targets = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
-            end = args[6]
-            if vectors:
-                for source, target in zip(sources, targets, strict=True):
-                    if lists_to_places:
-                        value = gathered(builder, "expand", loaded(source, end), loaded(target, args[1]), mask)
-                    else:
-                        value = gathered(builder, "compress", loaded(source, args[1]), loaded(source, args[1]), mask)
-                    builder.store(value, eight(target, args[1] if lists_to_places else end)).align = 8
-                bits = builder.zext(builder.bitcast(mask, ir.IntType(8)), count)
-                return builder.add(end, builder.ctpop(bits))
-            for k in range(8):
-                here, chosen = (
-                    builder.add(args[1], count(k)),
-                    builder.extract_element(mask, ir.Constant(ir.IntType(32), k)),
-                )
-                for source, target in zip(sources, targets, strict=True):
-                    if lists_to_places:
-                        old, new = (builder.load(place_of(*at)) for at in ((target, here), (source, end)))
-                        builder.store(builder.select(chosen, new, old), place_of(target, here))
-                    else:
-                        builder.store(builder.load(place_of(source, here)), place_of(target, end))
-                end = builder.add(end, builder.zext(chosen, count))
-            return end
-
-        return code
-
-    @intrinsic  # type: ignore[untyped-decorator]
-    def appending(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(False)
-
-    @intrinsic  # type: ignore[untyped-decorator]
-    def returning(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(True)
-
-    @overload(appended, strict=False)  # type: ignore[untyped-decorator]
-    def _appended(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return lambda work, i, least, limit, sources, targets, place: appending(
-            work, i, least, limit, sources, targets, place
-        )
-
-    @intrinsic  # type: ignore[untyped-decorator]
-    def filling(_context: Any, work: Any, i: Any, value: Any) -> Any:
-        vector = ir.VectorType(number, 8)
-
-        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            data = ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
-            first = builder.insert_element(ir.Constant(vector, ir.Undefined), args[2], ir.Constant(ir.IntType(32), 0))
-            same = ir.Constant(ir.VectorType(ir.IntType(32), 8), [0] * 8)
-            place = builder.bitcast(builder.gep(data, [args[1]]), vector.as_pointer())
-            builder.store(builder.shuffle_vector(first, first, same), place).align = 8
-            return ctx.get_dummy_value()
-
-        return types.void(work, types.int64, types.float64), code
-
-    @overload(filled, strict=False)  # type: ignore[untyped-decorator]
-    def _filled(work: Any, i: Any, value: Any) -> Any:
-        return lambda work, i, value: filling(work, i, value)
-
-    @overload(handed_back, strict=False)  # type: ignore[untyped-decorator]
-    def _handed_back(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return lambda work, i, least, limit, sources, targets, place: returning(
-            work, i, least, limit, sources, targets, place
-        )
-
-    @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
-    def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
-        return lambda work, to, step, table, where, plus: transposing(work, to, step, table, where, plus)
 
     @overload(called, strict=False)  # type: ignore[untyped-decorator]
     def _called(function: Any, v: Any, row: Any) -> Any:

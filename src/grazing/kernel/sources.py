@@ -62,7 +62,7 @@ def _described(value: Any, seen: dict[str, str]) -> str:
     where = f"{value.__module__}:{value.__code__.co_qualname}"
     cells = [(name, cell) for name, cell in zip(value.__code__.co_freevars, value.__closure__ or (), strict=True)]
     mark = f"{where} {[name for name, _cell in cells]}"
-    if value.__module__ == PRIMITIVES:
+    if value.__module__ in PRIMITIVES:
         seen[where] = "primitive"
         return where
     if where not in seen:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called_for_all, handed_back, inlined
+from grazing.kernel.primitives import at, called_for_all, inlined
 from grazing.maps.columns import CUT, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
@@ -24,20 +24,25 @@ from grazing.maps.pointed import (
     pointed_slope,
 )
 from grazing.oscillator.block import (
-    dip_of,
+    dip,
+    hand_back,
+    is_chord,
     kick,
     look_up,
     placed,
+    set_apart,
     solve_of,
-    still_at_hand,
 )  # fmt: skip
 from grazing.oscillator.cells import (
     BAND,
     CERTIFICATE,
+    GO_ON,
     MARGIN,
+    MAX_ROWS,
     PAIR,
     SIGMA,
     STATE,
+    UPRIGHT,
     fill_table,
     table_size,
 )  # fmt: skip
@@ -46,6 +51,7 @@ from grazing.oscillator.certificate import (
     certify,
     certify_rest,
     locate,
+    next_event,
     onward,
     runs_of,
 )  # fmt: skip
@@ -59,17 +65,18 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
+    FREE,
+    HIGH,
     HITS,
     INSIDE,
     LANES,
     LEAST,
     LIMIT,
-    LOW,
     MET,
     NAN,
     NEAR,
+    NEED,
     NUMBER,
-    ONE_ON,
     ORBIT,
     PROVEN,
     PULL,
@@ -120,7 +127,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
     prepare = constants_of(harmonics, section_phase)
     period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
-    solve, dip = solve_of(harmonics), dip_of(harmonics)
+    solve = solve_of(harmonics)
     size, work = table_size(harmonics), workspace_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
@@ -137,69 +144,58 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
 
     @inlined
     def impacts(
-        w: Any, low: Any, t: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any, wanted: Any,
-        needy: Any, strike: float, law_rows: float,
+        w: Any, t: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any, wanted: Any, needy: Any,
+        strike: float, law_rows: float,
     ) -> None:  # fmt: skip
         """Take the orbits that hit to the end of the period, all their next impacts together."""
         places, several = candidates(w, columns, stride, starts, tabled, runs)
+        locate(w, t, runs, several)
         first = True
         while places > 0:
-            locate(w, t, runs, several)
             look_up(w, t, runs, several, harmonics)
             solve(w, places)
             called_for_all(strike, w, 0, places, law_rows)
             kick(w, places)
-            certify_rest(w, t, runs, several)
-            left = still_at_hand(w, places)
-            if first:  # most orbits hit once and are done
-                place = 0
-                for i in range(0, columns * stride, 8):
-                    place = handed_back(w, i, LEAST, LIMIT, (X1, X2, MET, SLOWEST_YET), (C1, C2, HITS, SLOW), place)
+            left = certify_rest(w, t, runs, several)
+            if first:  # most orbits hit once and are done: as if all were
+                hand_back(w, columns * stride, left)
             else:
                 for k in range(places):
                     i = int(w[at(ORBIT + k)])
                     w[at(SLOW + i)] = w[at(SLOWEST_YET + k)]
-                    if w[at(LOW + k)] >= w[at(WIDER + k)]:
-                        w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(X1 + k)], w[at(X2 + k)], w[at(MET + k)]
+                    if w[at(FREE + k)] > 0.0:
+                        w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(Z1 + k)], w[at(Z2 + k)], w[at(MET + k)] + 1
             first = False
+            dips = set_apart(w, left)
+            dip(w, dips)
             places, dips = 0, 0
             for n in range(left):
                 k = int(w[at(REST + n)])
-                i = int(w[at(ORBIT + k)])
-                if w[at(WIDER + k)] < INFINITY:
-                    x, y, doubt, met = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)], w[at(MET + k)] + 1.0
-                    since, cell, when = w[at(ONE_ON + k)], w[at(INSIDE + k)], w[at(WHEN + k)]
-                    placed(w, places, w[at(COLUMN + k)], x, y, doubt, since, cell, when, float(i), met)
-                    w[at(SLOWEST_YET + places)] = w[at(SLOW + i)]
+                i, q, cell = int(w[at(ORBIT + k)]), int(w[at(COLUMN + k)]), int(w[at(INSIDE + k)])
+                met, slowest = w[at(MET + k)], w[at(SLOWEST_YET + k)]
+                if w[at(WIDER + k)] < HIGH:
+                    x, y, doubt, when = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)], w[at(WHEN + k)]
+                    event = next_event(t, q, t[at(q), at(GO_ON + cell)], x, y, doubt)
+                    placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0, slowest)
                     places += 1
-                elif int(w[at(EVENT + k)]) % 2 == 1:
-                    for j in range(X1, work, WIDTH):
-                        low[at(j + dips)] = w[at(j + k)]
-                    low[at(Z1 + dips)], low[at(Z2 + dips)] = w[at(X1 + k)], w[at(X2 + k)]
-                    low[at(ONE_ON + dips)] = w[at(EVENT + k)] + 1.0
+                    continue
+                clear = False
+                if is_chord(w[at(EVENT + k)]):
+                    clear = w[at(PROVEN + dips)] > 0.0
+                    if clear and w[at(PULL + dips)] > 0.0:
+                        w[NEAR + i] = min(w[NEAR + i], w[at(AFTER + dips)])
                     dips += 1
-                else:
-                    wanted[i] = 1
-                    needy[int(w[at(COLUMN + k)])] += 1
-            if dips > 0:
-                dip(low, dips)
-                certify_rest(low, t, runs, runs_of(low, dips, runs))
-            for k in range(dips):
-                i, q = int(low[at(ORBIT + k)]), int(low[at(COLUMN + k)])
-                if not low[at(PROVEN + k)] > 0.0:
+                if not clear:
                     wanted[i] = 1
                     needy[q] += 1
                     continue
-                if low[at(PULL + k)] > 0.0:
-                    w[NEAR + i] = min(w[NEAR + i], low[at(AFTER + k)])
-                x, y, doubt, met = low[at(X1 + k)], low[at(X2 + k)], low[at(DOUBT + k)], low[at(MET + k)]
-                if low[at(LOW + k)] >= doubt:
-                    w[C1 + i], w[C2 + i] = x, y
-                    w[HITS + i] = met
-                    continue
-                placed(w, places, float(q), x, y, doubt, low[at(ONE_ON + k)], -1.0, 0.0, float(i), met)
-                w[at(SLOWEST_YET + places)] = w[at(SLOW + i)]
-                places += 1
+                x, y, doubt = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)]
+                event = next_event(t, q, w[at(EVENT + k)] + 1.0, x, y, doubt)
+                if event > 0.0:
+                    placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met, slowest)
+                    places += 1
+                else:
+                    w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = x, y, met
             several = runs_of(w, places, runs)
 
     @inlined
@@ -228,7 +224,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         last = outcomes.shape[1] - 1
         t = aligned(columns * size).reshape((columns, size))
         tabled = np.zeros(columns, np.int64)
-        w, low = aligned(work), aligned(work)
+        w = aligned(work)
         for i in range(LANES):
             w[NUMBER + i], w[BEFORE + i] = float(i), -1.0
         runs = np.zeros(WIDTH, np.int64)
@@ -239,7 +235,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
             for j in range(starts):
                 i = q * stride + j
-                w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
+                w[NEAR + i], w[SLOW + i], w[LEAST + i] = INFINITY, INFINITY, HIGH
                 w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
                 held[i] = held_back(w, i, t, q, tabled[q])
         for n in range(transient + stop - start):
@@ -247,14 +243,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             for q in range(columns):
                 first = q * stride
                 needy[q] = 0
-                if n >= transient:
-                    for i in range(first, first + starts):
-                        w[at(HITS + i)] = 0.0
                 if not tabled[q]:
                     needy[q] = starts
                     for i in range(first, first + starts):
                         wanted[i] = 1
-            impacts(w, low, t, columns, stride, starts, tabled, runs, wanted, needy, strike, law_rows)
+            impacts(w, t, columns, stride, starts, tabled, runs, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             for q in range(columns):
@@ -321,11 +314,16 @@ def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
         x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
         margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
         at = CERTIFICATE
-        height = t[q, at] * x + (t[q, at + 8] * y + t[q, at + 16])
+        height = t[q, at] * x + (t[q, at + MAX_ROWS] * y + t[q, at + 2 * MAX_ROWS])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i], w[LIMIT + i] = x, y, margin
+            w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = x, y, margin, margin - t[q, UPRIGHT] * x
             return FRESH
-    w[C1 + i], w[C2 + i], w[LIMIT + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
+    w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = (
+        NAN,
+        NAN,
+        NAN,
+        NAN,
+    )  # fails every row of the certificate, the first one first
     return HELD
 
 

@@ -14,7 +14,8 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import appended, at, filled, inlined, transposed
+from grazing.kernel.primitives import at, inlined
+from grazing.kernel.vectors import filled, handed_back, transposed
 from grazing.oscillator.cells import CELLS, CONSTANTS, cell_size
 from grazing.oscillator.taylor import bends, expand, impulse, rough, value
 from grazing.oscillator.workspace import (
@@ -23,6 +24,9 @@ from grazing.oscillator.workspace import (
     B2,
     BACK,
     BEFORE,
+    C1,
+    C2,
+    CLEARANCE,
     COLUMN,
     D1,
     D2,
@@ -33,11 +37,10 @@ from grazing.oscillator.workspace import (
     HIGH,
     INSIDE,
     INVERSE,
-    LOW,
+    LEAST,
     MET,
     NAN,
-    NUMBER,
-    ONE_ON,
+    NEED,
     ORBIT,
     PROVEN,
     PULL,
@@ -47,6 +50,7 @@ from grazing.oscillator.workspace import (
     REST,
     ROOM,
     SINCE,
+    SLOW,
     SLOWEST_ALLOWED,
     SLOWEST_YET,
     SOME,
@@ -85,16 +89,24 @@ from grazing.oscillator.workspace import (
     M,
 )  # fmt: skip
 
+#: Added and taken off again, it rounds a number to a whole one.
+WHOLE = 6755399441055744.0
+
 
 @inlined
 def placed(
-    w: Any, to: int, q: float, x: float, y: float, doubt: float, since: float, back: float, when: float, orbit: float,
-    met: float,
+    w: Any, to: int, q: int, x: float, y: float, doubt: float, event: float, back: float, when: float, orbit: int,
+    met: float, slowest: float,
 ) -> None:  # fmt: skip
-    """Put a flight whose next impact is to be found from place ``since`` on to the impacts at hand."""
-    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)] = q, orbit, met
+    """Put a flight that has an event ahead to the impacts at hand."""
+    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)], w[at(SLOWEST_YET + to)] = (
+        float(q),
+        float(orbit),
+        met,
+        slowest,
+    )
     w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
-    w[at(ONE_ON + to)], w[at(BACK + to)], w[at(WHEN + to)] = since, back, when
+    w[at(EVENT + to)], w[at(BACK + to)], w[at(WHEN + to)] = event, back, when
 
 
 @inlined
@@ -104,19 +116,19 @@ def look_up(w: Any, t: Any, runs: Any, count: int, harmonics: int) -> None:
     The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
     that is not for the block to decide.
     """
-    size, room, places = cell_size(harmonics), t.shape[1], runs[at(count)]
+    size, room, places = cell_size(harmonics), float(t.shape[1]), runs[at(count)]
+    for base in range(0, places, 32):
+        for k in range(32):
+            i = base + k
+            cell = max(0.0, (0.5 * w[at(EVENT + i)] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
+            w[at(INSIDE + i)] = cell
+            w[at(RECORD + i)] = w[at(COLUMN + i)] * room + (CELLS + cell * size)
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
         for h in range(CONSTANTS):
             constant = t[at(q), at(h)]
             for base in range(runs[at(n)], runs[at(n + 1)], 8):  # what runs over the end is for the next run
                 filled(w, A + h * WIDTH + base, constant)
-    for base in range(0, places, 32):
-        for k in range(32):
-            i = base + k
-            cell = float(int(0.5 * (w[at(EVENT + i)] - 1.0)))
-            w[at(INSIDE + i)] = cell
-            w[at(RECORD + i)] = w[at(COLUMN + i)] * room + (CELLS + cell * size)
     for base in range(0, places, 8):
         for h in range(0, size, 8):
             transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
@@ -176,6 +188,16 @@ def series_at(w: Any, i: int, harmonics: int) -> Any:
     return expand(position, velocity, w[at(A + i)], w[at(K + i)], derivatives(w, i, harmonics))
 
 
+@inlined
+def unfolded(w: Any, i: int) -> Any:
+    """Return the derivatives of the flight at place i, as the solver left them."""
+    return (
+        w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)], w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)],
+        w[at(Y7 + i)], w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)], w[at(Y11 + i)], w[at(Y12 + i)],
+        w[at(Y13 + i)],
+    )  # fmt: skip
+
+
 @lru_cache(maxsize=64)
 def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     """Return the solver of impacts for a number of harmonics.
@@ -193,15 +215,6 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
             w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)], w[at(Y7 + i)] = y[4], y[5], y[6], y[7]
             w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)] = y[8], y[9], y[10]
             w[at(Y11 + i)], w[at(Y12 + i)], w[at(Y13 + i)] = y[11], y[12], y[13]
-
-    @inlined
-    def unfolded(w: Any, i: int) -> Any:
-        """Return the derivatives that ``unfold`` found."""
-        return (
-            w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)], w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)],
-            w[at(Y7 + i)], w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)], w[at(Y11 + i)], w[at(Y12 + i)],
-            w[at(Y13 + i)],
-        )  # fmt: skip
 
     @inlined
     def begin(w: Any, base: int) -> None:
@@ -315,56 +328,64 @@ def kick(w: Any, count: int) -> None:
 
 
 @inlined
-def still_at_hand(w: Any, count: int) -> int:
-    """Give the impacts at hand the pairs of those that the certificate settled, and list the others in REST."""
-    for base in range(0, count, 32):
-        for k in range(32):
-            i = base + k
-            done = w[at(LOW + i)] >= w[at(WIDER + i)]
-            w[at(X1 + i)] = w[at(Z1 + i)] if done else w[at(X1 + i)]
-            w[at(X2 + i)] = w[at(Z2 + i)] if done else w[at(X2 + i)]
-            w[at(MET + i)] = w[at(MET + i)] + 1.0 if done else w[at(MET + i)]
-    for k in range(8):  # nobody is there
-        w[at(LOW + count + k)], w[at(WIDER + count + k)] = 0.0, 0.0
-    rest = 0
+def hand_back(w: Any, end: int, left: int) -> None:
+    """Give the orbits their pairs after one impact each, but for those in REST."""
+    place = 0
+    for base in range(0, end, 8):
+        place = handed_back(w, base, LEAST, NEED, (Z1, Z2, SLOWEST_YET), (C1, C2, SLOW), place)
+    for n in range(left):
+        k = int(w[at(REST + n)])
+        i = int(w[at(ORBIT + k)])
+        w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
+
+
+@inlined
+def is_chord(event: float) -> bool:
+    """Return whether the place of an event is that of a chord, not of an end."""
+    return int(event) % 2 == 1
+
+
+@inlined
+def set_apart(w: Any, left: int) -> int:
+    """Put flights of REST that may pass the wall without an impact side by side; return how many there are."""
+    dips = 0
+    for n in range(left):
+        k = int(w[at(REST + n)])
+        if not w[at(WIDER + k)] < HIGH and is_chord(w[at(EVENT + k)]):
+            w[at(CLEARANCE + dips)] = w[at(DOUBT + k)]
+            w[at(SINCE + dips)], w[at(UNTIL + dips)] = w[at(SINCE + k)], w[at(UNTIL + k)]
+            for y in range(Y0, Y13 + 1, WIDTH):
+                w[at(y + dips)] = w[at(y + k)]
+            dips += 1
+    return dips
+
+
+@inlined
+def dip(w: Any, count: int) -> None:
+    """Find the lowest points of the flights set apart: their heights go to AFTER, 1 to PROVEN if they are clear.
+
+    y/phi is convex in the cell, so with y'(s) = 0 at a height y(s) the flight is nowhere in the cell below 0.4 y(s);
+    at an end that is lowest it is not below y(s) at all.
+    """
     for base in range(0, count, 8):
-        rest = appended(w, base, LOW, WIDER, (NUMBER,), (REST,), rest)
-    return rest
-
-
-@lru_cache(maxsize=64)
-def dip_of(harmonics: int) -> Callable[[Any, int], None]:
-    """Return the judge of dips for a number of harmonics."""
-
-    @inlined
-    def dip(w: Any, count: int) -> None:
-        """Find the lowest point of the flight in a cell: its height goes to AFTER, 1 to PROVEN if it is clear.
-
-        y/phi is convex in the cell, so with y'(s) = 0 at a height y(s) the flight is nowhere in the cell below
-        0.4 y(s); at an end that is lowest it is not below y(s) at all.
-        """
-        for base in range(0, count, 8):
-            for k in range(8):
-                i = base + k
-                a = series_at(w, i, harmonics)
-                low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
-                s = clamped(-a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
-                _y, v = rough(a, s)
-                acceleration, _jerk = bends(a, s)
-                s = clamped(s - v / acceleration, low, high)
-                _y, v = value(a, s)
-                acceleration, _jerk = bends(a, s)
-                step = clamped(s - v / acceleration, low, high) - s
-                y, v = value(a, s + step)
-                # what is left of v after the last step lowers y by less than this
-                y = y - abs(v * step) - v * v / acceleration if (s + step > low) & (s + step < high) else y
-                settled = (acceleration > 0.0) & (abs(step) < 1e-4 * high)
-                w[at(WHEN + i)] = s + step
-                w[at(AFTER + i)] = y
-                w[at(PULL + i)] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
-                w[at(PROVEN + i)] = 1.0 if settled & (0.4 * y > w[at(DOUBT + i)]) else 0.0
-
-    return dip
+        for k in range(8):
+            i = base + k
+            a = unfolded(w, i)
+            low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
+            s = clamped(-a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
+            _y, v = rough(a, s)
+            acceleration, _jerk = bends(a, s)
+            s = clamped(s - v / acceleration, low, high)
+            _y, v = value(a, s)
+            acceleration, _jerk = bends(a, s)
+            step = clamped(s - v / acceleration, low, high) - s
+            y, v = value(a, s + step)
+            # what is left of v after the last step lowers y by less than this
+            y = y - abs(v * step) - v * v / acceleration if (s + step > low) & (s + step < high) else y
+            settled = (acceleration > 0.0) & (abs(step) < 1e-4 * high)
+            w[at(AFTER + i)] = y
+            w[at(PULL + i)] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
+            w[at(PROVEN + i)] = 1.0 if settled & (0.4 * y > w[at(CLEARANCE + i)]) else 0.0
 
 
 @lru_cache(maxsize=256)

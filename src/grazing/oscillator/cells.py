@@ -40,19 +40,21 @@ MARGIN, BAND = 11, 14
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 15, 21, 27
-# how many rows the certificate has, and how many all lists together, both padded to a multiple of 8; the wall, and 1
-# where p = 1 in all rows;
+# how many rows the certificate has, padded to a multiple of 4, and how many the list of all; the wall, and 1 where p = 1
+# in all rows;
 COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
-# then the certificate and the list of all rows, both in the order of time: eight rows (p, q, r) and their places,
-# as eight p, eight q, eight r, eight places, and so on;
+# then the certificate and the list of all rows, both in the order of time: all p, all q, all r, all places;
 CERTIFICATE = 40
-MAX_ROWS = 3 * MAX_CELLS + 8
+MAX_ROWS = 3 * MAX_CELLS + 16
 ROWS = CERTIFICATE + 4 * MAX_ROWS
-# and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the place
-# from which to go on after an impact, the inverse of the Wronskian b1 b2' - b2 b1'; the harmonics.
-CELLS = ROWS + 4 * MAX_ROWS
-HALF, TIME_LEFT, GO_ON, UNMIX = 6, 7, 8, 9
-CELL = 10
+# for each cell the place from which to go on after an impact there, and the first row of the certificate from there on;
+GO_ON = ROWS + 4 * MAX_ROWS
+CERTIFY_ON = GO_ON + MAX_CELLS
+# and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the
+# inverse of the Wronskian b1 b2' - b2 b1'; the harmonics.
+CELLS = CERTIFY_ON + MAX_CELLS
+HALF, TIME_LEFT, UNMIX = 6, 7, 8
+CELL = 9
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
@@ -147,12 +149,25 @@ class Extent(NamedTuple):
     blur: float  # how much a chord magnifies the errors of its ends
 
 
-def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: int) -> int:
+def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: float) -> int:
     """Write row n of the list that begins at ``rows``; return n + 1."""
-    i = rows + 32 * (n // 8) + n % 8
-    put_row(t, q, i, 8, p, r, s)
-    t[at(q), at(i + 24)] = place
+    put_row(t, q, rows + n, MAX_ROWS, p, r, s)
+    t[at(q), at(rows + 3 * MAX_ROWS + n)] = place
     return n + 1
+
+
+def pad(t: Any, q: int, rows: int, n: int) -> None:
+    """Write rows that every flight passes, to where whole vectors end."""
+    end = n + 8
+    while n < end:
+        n = listed(t, q, rows, n, 1.0, 0.0, NEVER, NEVER)
+
+
+def row_from(t: Any, q: int, rows: int, since: float, row: int) -> int:
+    """Return the first row from ``row`` on whose place is ``since`` or later; rows end in padding of place NEVER."""
+    while t[at(q), at(rows + 3 * MAX_ROWS + row)] < since:
+        row += 1
+    return row
 
 
 def put_cell(
@@ -227,7 +242,7 @@ def fill_window(
             record = put_cell(t, q, cell + j, now, at_time, c)
             t[q, record + HALF], t[q, record + UNMIX] = 0.5 * length, unmix
             t[q, record + TIME_LEFT] = 0.0 if positive else b - time
-            t[q, record + GO_ON] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
+            t[q, GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
             for h in range(6):
                 t[q, (STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
@@ -280,12 +295,14 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     cell, n, m = 0, 0, 0
     for i in range(windows):
         cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
-    while n % 8 != 0:
-        n = listed(t, q, CERTIFICATE, n, 1.0, 0.0, NEVER, 0)
-    while m % 8 != 0:
-        m = listed(t, q, ROWS, m, 1.0, 0.0, NEVER, 0)
+    pad(t, q, CERTIFICATE, n)
+    pad(t, q, ROWS, m)
+    row = 0
+    for i in range(cell):
+        row = row_from(t, q, CERTIFICATE, t[at(q), at(GO_ON + i)], row)
+        t[at(q), at(CERTIFY_ON + i)] = row
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = n, m, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = (n + 3) // 4 * 4, m, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever

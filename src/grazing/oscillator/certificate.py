@@ -1,7 +1,7 @@
-"""Questions to the certificate, eight rows and many orbits at a time.
+"""Questions to the certificate: four rows and many orbits at a time, or one orbit and many rows.
 
 Who flies free, and where do the others hit? A row (p, q, r) is asked whether p c1 + q c2 + r >= margin. Where p = 1 in
-all rows of a table (*upright*: free flights that never change sign) c1 can wait to the end, which saves a product per
+all rows of a table (*upright*: free flights that never change sign) c1 goes to the other side, which saves a product a
 row. Loops may run over their end, where nothing is kept yet.
 """
 
@@ -11,15 +11,19 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from grazing.kernel.primitives import appended, at, filled, inlined
+from grazing.kernel.primitives import at, inlined
+from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed
 from grazing.oscillator.cells import (
     CERTIFICATE,
+    CERTIFY_ON,
     COUNT,
     MARGIN,
+    MAX_ROWS,
     ONWARD,
     ROW_COUNT,
     ROWS,
     UPRIGHT,
+    row_from,
 )  # fmt: skip
 from grazing.oscillator.workspace import (
     BACK,
@@ -28,17 +32,21 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
+    FREE,
     HIGH,
+    HITS,
+    INSIDE,
     LEAST,
     LIMIT,
-    LOW,
     MET,
     NAN,
+    NEED,
     NUMBER,
-    ONE_ON,
     ORBIT,
+    REST,
     SLOW,
     SLOWEST_YET,
+    WIDER,
     X1,
     X2,
     Z1,
@@ -47,12 +55,9 @@ from grazing.oscillator.workspace import (
 
 
 @inlined
-def eight(t: Any, q: int, i: int) -> tuple[float, float, float, float, float, float, float, float]:
-    """Return eight numbers of table q."""
-    return (
-        t[at(q), at(i)], t[at(q), at(i + 1)], t[at(q), at(i + 2)], t[at(q), at(i + 3)], t[at(q), at(i + 4)],
-        t[at(q), at(i + 5)], t[at(q), at(i + 6)], t[at(q), at(i + 7)],
-    )  # fmt: skip
+def four(t: Any, q: int, i: int) -> tuple[float, float, float, float]:
+    """Return four numbers of table q."""
+    return t[at(q), at(i)], t[at(q), at(i + 1)], t[at(q), at(i + 2)], t[at(q), at(i + 3)]
 
 
 @inlined
@@ -63,11 +68,15 @@ def lower(a: float, b: float) -> float:
 
 @inlined
 def onward(w: Any, t: Any, columns: int, stride: int) -> None:
-    """Take all pairs over to the next period; LIMIT gets their margins, NaN where a row could overflow."""
+    """Take all pairs over to the next period; LIMIT gets their margins, NaN where a row could overflow.
+
+    NEED gets what the least row must reach, the margin less c1 where that is in no row; LEAST is made ready for it.
+    """
     for q in range(columns):
         s0, a00, a01 = t[at(q), ONWARD], t[at(q), ONWARD + 1], t[at(q), ONWARD + 2]
         s1, a10, a11 = t[at(q), ONWARD + 3], t[at(q), ONWARD + 4], t[at(q), ONWARD + 5]
         m0, m1, m2 = t[at(q), MARGIN], t[at(q), MARGIN + 1], t[at(q), MARGIN + 2]
+        aside = t[at(q), UPRIGHT]
         for base in range(q * stride, (q + 1) * stride, 16):
             for k in range(16):
                 i = base + k
@@ -75,7 +84,8 @@ def onward(w: Any, t: Any, columns: int, stride: int) -> None:
                 x, y = a00 * x + (a01 * y + s0), a10 * x + (a11 * y + s1)
                 w[at(C1 + i)], w[at(C2 + i)] = x, y
                 margin = m0 + (m1 * abs(x) + m2 * abs(y))
-                w[at(LIMIT + i)] = margin if margin < HIGH else NAN
+                margin = margin if margin < HIGH else NAN
+                w[at(LIMIT + i)], w[at(NEED + i)], w[at(LEAST + i)] = margin, margin - aside * x, HIGH
 
 
 @lru_cache(maxsize=2)
@@ -86,108 +96,26 @@ def certify_of(upright: bool) -> Callable[..., None]:
     def certify(w: Any, t: Any, q: int, start: int, end: int) -> None:
         """Ask the certificate about the orbits start to end of column q: LEAST gets the least row.
 
-        LEAST >= LIMIT is proof that there is no impact in the period. Numbers that are no numbers may drop out of the
-        least, but never with a LIMIT that is one, see :func:`onward`.
+        LEAST >= NEED is proof that there is no impact in the period. Numbers that are no numbers may drop out of the
+        least, but never with a NEED that is one, see :func:`onward`.
         """
-        last = CERTIFICATE + 4 * int(t[at(q), COUNT]) - 32
-        for j in range(CERTIFICATE, last + 1, 32):
-            p, c, r = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16)
+        last = CERTIFICATE + int(t[at(q), COUNT]) - 4
+        for j in range(CERTIFICATE, last + 1, 4):
+            p, c, r = four(t, q, j), four(t, q, j + MAX_ROWS), four(t, q, j + 2 * MAX_ROWS)
             for base in range(start, end, 16):
                 for k in range(16):
                     i = base + k
-                    x, y = w[at(C1 + i)], w[at(C2 + i)]
-                    least = HIGH if j == CERTIFICATE else w[at(LEAST + i)]
+                    x, y, least = w[at(C1 + i)], w[at(C2 + i)], w[at(LEAST + i)]
                     z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
                     z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
                     z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
                     z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
-                    least = lower(lower(least, lower(z0, z1)), lower(z2, z3))
-                    w[at(LEAST + i)] = x + least if upright and j == last else least
+                    w[at(LEAST + i)] = lower(lower(least, lower(z0, z1)), lower(z2, z3))
 
     return certify
 
 
-@lru_cache(maxsize=2)
-def certify_rest_of(upright: bool) -> Callable[..., None]:
-    """Return the question whether the rest of a period has no impact."""
-
-    @inlined
-    def certify_rest(w: Any, t: Any, q: int, start: int, end: int) -> None:
-        """Ask the certificate about the flights after impacts, from ONE_ON on: LOW gets the least row."""
-        last = CERTIFICATE + 4 * int(t[at(q), COUNT]) - 32
-        for j in range(CERTIFICATE, last + 1, 32):
-            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
-            for base in range(start, end, 8):
-                for k in range(8):
-                    i = base + k
-                    x, y, since = w[at(Z1 + i)], w[at(Z2 + i)], w[at(ONE_ON + i)]
-                    least = HIGH if j == CERTIFICATE else w[at(LOW + i)]
-                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    z4 = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    z5 = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    z6 = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    z7 = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    least = lower(z0, least) if o[0] >= since else least
-                    least = lower(z1, least) if o[1] >= since else least
-                    least = lower(z2, least) if o[2] >= since else least
-                    least = lower(z3, least) if o[3] >= since else least
-                    least = lower(z4, least) if o[4] >= since else least
-                    least = lower(z5, least) if o[5] >= since else least
-                    least = lower(z6, least) if o[6] >= since else least
-                    least = lower(z7, least) if o[7] >= since else least
-                    w[at(LOW + i)] = x + least if upright and j == last else least
-
-    return certify_rest
-
-
-@lru_cache(maxsize=2)
-def locate_of(upright: bool) -> Callable[..., None]:
-    """Return the search for the next event."""
-
-    @inlined
-    def locate(w: Any, t: Any, q: int, start: int, end: int) -> None:
-        """Find the first row that a pair fails, from place ONE_ON on: EVENT gets its place, 0 if there is none."""
-        last = ROWS + 4 * int(t[at(q), ROW_COUNT]) - 32
-        for j in range(last, ROWS - 1, -32):
-            p, c, r, o = eight(t, q, j), eight(t, q, j + 8), eight(t, q, j + 16), eight(t, q, j + 24)
-            for base in range(start, end, 8):
-                for k in range(8):
-                    i = base + k
-                    x, y, since = w[at(X1 + i)], w[at(X2 + i)], w[at(ONE_ON + i)]
-                    limit = w[at(DOUBT + i)] - x if upright else w[at(DOUBT + i)]
-                    event = 0.0 if j == last else w[at(EVENT + i)]
-                    z = c[7] * y + r[7] if upright else p[7] * x + (c[7] * y + r[7])
-                    event = o[7] if (not z >= limit) & (o[7] >= since) else event
-                    z = c[6] * y + r[6] if upright else p[6] * x + (c[6] * y + r[6])
-                    event = o[6] if (not z >= limit) & (o[6] >= since) else event
-                    z = c[5] * y + r[5] if upright else p[5] * x + (c[5] * y + r[5])
-                    event = o[5] if (not z >= limit) & (o[5] >= since) else event
-                    z = c[4] * y + r[4] if upright else p[4] * x + (c[4] * y + r[4])
-                    event = o[4] if (not z >= limit) & (o[4] >= since) else event
-                    z = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    event = o[3] if (not z >= limit) & (o[3] >= since) else event
-                    z = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    event = o[2] if (not z >= limit) & (o[2] >= since) else event
-                    z = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    event = o[1] if (not z >= limit) & (o[1] >= since) else event
-                    z = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    event = o[0] if (not z >= limit) & (o[0] >= since) else event
-                    w[at(EVENT + i)] = event
-
-    return locate
-
-
 certify_upright, certify_any = certify_of(True), certify_of(False)
-certify_rest_upright, certify_rest_any = certify_rest_of(True), certify_rest_of(False)
-locate_upright, locate_any = locate_of(True), locate_of(False)
 
 
 @inlined
@@ -201,39 +129,68 @@ def certify(w: Any, t: Any, columns: int, stride: int) -> None:
 
 
 @inlined
-def certify_rest(w: Any, t: Any, runs: Any, count: int) -> None:
-    """Ask the certificate about all flights after impacts; results of a run may be written over by the next."""
+def locate(w: Any, t: Any, runs: Any, count: int) -> None:
+    """Find the first rows that the pairs at hand fail: EVENT gets their places, 0 where there is none.
+
+    Results of a run may be written over by the next.
+    """
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
-        if t[at(q), UPRIGHT] > 0.0:
-            certify_rest_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
-        else:
-            certify_rest_any(w, t, q, runs[at(n)], runs[at(n + 1)])
+        rows, upright, first = int(t[at(q), ROW_COUNT]), int(t[at(q), UPRIGHT]), q * t.shape[1] + ROWS
+        for base in range(runs[at(n)], runs[at(n + 1)], 8):
+            first_failed(w, X1 + base, X2 + base, DOUBT + base, EVENT + base, t, first, MAX_ROWS, rows, upright)
 
 
 @inlined
-def locate(w: Any, t: Any, runs: Any, count: int) -> None:
-    """Find the next events of all impacts at hand."""
+def first_failing(t: Any, q: int, rows: int, since: int, count: int, x: float, y: float, limit: float) -> int:
+    """Return the first of the rows from ``since`` on that a pair fails, ``count`` where there is none."""
+    start = q * t.shape[1] + rows
+    for base in range(since, count, 32):
+        bits = failing(t, start + base, MAX_ROWS, min(count - base, 32), x, y, limit)
+        if bits != 0:
+            return base + first_bit(bits)
+    return count
+
+
+@inlined
+def next_event(t: Any, q: int, since: float, x: float, y: float, limit: float) -> float:
+    """Return the place of the first row that a pair fails from place ``since`` on; 0 where there is none."""
+    rows = int(t[at(q), ROW_COUNT])
+    row = first_failing(t, q, ROWS, row_from(t, q, ROWS, since, 0), rows, x, y, limit)
+    return t[at(q), at(ROWS + 3 * MAX_ROWS + row)] if row < rows else 0.0  # type: ignore[no-any-return]
+
+
+@inlined
+def certify_rest(w: Any, t: Any, runs: Any, count: int) -> int:
+    """Ask the certificate about the rest of the period after each impact; list those that do not fly free in REST."""
+    left = 0
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
-        if t[at(q), UPRIGHT] > 0.0:
-            locate_upright(w, t, q, runs[at(n)], runs[at(n + 1)])
-        else:
-            locate_any(w, t, q, runs[at(n)], runs[at(n + 1)])
+        rows = int(t[at(q), COUNT])
+        for i in range(runs[at(n)], runs[at(n + 1)]):
+            since, margin = int(t[at(q), at(CERTIFY_ON + int(w[at(INSIDE + i)]))]), w[at(WIDER + i)]
+            row = first_failing(t, q, CERTIFICATE, since, rows, w[at(Z1 + i)], w[at(Z2 + i)], margin)
+            free = (row >= rows) & (margin < HIGH)
+            w[at(FREE + i)], w[at(REST + left)] = 1.0 if free else 0.0, float(i)
+            left += 0 if free else 1
+    return left
 
 
 @inlined
 def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any) -> tuple[int, int]:
-    """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs."""
+    """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs.
+
+    They are taken to hit once.
+    """
     places, count = 0, 0
     for q in range(columns):
         first, end = q * stride, q * stride + starts if tabled[q] else q * stride
         for i in range(end, first + stride):  # nobody is there
-            w[at(LEAST + i)], w[at(LIMIT + i)] = 0.0, 0.0
+            w[at(LEAST + i)], w[at(NEED + i)] = 0.0, 0.0
         runs[at(count)] = places
         for base in range(first, end, 8):
             places = appended(
-                w, base, LEAST, LIMIT, (C1, C2, LIMIT, NUMBER, SLOW), (X1, X2, DOUBT, ORBIT, SLOWEST_YET), places
+                w, base, LEAST, NEED, (C1, C2, LIMIT, NUMBER, SLOW), (X1, X2, DOUBT, ORBIT, SLOWEST_YET), places
             )
         for base in range(runs[at(count)], places, 8):
             filled(w, COLUMN + base, float(q))
@@ -242,7 +199,11 @@ def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            w[at(ONE_ON + i)], w[at(BACK + i)], w[at(MET + i)] = 0.0, -1.0, 0.0
+            w[at(BACK + i)], w[at(MET + i)] = -1.0, 0.0
+    for base in range(0, columns * stride, 64):
+        for k in range(64):
+            i = base + k
+            w[at(HITS + i)] = 0.0 if w[at(LEAST + i)] >= w[at(NEED + i)] else 1.0
     return places, count
 
 

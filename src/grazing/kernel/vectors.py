@@ -1,0 +1,346 @@
+"""Operations on eight numbers at a time that a compiler does not find by itself: their two forms side by side."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+
+def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
+    """Copy eight records of eight numbers from a table to rows of ``work``: number h of record k to place k of row h.
+
+    The eight rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
+    table, counted through all its rows. Compiled code reads and writes whole vectors.
+    """
+    numbers = table.reshape(-1)
+    for k in range(8):
+        record = int(work[where + k]) + plus
+        for h in range(8):
+            work[to + h * step + k] = numbers[record + h]
+
+
+def filled(work: Any, i: int, value: float) -> None:
+    """Write a number to eight neighbours; compiled code writes one vector."""
+    work[i : i + 8] = value
+
+
+def appended(
+    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
+) -> int:
+    """Append those of eight neighbours that fall short to lists; return how long the lists are then.
+
+    Of the eight places from ``i`` on those count where ``work[least + i] >= work[limit + i]`` does not hold. Their
+    numbers ``work[source + i]`` go to ``work[target + place]``. Compiled code may write over eight places of a list.
+    """
+    for k in range(i, i + 8):
+        if not work[least + k] >= work[limit + k]:
+            for source, target in zip(sources, targets, strict=True):
+                work[target + place] = work[source + k]
+            place += 1
+    return place
+
+
+def handed_back(
+    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
+) -> int:
+    """Give those of eight neighbours that fall short their numbers back from lists; return where the lists go on.
+
+    The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on. Compiled code
+    may read over eight places of a list.
+    """
+    for k in range(i, i + 8):
+        if not work[least + k] >= work[limit + k]:
+            for source, target in zip(sources, targets, strict=True):
+                work[target + k] = work[source + place]
+            place += 1
+    return place
+
+
+def failing(table: Any, at: int, step: int, count: int, x: float, y: float, limit: float) -> int:
+    """Return which of up to 62 rows a pair fails: bit n is set where not p x + (q y + r) >= limit for row n.
+
+    The rows stand in a table counted through all its rows: row n has p at ``at + n``, and q and r ``step`` and
+    ``2 * step`` further on. Compiled code reads up to seven rows too many.
+    """
+    numbers, bits = table.reshape(-1), 0
+    for n in range(count):
+        p, q, r = numbers[at + n], numbers[at + step + n], numbers[at + 2 * step + n]
+        if not p * x + (q * y + r) >= limit:
+            bits |= 1 << n
+    return bits
+
+
+def first_failed(
+    work: Any, x: int, y: int, limit: int, found: int, table: Any, at: int, step: int, count: int, upright: int
+) -> None:
+    """Find the first row that each of eight pairs fails, as in :func:`failing`.
+
+    The pairs are ``work[x + k], work[y + k]``, their limits ``work[limit + k]``. ``work[found + k]`` gets the number
+    that stands ``3 * step`` after the p of that row, 0 if there is none. ``upright`` promises p = 1 in all rows.
+    """
+    numbers = table.reshape(-1)
+    for k in range(8):
+        bits = failing(table, at, step, count, work[x + k], work[y + k], work[limit + k])
+        work[found + k] = numbers[at + 3 * step + first_bit(bits)] if bits else 0.0
+
+
+def first_bit(bits: int) -> int:
+    """Return the place of the lowest bit that is set; of any, if none is."""
+    return (bits & -bits).bit_length() - 1
+
+
+def _register() -> None:
+    """Tell the compiler the second form of each; importing numba here is the reason to be lazy."""
+    from llvmlite import ir
+    from numba.core import cgutils, types
+    from numba.extending import intrinsic, overload
+
+    number, whole, short = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
+
+    def features(ctx: Any) -> str:
+        """Return what the processor that is compiled for can do."""
+        return str(ctx.codegen().magic_tuple()[2])
+
+    def numbers_of(ctx: Any, builder: Any, kind: Any, array: Any) -> Any:
+        return ctx.make_array(kind)(ctx, builder, array).data
+
+    class Row:
+        """Vectors of ``width`` numbers in a row of memory."""
+
+        def __init__(self, builder: Any, data: Any, width: int) -> None:
+            self.builder, self.data, self.kind = builder, data, ir.VectorType(number, width)
+
+        def place(self, index: Any) -> Any:
+            return self.builder.bitcast(self.builder.gep(self.data, [index]), self.kind.as_pointer())
+
+        def load(self, index: Any) -> Any:
+            found = self.builder.load(self.place(index))
+            found.align = 8
+            return found
+
+        def store(self, value: Any, index: Any) -> None:
+            self.builder.store(value, self.place(index)).align = 8
+
+    def same_in_all(builder: Any, value: Any, width: int) -> Any:
+        """Return a vector of equal numbers."""
+        first = builder.insert_element(ir.Constant(ir.VectorType(number, width), ir.Undefined), value, short(0))
+        return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(short, width), [0] * width))
+
+    def bits_of(builder: Any, mask: Any) -> Any:
+        """Return a vector of truths as the bits of a number."""
+        return builder.zext(builder.bitcast(mask, ir.IntType(mask.type.count)), whole)
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            out = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), 8)
+            source = Row(builder, numbers_of(ctx, builder, signature.args[3], args[3]), 8)
+            starts = builder.fptosi(out.load(args[4]), ir.VectorType(whole, 8))
+            lanes = [builder.extract_element(starts, short(k)) for k in range(8)]
+            rows = [source.load(builder.add(lane, args[5])) for lane in lanes]
+            for size in (1, 2, 4):  # blocks of this size change places across the diagonal
+                for k in range(8):
+                    if k & size == 0:
+                        a, b = rows[k], rows[k + size]
+                        upper = [j + 8 - size if j & size else j for j in range(8)]
+                        lower = [j + 8 if j & size else j + size for j in range(8)]
+                        kinds = [ir.Constant(ir.VectorType(short, 8), mask) for mask in (upper, lower)]
+                        rows[k], rows[k + size] = (builder.shuffle_vector(a, b, kind) for kind in kinds)
+            for h, row in enumerate(rows):
+                out.store(row, builder.add(args[1], builder.mul(args[2], whole(h))))
+            return ctx.get_dummy_value()
+
+        return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def filling(_context: Any, work: Any, i: Any, value: Any) -> Any:
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            row = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), 8)
+            row.store(same_in_all(builder, args[2], 8), args[1])
+            return ctx.get_dummy_value()
+
+        return types.void(work, types.int64, types.float64), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def asking(_c: Any, table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            width = 8 if "+avx512f" in features(ctx) else 4
+            rows = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
+            x, y, limit = (same_in_all(builder, value, width) for value in args[4:7])
+            found = cgutils.alloca_once_value(builder, whole(0))
+            with cgutils.for_range_slice(builder, whole(0), args[3], whole(width)) as (n, _count):
+                place = builder.add(args[1], n)
+                p, q, r = (rows.load(builder.add(place, builder.mul(args[2], whole(k)))) for k in range(3))
+                height = builder.fadd(builder.fmul(p, x), builder.fadd(builder.fmul(q, y), r))
+                bits = bits_of(builder, builder.fcmp_unordered("ult", height, limit))
+                builder.store(builder.or_(builder.load(found), builder.shl(bits, n)), found)
+            none_beyond = builder.sub(builder.shl(whole(1), args[3]), whole(1))
+            return builder.and_(builder.load(found), none_beyond)
+
+        numbers = (types.float64,) * 3
+        return types.int64(table, types.int64, types.int64, types.int64, *numbers), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def searching(
+        _c: Any, work: Any, x: Any, y: Any, limit: Any, found: Any, table: Any, at: Any, step: Any, count: Any,
+        upright: Any,
+    ) -> Any:  # fmt: skip
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            width = 8 if "+avx512f" in features(ctx) else 4
+            lanes = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
+            table, last = numbers_of(ctx, builder, signature.args[5], args[5]), builder.sub(args[8], whole(1))
+
+            def search(upright: bool) -> None:
+                places = [whole(k) for k in range(0, 8, width)]
+                x, y, limit = ([lanes.load(builder.add(row, place)) for place in places] for row in args[1:4])
+                if upright:
+                    limit = [builder.fsub(*both) for both in zip(limit, x, strict=True)]
+                found = [cgutils.alloca_once_value(builder, ir.Constant(lanes.kind, [0.0] * width)) for _ in places]
+                with cgutils.for_range_slice(builder, last, whole(-1), whole(-1), inc=False) as (n, _count):
+                    row = builder.add(args[6], n)
+                    p, q, r, place = (
+                        same_in_all(
+                            builder,
+                            builder.load(builder.gep(table, [builder.add(row, builder.mul(args[7], whole(h)))])),
+                            width,
+                        )
+                        for h in range(4)
+                    )
+                    for k in range(len(places)):
+                        height = builder.fadd(builder.fmul(q, y[k]), r)
+                        if not upright:
+                            height = builder.fadd(builder.fmul(p, x[k]), height)
+                        passed = builder.fcmp_ordered(">=", height, limit[k])
+                        builder.store(builder.select(passed, builder.load(found[k]), place), found[k])
+                for k in range(len(places)):
+                    lanes.store(builder.load(found[k]), builder.add(args[4], places[k]))
+
+            with builder.if_else(builder.icmp_signed("!=", args[9], whole(0))) as (then, otherwise):
+                with then:
+                    search(True)
+                with otherwise:
+                    search(False)
+            return ctx.get_dummy_value()
+
+        n = types.int64
+        return types.void(work, n, n, n, n, table, n, n, n, n), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def counting(_context: Any, bits: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            return builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))
+
+        return types.int64(types.int64), code
+
+    def by_instruction(builder: Any, name: str, values: Any, others: Any, mask: Any) -> Any:
+        """Move the chosen of eight numbers to the front (compress), or the first to the chosen places (expand)."""
+        kind = ir.FunctionType(values.type, [values.type, values.type, mask.type])
+        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.x86.avx512.mask.{name}.v8f64")
+        return builder.call(function, [values, others, mask])
+
+    def by_permutation(builder: Any, values: Any, order: Any) -> Any:
+        """Put four numbers in an order, given as that of their eight halves."""
+        halves, orders = ir.VectorType(ir.FloatType(), 8), ir.VectorType(short, 8)
+        kind = ir.FunctionType(halves, [halves, orders])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.x86.avx2.permps")
+        return builder.bitcast(builder.call(function, [builder.bitcast(values, halves), order]), values.type)
+
+    def order_of(builder: Any, bits: Any, lists_to_places: bool) -> Any:
+        """Return the order in which four numbers are moved, for those that are chosen."""
+        orders = []
+        for chosen in range(16):
+            places = [k for k in range(4) if chosen >> k & 1]
+            if lists_to_places:
+                lanes = [places.index(k) if k in places else 0 for k in range(4)]
+            else:
+                lanes = (places + [0] * 4)[:4]
+            orders.append([half for lane in lanes for half in (2 * lane, 2 * lane + 1)])
+        kind = ir.ArrayType(ir.ArrayType(short, 8), 16)
+        name = f"orders_{int(lists_to_places)}"
+        table = builder.module.globals.get(name) or cgutils.global_constant(builder, name, ir.Constant(kind, orders))
+        place = builder.gep(table, [whole(0), bits, whole(0)])
+        found = builder.load(builder.bitcast(place, ir.VectorType(short, 8).as_pointer()))
+        found.align = 4
+        return found
+
+    def moving(lists_to_places: bool) -> Any:
+        """Return the code of :func:`handed_back`, or of :func:`appended`."""
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            data, able = numbers_of(ctx, builder, signature.args[0], args[0]), features(ctx)
+            width = 8 if "+avx512f" in able else 4 if "+avx2" in able else 1
+            rows = Row(builder, data, width)
+            sources = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
+            targets = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
+            end = args[6]
+            for first in range(0, 8, width):
+                here = builder.add(args[1], whole(first))
+                least, limit = (rows.load(builder.add(row, here)) for row in args[2:4])
+                mask = builder.fcmp_unordered("ult", least, limit)
+                bits = bits_of(builder, mask)
+                order = order_of(builder, bits, lists_to_places) if width == 4 else None
+                for source, target in zip(sources, targets, strict=True):
+                    origin, goal = builder.add(source, here), builder.add(target, end)
+                    if lists_to_places:
+                        origin, goal = builder.add(source, end), builder.add(target, here)
+                    value = rows.load(origin)
+                    kept = rows.load(goal) if lists_to_places else value
+                    if lists_to_places and width == 4:  # or the store becomes a masked one, which is slow
+                        kept = builder.asm(ir.FunctionType(rows.kind, [rows.kind]), "", "=x,0", [kept], False)
+                    if width == 8:
+                        value = by_instruction(builder, "expand" if lists_to_places else "compress", value, kept, mask)
+                    elif width == 4:
+                        value = by_permutation(builder, value, order)
+                    rows.store(builder.select(mask, value, kept) if lists_to_places else value, goal)
+                end = builder.add(end, builder.ctpop(bits))
+            return end
+
+        return code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def appending(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(False)
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def returning(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(True)
+
+    @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
+    def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
+        return lambda work, to, step, table, where, plus: transposing(work, to, step, table, where, plus)
+
+    @overload(filled, strict=False)  # type: ignore[untyped-decorator]
+    def _filled(work: Any, i: Any, value: Any) -> Any:
+        return lambda work, i, value: filling(work, i, value)
+
+    @overload(failing, strict=False)  # type: ignore[untyped-decorator]
+    def _failing(table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
+        return lambda table, at, step, count, x, y, limit: asking(table, at, step, count, x, y, limit)
+
+    @overload(first_failed, strict=False)  # type: ignore[untyped-decorator]
+    def _first_failed(
+        work: Any, x: Any, y: Any, limit: Any, found: Any, table: Any, at: Any, step: Any, count: Any, upright: Any
+    ) -> Any:
+        return lambda work, x, y, limit, found, table, at, step, count, upright: searching(
+            work, x, y, limit, found, table, at, step, count, upright
+        )
+
+    @overload(first_bit, strict=False)  # type: ignore[untyped-decorator]
+    def _first_bit(bits: Any) -> Any:
+        return lambda bits: counting(bits)
+
+    @overload(appended, strict=False)  # type: ignore[untyped-decorator]
+    def _appended(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return lambda work, i, least, limit, sources, targets, place: appending(
+            work, i, least, limit, sources, targets, place
+        )
+
+    @overload(handed_back, strict=False)  # type: ignore[untyped-decorator]
+    def _handed_back(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
+        return lambda work, i, least, limit, sources, targets, place: returning(
+            work, i, least, limit, sources, targets, place
+        )
+
+
+if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
+    _register()
