@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -92,8 +93,8 @@ print(json.dumps([entry(2.0), sum(entry.stats.cache_hits.values())]))
 """
 
 
-def run_in_a_process(folder, cache, **environment):
-    program = PROGRAM.format(source=SOURCE, folder=str(folder))
+def run_in_a_process(folder, cache, source=SOURCE, **environment):
+    program = PROGRAM.format(source=str(source), folder=str(folder))
     env = {**os.environ, "GRAZING_CACHE": str(cache), "PYTHONDONTWRITEBYTECODE": "1", **environment}
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr
@@ -113,6 +114,29 @@ def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
     for stored in cache.glob("*.nbc"):  # torn files are as good as none
         stored.write_bytes(stored.read_bytes()[:50])
     assert run_in_a_process(tmp_path, cache)[0] == [7.0, 0]
+
+
+@pytest.mark.parametrize(
+    ("name", "function", "line", "edit", "before", "after"),
+    [
+        ("primitives", "at", "return args[0]", "return _builder.add(args[0], args[0])", 2.0, 4.0),
+        ("vectors", "first_bit", "return builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))", "return args[0]", 1, 2),
+    ],
+)
+def test_an_edit_of_a_compiled_form_is_never_answered_from_the_cache(
+    tmp_path, name, function, line, edit, before, after
+):
+    """It is code that writes code, which no bytecode of a kernel shows."""
+    source, cache = tmp_path / "source", tmp_path / "cache"
+    shutil.copytree(Path(SOURCE) / "grazing", source / "grazing", ignore=shutil.ignore_patterns("__pycache__", "*.wasm"))
+    imports = f"from grazing.kernel.{name} import {function}\n"
+    (tmp_path / "top.py").write_text(f"{imports}\ndef outer(x):\n    return 1.0 * {function}(int(x))\n")
+    assert run_in_a_process(tmp_path, cache, source)[0] == [before, 0]
+    assert run_in_a_process(tmp_path, cache, source)[0] == [before, 1]
+    file = source / "grazing" / "kernel" / f"{name}.py"
+    assert line in file.read_text()
+    file.write_text(file.read_text().replace(line, edit))
+    assert run_in_a_process(tmp_path, cache, source)[0] == [after, 0]
 
 
 SISTERS = """

@@ -26,9 +26,9 @@ def test_records_are_dealt_out_to_rows():
         work[250:258] = records
     deals(plain, 5, 11, table, 250, 9)
     compiled(deals)(fast, 5, 11, table, 250, 9)
-    for h in range(8):
+    for h in range(4):
         assert np.array_equal(plain[5 + 11 * h : 13 + 11 * h], table.ravel()[records + 9 + h])
-    assert np.count_nonzero(plain) == 64 + np.count_nonzero(records)
+    assert np.count_nonzero(plain) == 32 + np.count_nonzero(records)
     assert np.array_equal(fast, plain)
 
 
@@ -53,26 +53,28 @@ def test_what_falls_short_is_appended(place):
 
 
 def hands_back(work, i, place):
-    return handed_back(work, i, 0, 20, (80, 100), (40, 60), place)
+    return handed_back(work, i, 0, 20, (80, 100), (40, 60), 120, 140, place)
 
 
 @pytest.mark.parametrize("place", [0, 3])
 def test_what_was_appended_is_handed_back(place):
     random = np.random.default_rng(4)
     for _ in range(50):
-        work = random.normal(size=120)
+        work = random.normal(size=160)
         work[random.integers(0, 40, 3)] = np.nan
         chosen = np.array([not work[k] >= work[20 + k] for k in range(2, 10)])
         plain, fast = work.copy(), work.copy()
         assert hands_back(plain, 2, place) == compiled(hands_back)(fast, 2, place) == place + chosen.sum()
         for found in (plain, fast):
-            for source, target in ((80, 40), (100, 60)):
+            for source, target in ((80, 40), (100, 60), (120, 140)):
                 given, kept = found[target + 2 : target + 10], work[target + 2 : target + 10]
-                assert np.array_equal(given[chosen], work[source + place :][: chosen.sum()])
+                new = work[source + place :][: chosen.sum()]
+                wanted = np.minimum(new, kept[chosen]) if target == 140 else new
+                assert np.array_equal(given[chosen], wanted)
                 assert np.array_equal(given[~chosen], kept[~chosen], equal_nan=True)
         assert np.array_equal(fast, plain, equal_nan=True)
         appends(plain, 2, place)  # and there again
-        assert np.array_equal(plain, fast, equal_nan=True)
+        assert np.array_equal(plain[:120], fast[:120], equal_nan=True)
 
 
 def fills(work, i, x):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dis
 import hashlib
+import inspect
 import math
 import os
 import stat
@@ -34,7 +35,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 #: The functions of these modules have a compiled form of their own and are not compiled from their source.
 PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.vectors")
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 4
+LAYOUT = 3
 
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}
@@ -227,7 +228,7 @@ def digest(function: Callable[..., Any]) -> str:
 def _content(value: Any, above: tuple[Any, ...]) -> Any:
     """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
     if isinstance(value, FunctionType) and value.__module__ in PRIMITIVES:
-        return ("primitive", value.__name__)  # its compiled form is not its source: LAYOUT stands for that
+        return ("primitive", value.__name__, _text(value.__module__))  # both its forms stand there
     if isinstance(value, FunctionType):
         if value in above:
             return value.__name__
@@ -258,6 +259,12 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
     if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
         return (type(value).__name__, repr(value))
     return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
+
+
+@cache
+def _text(module: str) -> str:
+    """Hash the text of a module."""
+    return hashlib.sha256(inspect.getsource(sys.modules[module]).encode()).hexdigest()
 
 
 @lru_cache(maxsize=4096)

@@ -7,15 +7,15 @@ from typing import Any
 
 
 def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
-    """Copy eight records of eight numbers from a table to rows of ``work``: number h of record k to place k of row h.
+    """Copy eight records of four numbers from a table to rows of ``work``: number h of record k to place k of row h.
 
-    The eight rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
+    The four rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
     table, counted through all its rows. Compiled code reads and writes whole vectors.
     """
     numbers = table.reshape(-1)
     for k in range(8):
         record = int(work[where + k]) + plus
-        for h in range(8):
+        for h in range(4):
             work[to + h * step + k] = numbers[record + h]
 
 
@@ -41,17 +41,19 @@ def appended(
 
 
 def handed_back(
-    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], place: int
-) -> int:
+    work: Any, i: int, least: int, limit: int, sources: tuple[int, ...], targets: tuple[int, ...], lower: int,
+    lowest: int, place: int,
+) -> int:  # fmt: skip
     """Give those of eight neighbours that fall short their numbers back from lists; return where the lists go on.
 
-    The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on. Compiled code
-    may read over eight places of a list.
+    The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on; and
+    ``work[lower + place]`` to ``work[lowest + i]`` where it is lower. Compiled code may read over eight places of a list.
     """
     for k in range(i, i + 8):
         if not work[least + k] >= work[limit + k]:
             for source, target in zip(sources, targets, strict=True):
                 work[target + k] = work[source + place]
+            work[lowest + k] = min(work[lowest + k], work[lower + place])
             place += 1
     return place
 
@@ -68,6 +70,19 @@ def failing(table: Any, at: int, step: int, count: int, x: float, y: float, limi
         if not p * x + (q * y + r) >= limit:
             bits |= 1 << n
     return bits
+
+
+def passing(table: Any, at: int, step: int, count: int, x: float, y: float, limit: float) -> bool:
+    """Return whether a pair passes all rows, as in :func:`failing`; any number of them.
+
+    Compiled code looks at up to seven rows more: there must be some that every pair passes.
+    """
+    numbers = table.reshape(-1)
+    for n in range(count):
+        p, q, r = numbers[at + n], numbers[at + step + n], numbers[at + 2 * step + n]
+        if not p * x + (q * y + r) >= limit:
+            return False
+    return True
 
 
 def first_failed(
@@ -133,21 +148,21 @@ def _register() -> None:
     @intrinsic  # type: ignore[untyped-decorator]
     def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            out = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), 8)
-            source = Row(builder, numbers_of(ctx, builder, signature.args[3], args[3]), 8)
-            starts = builder.fptosi(out.load(args[4]), ir.VectorType(whole, 8))
-            lanes = [builder.extract_element(starts, short(k)) for k in range(8)]
-            rows = [source.load(builder.add(lane, args[5])) for lane in lanes]
-            for size in (1, 2, 4):  # blocks of this size change places across the diagonal
-                for k in range(8):
-                    if k & size == 0:
-                        a, b = rows[k], rows[k + size]
-                        upper = [j + 8 - size if j & size else j for j in range(8)]
-                        lower = [j + 8 if j & size else j + size for j in range(8)]
-                        kinds = [ir.Constant(ir.VectorType(short, 8), mask) for mask in (upper, lower)]
-                        rows[k], rows[k + size] = (builder.shuffle_vector(a, b, kind) for kind in kinds)
-            for h, row in enumerate(rows):
-                out.store(row, builder.add(args[1], builder.mul(args[2], whole(h))))
+            work = numbers_of(ctx, builder, signature.args[0], args[0])
+            out, source = Row(builder, work, 4), Row(builder, numbers_of(ctx, builder, signature.args[3], args[3]), 4)
+            starts = builder.fptosi(Row(builder, work, 8).load(args[4]), ir.VectorType(whole, 8))
+            for half in (0, 4):
+                lanes = [builder.extract_element(starts, short(half + k)) for k in range(4)]
+                rows = [source.load(builder.add(lane, args[5])) for lane in lanes]
+                for size in (1, 2):  # blocks of this size change places across the diagonal
+                    for k in (0, 3 - size):
+                        pair = rows[k], rows[k + size]
+                        for h, first in ((k, 0), (k + size, size)):
+                            order = [first + j % size + j // size % 2 * 4 + j // (2 * size) * 2 for j in range(4)]
+                            kind = ir.Constant(ir.VectorType(short, 4), order)
+                            rows[h] = builder.shuffle_vector(*pair, kind)
+                for h, row in enumerate(rows):
+                    out.store(row, builder.add(args[1], builder.add(builder.mul(args[2], whole(h)), whole(half))))
             return ctx.get_dummy_value()
 
         return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
@@ -161,6 +176,11 @@ def _register() -> None:
 
         return types.void(work, types.int64, types.float64), code
 
+    def height_of(builder: Any, rows: Any, place: Any, step: Any, x: Any, y: Any) -> Any:
+        """Return what a pair has in the rows from a place on."""
+        p, q, r = (rows.load(builder.add(place, builder.mul(step, whole(k)))) for k in range(3))
+        return builder.fadd(builder.fmul(p, x), builder.fadd(builder.fmul(q, y), r))
+
     @intrinsic  # type: ignore[untyped-decorator]
     def asking(_c: Any, table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -169,9 +189,7 @@ def _register() -> None:
             x, y, limit = (same_in_all(builder, value, width) for value in args[4:7])
             found = cgutils.alloca_once_value(builder, whole(0))
             with cgutils.for_range_slice(builder, whole(0), args[3], whole(width)) as (n, _count):
-                place = builder.add(args[1], n)
-                p, q, r = (rows.load(builder.add(place, builder.mul(args[2], whole(k)))) for k in range(3))
-                height = builder.fadd(builder.fmul(p, x), builder.fadd(builder.fmul(q, y), r))
+                height = height_of(builder, rows, builder.add(args[1], n), args[2], x, y)
                 bits = bits_of(builder, builder.fcmp_unordered("ult", height, limit))
                 builder.store(builder.or_(builder.load(found), builder.shl(bits, n)), found)
             none_beyond = builder.sub(builder.shl(whole(1), args[3]), whole(1))
@@ -179,6 +197,23 @@ def _register() -> None:
 
         numbers = (types.float64,) * 3
         return types.int64(table, types.int64, types.int64, types.int64, *numbers), code
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def judging(_c: Any, table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            width = 8 if "+avx512f" in features(ctx) else 4
+            rows = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
+            x, y, limit = (same_in_all(builder, value, width) for value in args[4:7])
+            none = ir.Constant(ir.VectorType(ir.IntType(1), width), [0] * width)
+            failed = cgutils.alloca_once_value(builder, none)
+            with cgutils.for_range_slice(builder, whole(0), args[3], whole(width)) as (n, _count):
+                height = height_of(builder, rows, builder.add(args[1], n), args[2], x, y)
+                fails = builder.fcmp_unordered("ult", height, limit)
+                builder.store(builder.or_(builder.load(failed), fails), failed)
+            return builder.icmp_signed("==", bits_of(builder, builder.load(failed)), whole(0))
+
+        numbers = (types.float64,) * 3
+        return types.boolean(table, types.int64, types.int64, types.int64, *numbers), code
 
     @intrinsic  # type: ignore[untyped-decorator]
     def searching(
@@ -263,47 +298,70 @@ def _register() -> None:
         found.align = 4
         return found
 
-    def moving(lists_to_places: bool) -> Any:
-        """Return the code of :func:`handed_back`, or of :func:`appended`."""
+    def parts(ctx: Any, builder: Any, array: Any, kind: Any) -> Any:
+        """Return the rows of an array as vectors as wide as the processor's, and how many make eight numbers."""
+        able = features(ctx)
+        width = 8 if "+avx512f" in able else 4 if "+avx2" in able else 1
+        return Row(builder, numbers_of(ctx, builder, kind, array), width), range(0, 8, width)
 
-        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            data, able = numbers_of(ctx, builder, signature.args[0], args[0]), features(ctx)
-            width = 8 if "+avx512f" in able else 4 if "+avx2" in able else 1
-            rows = Row(builder, data, width)
-            sources = [builder.extract_value(args[4], n) for n in range(signature.args[4].count)]
-            targets = [builder.extract_value(args[5], n) for n in range(signature.args[5].count)]
-            end = args[6]
-            for first in range(0, 8, width):
-                here = builder.add(args[1], whole(first))
-                least, limit = (rows.load(builder.add(row, here)) for row in args[2:4])
-                mask = builder.fcmp_unordered("ult", least, limit)
-                bits = bits_of(builder, mask)
-                order = order_of(builder, bits, lists_to_places) if width == 4 else None
-                for source, target in zip(sources, targets, strict=True):
-                    origin, goal = builder.add(source, here), builder.add(target, end)
-                    if lists_to_places:
-                        origin, goal = builder.add(source, end), builder.add(target, here)
-                    value = rows.load(origin)
-                    kept = rows.load(goal) if lists_to_places else value
-                    if lists_to_places and width == 4:  # or the store becomes a masked one, which is slow
-                        kept = builder.asm(ir.FunctionType(rows.kind, [rows.kind]), "", "=x,0", [kept], False)
-                    if width == 8:
-                        value = by_instruction(builder, "expand" if lists_to_places else "compress", value, kept, mask)
-                    elif width == 4:
-                        value = by_permutation(builder, value, order)
-                    rows.store(builder.select(mask, value, kept) if lists_to_places else value, goal)
-                end = builder.add(end, builder.ctpop(bits))
-            return end
+    def short_ones(builder: Any, rows: Any, here: Any, least: Any, limit: Any) -> Any:
+        """Return which places of a vector fall short, as truths and as bits."""
+        mask = builder.fcmp_unordered("ult", *(rows.load(builder.add(row, here)) for row in (least, limit)))
+        return mask, bits_of(builder, mask)
 
-        return code
+    def moved(builder: Any, value: Any, kept: Any, mask: Any, bits: Any, lists_to_places: bool) -> Any:
+        """Return numbers moved to the front of a vector, or from there to the chosen places."""
+        if mask.type.count == 8:
+            return by_instruction(builder, "expand" if lists_to_places else "compress", value, kept, mask)
+        if mask.type.count == 4:
+            return by_permutation(builder, value, order_of(builder, bits, lists_to_places))
+        return value
 
     @intrinsic  # type: ignore[untyped-decorator]
     def appending(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(False)
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            rows, firsts = parts(ctx, builder, args[0], signature.args[0])
+            end = args[6]
+            for first in firsts:
+                here = builder.add(args[1], whole(first))
+                mask, bits = short_ones(builder, rows, here, args[2], args[3])
+                for n in range(signature.args[4].count):
+                    source, target = (builder.extract_value(both, n) for both in args[4:6])
+                    value = rows.load(builder.add(source, here))
+                    rows.store(moved(builder, value, value, mask, bits, False), builder.add(target, end))
+                end = builder.add(end, builder.ctpop(bits))
+            return end
+
+        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), code
 
     @intrinsic  # type: ignore[untyped-decorator]
-    def returning(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), moving(True)
+    def returning(
+        _c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, lower: Any, lowest: Any,
+        place: Any,
+    ) -> Any:  # fmt: skip
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            rows, firsts = parts(ctx, builder, args[0], signature.args[0])
+            end = args[8]
+            for first in firsts:
+                here = builder.add(args[1], whole(first))
+                mask, bits = short_ones(builder, rows, here, args[2], args[3])
+                pairs = [(args[6], args[7])]
+                for n in range(signature.args[4].count):
+                    pairs.append(tuple(builder.extract_value(both, n) for both in args[4:6]))
+                for source, target in pairs:
+                    goal = builder.add(target, here)
+                    kept, value = rows.load(goal), rows.load(builder.add(source, end))
+                    if rows.kind.count == 4:  # or the store below becomes a masked one, which is slow
+                        kept = builder.asm(ir.FunctionType(rows.kind, [rows.kind]), "", "=x,0", [kept], False)
+                    value = moved(builder, value, kept, mask, bits, True)
+                    if source is args[6]:
+                        value = builder.select(builder.fcmp_ordered("<", value, kept), value, kept)
+                    rows.store(builder.select(mask, value, kept), goal)
+                end = builder.add(end, builder.ctpop(bits))
+            return end
+
+        n = types.int64
+        return types.int64(work, n, n, n, sources, targets, n, n, n), code
 
     @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
     def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
@@ -316,6 +374,10 @@ def _register() -> None:
     @overload(failing, strict=False)  # type: ignore[untyped-decorator]
     def _failing(table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
         return lambda table, at, step, count, x, y, limit: asking(table, at, step, count, x, y, limit)
+
+    @overload(passing, strict=False)  # type: ignore[untyped-decorator]
+    def _passing(table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
+        return lambda table, at, step, count, x, y, limit: judging(table, at, step, count, x, y, limit)
 
     @overload(first_failed, strict=False)  # type: ignore[untyped-decorator]
     def _first_failed(
@@ -336,9 +398,11 @@ def _register() -> None:
         )
 
     @overload(handed_back, strict=False)  # type: ignore[untyped-decorator]
-    def _handed_back(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return lambda work, i, least, limit, sources, targets, place: returning(
-            work, i, least, limit, sources, targets, place
+    def _handed_back(
+        work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, lower: Any, lowest: Any, place: Any
+    ) -> Any:
+        return lambda work, i, least, limit, sources, targets, lower, lowest, place: returning(
+            work, i, least, limit, sources, targets, lower, lowest, place
         )
 
 

@@ -50,6 +50,7 @@ from grazing.oscillator.certificate import (
     candidates,
     certify,
     certify_rest,
+    count_hits,
     locate,
     next_event,
     onward,
@@ -82,7 +83,7 @@ from grazing.oscillator.workspace import (
     PULL,
     REST,
     SLOW,
-    SLOWEST_YET,
+    SPEED,
     WHEN,
     WIDER,
     WIDTH,
@@ -100,6 +101,8 @@ from grazing.parameter import parameter_tuple
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
 ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
+#: A task is so many blocks at most, as long as there are so many tasks.
+BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0, 1, 2
 
@@ -117,10 +120,10 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     Returns
     -------
     callable
-        ``run(rows, strike, law_rows, job, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are the
-        numbers of :func:`flight_fields`, column after column; ``strike`` and ``law_rows`` the addresses of
-        :func:`strike_of` and of its numbers. ``job``: columns from, to; starts from, to; whether to use the block;
-        periods to pass over; those to keep from, to. ``lanes`` (columns, 2, starts) hold the states. Results are as in
+        ``run(rows, strike, job, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are the numbers of
+        :func:`flight_fields`, column after column; ``strike`` the address of :func:`strike_of`. ``job``: columns from,
+        to; how many of them are a block; starts from, to; whether to use the block; periods to pass over; those to keep
+        from, to. ``lanes`` (columns, 2, starts) hold the states. Results are as in
         :class:`grazing.maps.columns.Columns`.
     """
     fields = len(flight_fields(harmonics))
@@ -133,28 +136,71 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     def constants_at(rows: Any, q: int) -> Any:
         return prepare(unpack(rows, q * fields))
 
-    def fly(w: Any, start: int, end: int, c: Any, wanted: Any, flags: Any) -> None:
-        """Take the wanted orbits through one period by the scalar routine; states are in U and V."""
+    def begin(
+        w: Any, t: Any, laws: Any, tabled: Any, fresh: Any, held: Any, rows: Any, blocks: int, top: int, columns: int,
+        left: int, starts: int, lanes: Any,
+    ) -> None:  # fmt: skip
+        """Fill the tables of a block's columns, and take the states."""
+        stride = padded(starts)
+        for q in range(columns):
+            c = constants_at(rows, top + q)
+            laws[q], fresh[q] = c.p.row, 1
+            tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
+            for j in range(stride):
+                i = q * stride + j
+                w[C1 + i], w[C2 + i], w[LEAST + i] = 0.0, 0.0, HIGH
+                w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
+                if j < starts:
+                    w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
+                    held[i] = held_back(w, i, t, q, tabled[q])
+
+    def end(
+        w: Any, t: Any, tabled: Any, held: Any, top: int, columns: int, left: int, starts: int, lanes: Any, near: Any,
+        slow: Any,
+    ) -> None:  # fmt: skip
+        """Give back the states of a block, and how near its orbits came to being others."""
+        stride = padded(starts)
+        for q in range(columns):
+            for j in range(starts):
+                i = q * stride + j
+                if held[i] == FLOWN:
+                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
+                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
+                measured = t[q, BAND] if tabled[q] else INFINITY
+                near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
+                slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
+
+    def fly(
+        w: Any, t: Any, tabled: Any, held: Any, wanted: Any, q: int, start: int, end: int, c: Any, row: int, record: int,
+        left: int, outcomes: Any, undecided: Any,
+    ) -> None:  # fmt: skip
+        """Take the wanted orbits of column q through one period by the scalar routine; states are in U and V."""
         for i in range(start, end):
             if wanted[i]:
                 state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
                 w[U + i], w[V + i] = state
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
-                w[HITS + i], flags[i] = float(letter), outcome
+                w[HITS + i] = float(letter)
+                outcomes[row, record, left + i - start] |= outcome
+                undecided[row, left + i - start] += 1 if outcome & AMBIGUOUS else 0
+                held[i], wanted[i] = held_back(w, i, t, q, tabled[q]), 0
 
     @inlined
     def impacts(
-        w: Any, t: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any, wanted: Any, needy: Any,
-        strike: float, law_rows: float,
+        w: Any, t: Any, laws: Any, tabled: Any, needy: Any, wanted: Any, runs: Any, columns: int, stride: int,
+        starts: int, strike: float, counted: bool,
     ) -> None:  # fmt: skip
         """Take the orbits that hit to the end of the period, all their next impacts together."""
         places, several = candidates(w, columns, stride, starts, tabled, runs)
+        if counted:
+            count_hits(w, columns * stride)
         locate(w, t, runs, several)
         first = True
         while places > 0:
             look_up(w, t, runs, several, harmonics)
             solve(w, places)
-            called_for_all(strike, w, 0, places, law_rows)
+            for n in range(several):
+                called_for_all(strike, w, runs[at(n)], runs[at(n + 1)], laws[int(w[at(COLUMN + runs[at(n)])])])
             kick(w, places)
             left = certify_rest(w, t, runs, several)
             if first:  # most orbits hit once and are done: as if all were
@@ -162,7 +208,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             else:
                 for k in range(places):
                     i = int(w[at(ORBIT + k)])
-                    w[at(SLOW + i)] = w[at(SLOWEST_YET + k)]
+                    w[at(SLOW + i)] = min(w[at(SLOW + i)], w[at(SPEED + k)])
                     if w[at(FREE + k)] > 0.0:
                         w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(Z1 + k)], w[at(Z2 + k)], w[at(MET + k)] + 1
             first = False
@@ -172,11 +218,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             for n in range(left):
                 k = int(w[at(REST + n)])
                 i, q, cell = int(w[at(ORBIT + k)]), int(w[at(COLUMN + k)]), int(w[at(INSIDE + k)])
-                met, slowest = w[at(MET + k)], w[at(SLOWEST_YET + k)]
+                met = w[at(MET + k)]
                 if w[at(WIDER + k)] < HIGH:
                     x, y, doubt, when = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)], w[at(WHEN + k)]
                     event = next_event(t, q, t[at(q), at(GO_ON + cell)], x, y, doubt)
-                    placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0, slowest)
+                    placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0)
                     places += 1
                     continue
                 clear = False
@@ -192,7 +238,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 x, y, doubt = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)]
                 event = next_event(t, q, w[at(EVENT + k)] + 1.0, x, y, doubt)
                 if event > 0.0:
-                    placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met, slowest)
+                    placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met)
                     places += 1
                 else:
                     w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = x, y, met
@@ -214,42 +260,22 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         for j in range(starts):
             letters[at(row), at(n), at(left + j)] = int(w[at(HITS + first + j)])
 
-    def run(
-        rows: Any, strike: float, law_rows: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any,
-        near: Any, slow: Any, undecided: Any,
+    def advance(
+        w: Any, t: Any, laws: Any, tabled: Any, needy: Any, fresh: Any, held: Any, wanted: Any, runs: Any, rows: Any,
+        strike: float, top: int, columns: int, left: int, starts: int, transient: int, start: int, stop: int,
+        points: Any, letters: Any, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
-        top, bottom, left, right, blocks, transient, start, stop = job
-        columns, starts = bottom - top, right - left
-        stride = padded(starts)
-        last = outcomes.shape[1] - 1
-        t = aligned(columns * size).reshape((columns, size))
-        tabled = np.zeros(columns, np.int64)
-        w = aligned(work)
-        for i in range(LANES):
-            w[NUMBER + i], w[BEFORE + i] = float(i), -1.0
-        runs = np.zeros(WIDTH, np.int64)
-        wanted, flags, needy = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(columns, np.int64)
-        held, fresh = np.zeros(WIDTH, np.int64), np.ones(columns, np.int64)
-        for q in range(columns):
-            c = constants_at(rows, top + q)
-            tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
-            for j in range(starts):
-                i = q * stride + j
-                w[NEAR + i], w[SLOW + i], w[LEAST + i] = INFINITY, INFINITY, HIGH
-                w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
-                held[i] = held_back(w, i, t, q, tabled[q])
+        """Take a block through its periods; in one call, as each call counts who uses the arrays."""
+        stride, last = padded(starts), outcomes.shape[1] - 1
         for n in range(transient + stop - start):
-            certify(w, t, columns, stride)
-            for q in range(columns):
-                first = q * stride
-                needy[q] = 0
-                if not tabled[q]:
-                    needy[q] = starts
-                    for i in range(first, first + starts):
-                        wanted[i] = 1
-            impacts(w, t, columns, stride, starts, tabled, runs, wanted, needy, strike, law_rows)
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
+            certify(w, t, columns, stride)
+            for q in range(columns):
+                needy[q] = 0 if tabled[q] else starts
+                if not tabled[q]:
+                    wanted[q * stride : q * stride + starts] = 1
+            impacts(w, t, laws, tabled, needy, wanted, runs, columns, stride, starts, strike, kept >= 0)
             for q in range(columns):
                 if needy[q]:
                     for i in range(q * stride, q * stride + starts):
@@ -261,16 +287,13 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 if fresh[q]:
                     for i in range(first, first + starts):
                         held[i] = held[i] if wanted[i] else FLOWN
-                fresh[q] = 0
+                    fresh[q] = 0
                 if needy[q]:
-                    fly(w, first, first + starts, constants_at(rows, top + q), wanted, flags)
+                    fly(
+                        w, t, tabled, held, wanted, q, first, first + starts, constants_at(rows, top + q), top + q, record,
+                        left, outcomes, undecided,
+                    )  # fmt: skip
                     for i in range(first, first + starts):
-                        if wanted[i]:
-                            j = left + i - first
-                            outcomes[top + q, record, j] |= flags[i]
-                            undecided[top + q, j] += 1 if flags[i] & AMBIGUOUS else 0
-                            held[i] = held_back(w, i, t, q, tabled[q])
-                            wanted[i] = 0
                         fresh[q] += held[i]
                 if kept >= 0:
                     keep(w, t, q, first, starts, points, letters, top + q, kept, left)
@@ -278,15 +301,28 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                         if held[first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]
                             points[top + q, kept, 1, left + j] = w[V + first + j]
-        for q in range(columns):
-            for j in range(starts):
-                i = q * stride + j
-                if held[i] == FLOWN:
-                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
-                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
-                measured = t[q, BAND] if tabled[q] else INFINITY
-                near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
-                slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
+
+    def run(
+        rows: Any, strike: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any, near: Any, slow: Any,
+        undecided: Any,
+    ) -> None:  # fmt: skip
+        top, bottom, several, left, right, blocks, transient, start, stop = job
+        starts = right - left
+        w, t, laws = aligned(work), aligned(several * size).reshape((several, size)), np.zeros(several)
+        tabled, needy, fresh = (
+            np.zeros(several, np.int64), np.zeros(several, np.int64), np.zeros(several, np.int64),
+        )  # fmt: skip
+        held, wanted, runs = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
+        for i in range(LANES):
+            w[NUMBER + i], w[BEFORE + i] = float(i), -1.0
+        for first in range(top, bottom, several):
+            columns = min(several, bottom - first)
+            begin(w, t, laws, tabled, fresh, held, rows, blocks, first, columns, left, starts, lanes)
+            advance(
+                w, t, laws, tabled, needy, fresh, held, wanted, runs, rows, strike, first, columns, left, starts,
+                transient, start, stop, points, letters, outcomes, undecided,
+            )  # fmt: skip
+            end(w, t, tabled, held, first, columns, left, starts, lanes, near, slow)
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
 
@@ -361,21 +397,23 @@ def ensemble_tasks(
         Whether to use the block kernel; else every period goes through the scalar routine.
     """
     rows = np.ascontiguousarray(rows)
-    flat, where = pointed_rows(harmonics, law, kind, rows, arithmetic)
+    flat = pointed_rows(harmonics, law, kind, rows, arithmetic).ravel()
     strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
     entry = ensemble(harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
-    shape = max(1, LANES // padded(starts)), min(starts, LANES)
+    several, wide = max(1, LANES // padded(starts)), min(starts, LANES)
+    # a few blocks a task, for what a task costs, but many tasks, for threads
+    together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
 
     def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        box = top, min(top + shape[0], len(source)), left, min(left + shape[1], starts)
+        box = top, min(top + together, len(source)), several, left, min(left + wide, starts)
         for n in range(0, max(transient + keep, 1), CUT):
             end = min(n + CUT, transient + keep)
             passed = max(0, min(end, transient) - n)
             job = (
                 *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
             )  # fmt: skip
-            entry(flat.ravel(), strike, float(where[top]), job, lanes, *found)
+            entry(flat, strike, job, lanes, *found)
             yield
 
-    return [partial(task, rows, q, i) for q in range(0, len(rows), shape[0]) for i in range(0, starts, shape[1])]
+    return [partial(task, rows, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]

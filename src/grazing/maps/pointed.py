@@ -73,7 +73,7 @@ def law_addresses(
     def slope_at(v: float, row: Any) -> float:
         return slope(v, unpack(row))
 
-    strike = strike_of(law, unpack, len(kind._fields))  # type: ignore[attr-defined]
+    strike = strike_of(law, unpack)
     who = f"the reset law {name}"
     return (
         address(law_at, "value", arithmetic, who),
@@ -89,8 +89,8 @@ def contractions(contraction: Callable[..., Any], kind: type, rows: bytes) -> Fl
     return np.array([contraction(kind(*row)) for row in table.tolist()], np.float64).reshape(-1, 2)
 
 
-def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
-    """Return the numbers of :func:`flight_fields` for rows of a map's parameters, and where each of the rows lies.
+def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> Floats:
+    """Return the numbers of :func:`flight_fields` for rows of a map's parameters.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
     here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
     phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]
-    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here])), where
+    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here]))
 
 
 def pointed_derivative(
@@ -117,5 +117,5 @@ def pointed_derivative(
 ) -> Derived:
     """Return the derivative of a map of an oscillator, whose ``tangent`` calls the law by its address."""
     source = np.ascontiguousarray(rows)
-    flat, _where = pointed_rows(harmonics, law, kind, source, "strict")
+    flat = pointed_rows(harmonics, law, kind, source, "strict")
     return Derived(tangent, prepare, parameter_tuple(flight_fields(harmonics)), flat, source)

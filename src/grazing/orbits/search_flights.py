@@ -90,7 +90,7 @@ def recorded(model: Oscillator, states: Floats, N: int, most: int) -> Flights:
     k = len(states)
     source = np.array([list(model.params.values())])
     kind = parameter_tuple(tuple(model.params))
-    rows, _where = pointed_rows(model.harmonics, model.reset, kind, source, "strict")
+    rows = pointed_rows(model.harmonics, model.reset, kind, source, "strict")
     found = Flights(
         np.zeros(k, np.int64), np.full((k, most), np.nan), np.full((k, most), np.nan), np.full((k, most), np.nan)
     )

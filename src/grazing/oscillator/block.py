@@ -52,8 +52,8 @@ from grazing.oscillator.workspace import (
     SINCE,
     SLOW,
     SLOWEST_ALLOWED,
-    SLOWEST_YET,
     SOME,
+    SPEED,
     STEEP,
     UNMIX,
     UNTIL,
@@ -96,15 +96,10 @@ WHOLE = 6755399441055744.0
 @inlined
 def placed(
     w: Any, to: int, q: int, x: float, y: float, doubt: float, event: float, back: float, when: float, orbit: int,
-    met: float, slowest: float,
+    met: float,
 ) -> None:  # fmt: skip
     """Put a flight that has an event ahead to the impacts at hand."""
-    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)], w[at(SLOWEST_YET + to)] = (
-        float(q),
-        float(orbit),
-        met,
-        slowest,
-    )
+    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)] = float(q), float(orbit), met
     w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
     w[at(EVENT + to)], w[at(BACK + to)], w[at(WHEN + to)] = event, back, when
 
@@ -130,12 +125,13 @@ def look_up(w: Any, t: Any, runs: Any, count: int, harmonics: int) -> None:
             for base in range(runs[at(n)], runs[at(n + 1)], 8):  # what runs over the end is for the next run
                 filled(w, A + h * WIDTH + base, constant)
     for base in range(0, places, 8):
-        for h in range(0, size, 8):
+        for h in range(0, size, 4):
             transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            low = w[at(WHEN + i)] if w[at(INSIDE + i)] == w[at(BACK + i)] else -w[at(UNTIL + i)]
+            when, until = w[at(WHEN + i)], w[at(UNTIL + i)]
+            low = when if w[at(INSIDE + i)] == w[at(BACK + i)] else -until
             w[at(SINCE + i)] = low if w[at(EVENT + i)] > 0.0 else HIGH
 
 
@@ -323,8 +319,7 @@ def kick(w: Any, count: int) -> None:
             carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
             wider = w[at(DOUBT + i)] * (worse * steep - carried * w[at(INVERSE + i)])
             w[at(WIDER + i)] = wider if flies else NAN
-            slowest = w[at(SLOWEST_YET + i)]
-            w[at(SLOWEST_YET + i)] = -v if flies & (-v < slowest) else slowest
+            w[at(SPEED + i)] = -v if flies else HIGH
 
 
 @inlined
@@ -332,7 +327,7 @@ def hand_back(w: Any, end: int, left: int) -> None:
     """Give the orbits their pairs after one impact each, but for those in REST."""
     place = 0
     for base in range(0, end, 8):
-        place = handed_back(w, base, LEAST, NEED, (Z1, Z2, SLOWEST_YET), (C1, C2, SLOW), place)
+        place = handed_back(w, base, LEAST, NEED, (Z1, Z2), (C1, C2), SPEED, SLOW, place)
     for n in range(left):
         k = int(w[at(REST + n)])
         i = int(w[at(ORBIT + k)])
@@ -389,31 +384,24 @@ def dip(w: Any, count: int) -> None:
 
 
 @lru_cache(maxsize=256)
-def strike_of(law: Callable[..., float], unpack: Callable[..., Any], fields: int) -> Callable[..., None]:
-    """Return ``strike(work, start, end, rows)``: the reset law for all impacts at hand, column by column.
+def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable[..., None]:
+    """Return ``strike(work, start, end, row)``: the reset law for impacts at hand of one column.
 
     AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity makes AFTER
     NaN: that is left to the scalar routine.
     """
 
-    def strike(w: Any, start: int, end: int, rows: Any) -> None:
-        i = start
-        while i < end:
-            column = w[at(COLUMN + i)]
-            last = i + 1
-            while last < end and w[at(COLUMN + last)] == column:
-                last += 1
-            p = unpack(rows, fields * int(column))
-            for base in range(i, last, 16):  # what runs over the end is for the next column
-                for k in range(16):
-                    j = base + k
-                    v = w[at(BEFORE + j)]
-                    # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                    error = w[at(DOUBT + j)] * (w[at(RATE + j)] - w[at(M + j)] * w[at(INVERSE + j)]) * 0.015625
-                    h = min(max(1e-8 * -v, error), -v)
-                    u, less, more = law(v, p), law(v - h, p), law(v + h, p)
-                    w[at(STEEP + j)] = abs(less - more) / h
-                    w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
-            i = last
+    def strike(w: Any, start: int, end: int, row: Any) -> None:
+        p = unpack(row)
+        for base in range(start, end, 16):  # what runs over the end is for the next column
+            for k in range(16):
+                j = base + k
+                v = w[at(BEFORE + j)]
+                # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
+                error = w[at(DOUBT + j)] * (w[at(RATE + j)] - w[at(M + j)] * w[at(INVERSE + j)]) * 0.015625
+                h = min(max(1e-8 * -v, error), -v)
+                u, less, more = law(v, p), law(v - h, p), law(v + h, p)
+                w[at(STEEP + j)] = abs(less - more) / h
+                w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
 
     return strike

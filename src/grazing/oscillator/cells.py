@@ -62,8 +62,8 @@ ALWAYS = -1e300  # fails for every orbit: its cell is always looked into
 
 
 def cell_size(harmonics: int) -> int:
-    """Return how many numbers a cell has: whole vectors."""
-    return (CELL + 2 * harmonics + 7) // 8 * 8
+    """Return how many numbers a cell has: a multiple of four."""
+    return (CELL + 2 * harmonics + 3) // 4 * 4
 
 
 def table_size(harmonics: int) -> int:

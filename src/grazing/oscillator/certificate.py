@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from grazing.kernel.primitives import at, inlined
-from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed
+from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed, passing
 from grazing.oscillator.cells import (
     CERTIFICATE,
     CERTIFY_ON,
@@ -44,8 +44,6 @@ from grazing.oscillator.workspace import (
     NUMBER,
     ORBIT,
     REST,
-    SLOW,
-    SLOWEST_YET,
     WIDER,
     X1,
     X2,
@@ -166,11 +164,11 @@ def certify_rest(w: Any, t: Any, runs: Any, count: int) -> int:
     left = 0
     for n in range(count):
         q = int(w[at(COLUMN + runs[at(n)])])
-        rows = int(t[at(q), COUNT])
+        rows, first = int(t[at(q), COUNT]), q * t.shape[1] + CERTIFICATE
         for i in range(runs[at(n)], runs[at(n + 1)]):
             since, margin = int(t[at(q), at(CERTIFY_ON + int(w[at(INSIDE + i)]))]), w[at(WIDER + i)]
-            row = first_failing(t, q, CERTIFICATE, since, rows, w[at(Z1 + i)], w[at(Z2 + i)], margin)
-            free = (row >= rows) & (margin < HIGH)
+            passes = passing(t, first + since, MAX_ROWS, rows - since, w[at(Z1 + i)], w[at(Z2 + i)], margin)
+            free = passes & (margin < HIGH)
             w[at(FREE + i)], w[at(REST + left)] = 1.0 if free else 0.0, float(i)
             left += 0 if free else 1
     return left
@@ -178,10 +176,7 @@ def certify_rest(w: Any, t: Any, runs: Any, count: int) -> int:
 
 @inlined
 def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs: Any) -> tuple[int, int]:
-    """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs.
-
-    They are taken to hit once.
-    """
+    """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs."""
     places, count = 0, 0
     for q in range(columns):
         first, end = q * stride, q * stride + starts if tabled[q] else q * stride
@@ -189,9 +184,7 @@ def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs
             w[at(LEAST + i)], w[at(NEED + i)] = 0.0, 0.0
         runs[at(count)] = places
         for base in range(first, end, 8):
-            places = appended(
-                w, base, LEAST, NEED, (C1, C2, LIMIT, NUMBER, SLOW), (X1, X2, DOUBT, ORBIT, SLOWEST_YET), places
-            )
+            places = appended(w, base, LEAST, NEED, (C1, C2, LIMIT, NUMBER), (X1, X2, DOUBT, ORBIT), places)
         for base in range(runs[at(count)], places, 8):
             filled(w, COLUMN + base, float(q))
         count += 1 if places > runs[at(count)] else 0
@@ -200,11 +193,16 @@ def candidates(w: Any, columns: int, stride: int, starts: int, tabled: Any, runs
         for k in range(64):
             i = base + k
             w[at(BACK + i)], w[at(MET + i)] = -1.0, 0.0
-    for base in range(0, columns * stride, 64):
+    return places, count
+
+
+@inlined
+def count_hits(w: Any, end: int) -> None:
+    """Say of all orbits that they hit once, or, where the certificate settles it, not at all."""
+    for base in range(0, end, 64):
         for k in range(64):
             i = base + k
             w[at(HITS + i)] = 0.0 if w[at(LEAST + i)] >= w[at(NEED + i)] else 1.0
-    return places, count
 
 
 @inlined

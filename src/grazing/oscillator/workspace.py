@@ -17,19 +17,19 @@ SOME = 32
 # narrowest miss, the slowest impact, the state where the scalar routine is needed, the number of the orbit, how often
 # it hit the wall.
 C1, C2, LIMIT, NEED, LEAST, NEAR, SLOW, U, V, NUMBER, HITS = (i * WIDTH for i in range(11))
-# Arrays over the impacts at hand: pair, margin, which orbit, the slowest of its impacts, how many it had in this
-# period, the place of what comes next, its cell, where the cell begins in the tables, the cell of the impact before,
-# the column;
-X1, X2, DOUBT, ORBIT, SLOWEST_YET, MET, EVENT, INSIDE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(11, 22))
+# Arrays over the impacts at hand: pair, margin, which orbit, how many impacts it had in this period, the place of what
+# comes next, its cell, where the cell begins in the tables, the cell of the impact before, the column;
+X1, X2, DOUBT, ORBIT, MET, EVENT, INSIDE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(11, 21))
 # constants of the column in the order of the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the
 # slowest impact allowed, the growth of errors there, its rate, alpha^2/4 - k^2, 1 less the contraction of the law;
-A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in range(22, 33))
+A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in range(21, 32))
 # where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
 # acceleration, 1 where proven,
-SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(33, 41))
-# after the impact: pair, margin (NaN where the ball does not fly), 1 where it flies free to the end of the period; the
-# list of those that do not, and the margins of those that may pass the wall without an impact;
-Z1, Z2, WIDER, FREE, REST, CLEARANCE = (i * WIDTH for i in range(41, 47))
+SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 40))
+# after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact, 1 where the ball flies free
+# to the end of the period; the list of those that do not, and the margins of those that may pass the wall without an
+# impact;
+Z1, Z2, WIDER, SPEED, FREE, REST, CLEARANCE = (i * WIDTH for i in range(40, 47))
 # derivatives 0 to 13 of the flight at the middle of the cell;
 Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(47, 61))
 # the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window,
