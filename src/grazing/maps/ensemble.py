@@ -26,6 +26,7 @@ from grazing.maps.pointed import (
 from grazing.oscillator.block import (
     dip,
     hand_back,
+    hand_on,
     is_chord,
     kick,
     look_up,
@@ -66,12 +67,10 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
-    FREE,
     HIGH,
     HITS,
     INSIDE,
     LANES,
-    LEAST,
     LIMIT,
     MET,
     NAN,
@@ -83,7 +82,6 @@ from grazing.oscillator.workspace import (
     PULL,
     REST,
     SLOW,
-    SPEED,
     WHEN,
     WIDER,
     WIDTH,
@@ -148,7 +146,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
             for j in range(stride):
                 i = q * stride + j
-                w[C1 + i], w[C2 + i], w[LEAST + i] = 0.0, 0.0, HIGH
+                w[C1 + i], w[C2 + i] = 0.0, 0.0
                 w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
                 if j < starts:
                     w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
@@ -206,11 +204,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             if first:  # most orbits hit once and are done: as if all were
                 hand_back(w, columns * stride, left)
             else:
-                for k in range(places):
-                    i = int(w[at(ORBIT + k)])
-                    w[at(SLOW + i)] = min(w[at(SLOW + i)], w[at(SPEED + k)])
-                    if w[at(FREE + k)] > 0.0:
-                        w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(Z1 + k)], w[at(Z2 + k)], w[at(MET + k)] + 1
+                hand_on(w, places, left)
             first = False
             dips = set_apart(w, left)
             dip(w, dips)

@@ -35,6 +35,7 @@ from grazing.oscillator.workspace import (
     FAR,
     GAP,
     HIGH,
+    HITS,
     INSIDE,
     INVERSE,
     LEAST,
@@ -335,6 +336,19 @@ def hand_back(w: Any, end: int, left: int) -> None:
 
 
 @inlined
+def hand_on(w: Any, count: int, left: int) -> None:
+    """Give the orbits that hit again and then fly free their pairs; those in REST keep what the period began with."""
+    n = 0
+    for k in range(count):
+        i = int(w[at(ORBIT + k)])
+        w[at(SLOW + i)] = min(w[at(SLOW + i)], w[at(SPEED + k)])
+        if n < left and int(w[at(REST + n)]) == k:
+            n += 1
+        else:
+            w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(Z1 + k)], w[at(Z2 + k)], w[at(MET + k)] + 1.0
+
+
+@inlined
 def is_chord(event: float) -> bool:
     """Return whether the place of an event is that of a chord, not of an end."""
     return int(event) % 2 == 1
@@ -393,8 +407,8 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable
 
     def strike(w: Any, start: int, end: int, row: Any) -> None:
         p = unpack(row)
-        for base in range(start, end, 16):  # what runs over the end is for the next column
-            for k in range(16):
+        for base in range(start, end, 8):  # what runs over the end is for the next column
+            for k in range(8):
                 j = base + k
                 v = w[at(BEFORE + j)]
                 # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md

@@ -40,21 +40,20 @@ MARGIN, BAND = 11, 14
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 15, 21, 27
-# how many rows the certificate has, padded to a multiple of 4, and how many the list of all; the wall, and 1 where p = 1
-# in all rows;
+# how many rows the certificate has, padded to a multiple of 4, at least 8, and how many the list of all; the wall, and 1
+# where p = 1 in all rows;
 COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
 # then the certificate and the list of all rows, both in the order of time: all p, all q, all r, all places;
 CERTIFICATE = 40
-MAX_ROWS = 3 * MAX_CELLS + 16
+MAX_ROWS = 3 * MAX_CELLS + 24
 ROWS = CERTIFICATE + 4 * MAX_ROWS
-# for each cell the place from which to go on after an impact there, and the first row of the certificate from there on;
+# for each cell the place from which to go on after an impact there;
 GO_ON = ROWS + 4 * MAX_ROWS
-CERTIFY_ON = GO_ON + MAX_CELLS
 # and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the
-# inverse of the Wronskian b1 b2' - b2 b1'; the harmonics.
-CELLS = CERTIFY_ON + MAX_CELLS
-HALF, TIME_LEFT, UNMIX = 6, 7, 8
-CELL = 9
+# inverse of the Wronskian b1 b2' - b2 b1', the first row of the certificate to be asked after an impact; the harmonics.
+CELLS = GO_ON + MAX_CELLS
+HALF, TIME_LEFT, UNMIX, THEN = 6, 7, 8, 9
+CELL = 10
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
@@ -158,7 +157,7 @@ def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, plac
 
 def pad(t: Any, q: int, rows: int, n: int) -> None:
     """Write rows that every flight passes, to where whole vectors end."""
-    end = n + 8
+    end = n + 16
     while n < end:
         n = listed(t, q, rows, n, 1.0, 0.0, NEVER, NEVER)
 
@@ -300,9 +299,9 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     row = 0
     for i in range(cell):
         row = row_from(t, q, CERTIFICATE, t[at(q), at(GO_ON + i)], row)
-        t[at(q), at(CERTIFY_ON + i)] = row
+        t[at(q), at(CELLS + i * cell_size(len(c.cos)) + THEN)] = row
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = (n + 3) // 4 * 4, m, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = max(8, (n + 3) // 4 * 4), m, band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever

@@ -15,7 +15,6 @@ from grazing.kernel.primitives import at, inlined
 from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed, passing
 from grazing.oscillator.cells import (
     CERTIFICATE,
-    CERTIFY_ON,
     COUNT,
     MARGIN,
     MAX_ROWS,
@@ -32,10 +31,8 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
-    FREE,
     HIGH,
     HITS,
-    INSIDE,
     LEAST,
     LIMIT,
     MET,
@@ -44,6 +41,7 @@ from grazing.oscillator.workspace import (
     NUMBER,
     ORBIT,
     REST,
+    THEN,
     WIDER,
     X1,
     X2,
@@ -68,7 +66,7 @@ def lower(a: float, b: float) -> float:
 def onward(w: Any, t: Any, columns: int, stride: int) -> None:
     """Take all pairs over to the next period; LIMIT gets their margins, NaN where a row could overflow.
 
-    NEED gets what the least row must reach, the margin less c1 where that is in no row; LEAST is made ready for it.
+    NEED gets what the least row must reach: the margin, less c1 where that is in no row.
     """
     for q in range(columns):
         s0, a00, a01 = t[at(q), ONWARD], t[at(q), ONWARD + 1], t[at(q), ONWARD + 2]
@@ -83,12 +81,47 @@ def onward(w: Any, t: Any, columns: int, stride: int) -> None:
                 w[at(C1 + i)], w[at(C2 + i)] = x, y
                 margin = m0 + (m1 * abs(x) + m2 * abs(y))
                 margin = margin if margin < HIGH else NAN
-                w[at(LIMIT + i)], w[at(NEED + i)], w[at(LEAST + i)] = margin, margin - aside * x, HIGH
+                w[at(LIMIT + i)], w[at(NEED + i)] = margin, margin - aside * x
 
 
 @lru_cache(maxsize=2)
 def certify_of(upright: bool) -> Callable[..., None]:
     """Return the question whether a period has no impact."""
+
+    @inlined
+    def begin(w: Any, t: Any, q: int, start: int, end: int) -> None:
+        """Set LEAST to the least of the first eight rows."""
+        j, k8 = CERTIFICATE, CERTIFICATE + 4
+        p, c, r = four(t, q, j), four(t, q, j + MAX_ROWS), four(t, q, j + 2 * MAX_ROWS)
+        p8, c8, r8 = four(t, q, k8), four(t, q, k8 + MAX_ROWS), four(t, q, k8 + 2 * MAX_ROWS)
+        for base in range(start, end, 16):
+            for k in range(16):
+                i = base + k
+                x, y = w[at(C1 + i)], w[at(C2 + i)]
+                z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
+                z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
+                z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
+                z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
+                z4 = c8[0] * y + r8[0] if upright else p8[0] * x + (c8[0] * y + r8[0])
+                z5 = c8[1] * y + r8[1] if upright else p8[1] * x + (c8[1] * y + r8[1])
+                z6 = c8[2] * y + r8[2] if upright else p8[2] * x + (c8[2] * y + r8[2])
+                z7 = c8[3] * y + r8[3] if upright else p8[3] * x + (c8[3] * y + r8[3])
+                z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
+                w[at(LEAST + i)] = lower(lower(z0, z1), lower(z2, z3))
+
+    @inlined
+    def go_on(w: Any, t: Any, q: int, j: int, start: int, end: int) -> None:
+        """Lower LEAST to the four rows from j on."""
+        p, c, r = four(t, q, j), four(t, q, j + MAX_ROWS), four(t, q, j + 2 * MAX_ROWS)
+        for base in range(start, end, 16):
+            for k in range(16):
+                i = base + k
+                x, y, least = w[at(C1 + i)], w[at(C2 + i)], w[at(LEAST + i)]
+                z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
+                z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
+                z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
+                z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
+                w[at(LEAST + i)] = lower(lower(least, lower(z0, z1)), lower(z2, z3))
 
     @inlined
     def certify(w: Any, t: Any, q: int, start: int, end: int) -> None:
@@ -97,18 +130,9 @@ def certify_of(upright: bool) -> Callable[..., None]:
         LEAST >= NEED is proof that there is no impact in the period. Numbers that are no numbers may drop out of the
         least, but never with a NEED that is one, see :func:`onward`.
         """
-        last = CERTIFICATE + int(t[at(q), COUNT]) - 4
-        for j in range(CERTIFICATE, last + 1, 4):
-            p, c, r = four(t, q, j), four(t, q, j + MAX_ROWS), four(t, q, j + 2 * MAX_ROWS)
-            for base in range(start, end, 16):
-                for k in range(16):
-                    i = base + k
-                    x, y, least = w[at(C1 + i)], w[at(C2 + i)], w[at(LEAST + i)]
-                    z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                    z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                    z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                    z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                    w[at(LEAST + i)] = lower(lower(least, lower(z0, z1)), lower(z2, z3))
+        begin(w, t, q, start, end)
+        for j in range(CERTIFICATE + 8, CERTIFICATE + int(t[at(q), COUNT]), 4):
+            go_on(w, t, q, j, start, end)
 
     return certify
 
@@ -166,11 +190,10 @@ def certify_rest(w: Any, t: Any, runs: Any, count: int) -> int:
         q = int(w[at(COLUMN + runs[at(n)])])
         rows, first = int(t[at(q), COUNT]), q * t.shape[1] + CERTIFICATE
         for i in range(runs[at(n)], runs[at(n + 1)]):
-            since, margin = int(t[at(q), at(CERTIFY_ON + int(w[at(INSIDE + i)]))]), w[at(WIDER + i)]
+            since, margin = int(w[at(THEN + i)]), w[at(WIDER + i)]
             passes = passing(t, first + since, MAX_ROWS, rows - since, w[at(Z1 + i)], w[at(Z2 + i)], margin)
-            free = passes & (margin < HIGH)
-            w[at(FREE + i)], w[at(REST + left)] = 1.0 if free else 0.0, float(i)
-            left += 0 if free else 1
+            w[at(REST + left)] = float(i)
+            left += 0 if passes & (margin < HIGH) else 1
     return left
 
 

@@ -96,6 +96,28 @@ def bends(y: Derivatives, s: float) -> tuple[float, float]:
 
 
 @inlined
+def cosh_root(z: float) -> float:
+    """Return cosh(sqrt(z)) = 1 + z/2! + z^2/4! + ..., to 1e-17 for |z| <= 0.1."""
+    p = (1.0 / 479001600.0) * z + 1.0 / 3628800.0
+    p = p * z + 1.0 / 40320.0
+    p = p * z + 1.0 / 720.0
+    p = p * z + 1.0 / 24.0
+    p = p * z + 0.5
+    return p * z + 1.0
+
+
+@inlined
+def sinhc_root(z: float) -> float:
+    """Return sinh(sqrt(z))/sqrt(z) = 1 + z/3! + z^2/5! + ..., to 1e-17 for |z| <= 0.1."""
+    p = (1.0 / 6227020800.0) * z + 1.0 / 39916800.0
+    p = p * z + 1.0 / 362880.0
+    p = p * z + 1.0 / 5040.0
+    p = p * z + 1.0 / 120.0
+    p = p * z + 1.0 / 6.0
+    return p * z + 1.0
+
+
+@inlined
 def impulse(s: float, alpha: float, q2: float) -> tuple[float, float]:
     """Return position and velocity, s earlier, of the free flight that passes (0, 1); q2 = alpha^2/4 - k^2.
 
@@ -103,6 +125,6 @@ def impulse(s: float, alpha: float, q2: float) -> tuple[float, float]:
     """
     h = 0.5 * alpha * s
     x, z = h * h, q2 * (s * s)
-    grown = even(x, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0) + h * odd(x, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 + x * (1.0 / 156.0))
-    S, C = -s * odd(z, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), even(z, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    grown = cosh_root(x) + h * sinhc_root(x)
+    S, C = -s * sinhc_root(z), cosh_root(z)
     return grown * S, grown * (C - 0.5 * alpha * S)

@@ -11,7 +11,7 @@ from grazing.oscillator.cells import cell_size
 LANES = 512
 WIDTH = LANES + 72
 #: Impacts that are solved together, step by step.
-SOME = 32
+SOME = 24
 
 # Arrays over the orbits of a block: the pair (c1, c2), the margin, what the least row must reach, the least row, the
 # narrowest miss, the slowest impact, the state where the scalar routine is needed, the number of the orbit, how often
@@ -26,15 +26,14 @@ A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in
 # where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
 # acceleration, 1 where proven,
 SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 40))
-# after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact, 1 where the ball flies free
-# to the end of the period; the list of those that do not, and the margins of those that may pass the wall without an
-# impact;
-Z1, Z2, WIDER, SPEED, FREE, REST, CLEARANCE = (i * WIDTH for i in range(40, 47))
+# after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact; the list of those that do not
+# fly free to the end of the period, and the margins of those that may pass the wall without an impact;
+Z1, Z2, WIDER, SPEED, REST, CLEARANCE = (i * WIDTH for i in range(40, 46))
 # derivatives 0 to 13 of the flight at the middle of the cell;
-Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(47, 61))
+Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(46, 60))
 # the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window,
-# the inverse of the Wronskian; the harmonics.
-YM, VM, B1, D1, B2, D2, UNTIL, ROOM, UNMIX, WAVES = (i * WIDTH for i in range(61, 71))
+# the inverse of the Wronskian, the row of the certificate to go on with; the harmonics.
+YM, VM, B1, D1, B2, D2, UNTIL, ROOM, UNMIX, THEN, WAVES = (i * WIDTH for i in range(60, 71))
 
 NAN = float("nan")
 #: Above every row that counts; a margin above this would let rows overflow.
