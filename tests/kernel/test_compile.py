@@ -128,7 +128,9 @@ def test_an_edit_of_a_compiled_form_is_never_answered_from_the_cache(
 ):
     """It is code that writes code, which no bytecode of a kernel shows."""
     source, cache = tmp_path / "source", tmp_path / "cache"
-    shutil.copytree(Path(SOURCE) / "grazing", source / "grazing", ignore=shutil.ignore_patterns("__pycache__", "*.wasm"))
+    shutil.copytree(
+        Path(SOURCE) / "grazing", source / "grazing", ignore=shutil.ignore_patterns("__pycache__", "*.wasm")
+    )
     imports = f"from grazing.kernel.{name} import {function}\n"
     (tmp_path / "top.py").write_text(f"{imports}\ndef outer(x):\n    return 1.0 * {function}(int(x))\n")
     assert run_in_a_process(tmp_path, cache, source)[0] == [before, 0]

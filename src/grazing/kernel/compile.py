@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+from grazing.kernel.inner import pipeline
 from grazing.kernel.primitives import pointed
 from grazing.outcome import InputError, UserCodeError
 
@@ -151,7 +152,7 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "
     resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
     if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": pipeline()}
     if getattr(function, "inlined", False):
         options["forceinline"] = True
     dispatcher = numba.njit(**options)(resolved)

@@ -47,7 +47,8 @@ def handed_back(
     """Give those of eight neighbours that fall short their numbers back from lists; return where the lists go on.
 
     The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on; and
-    ``work[lower + place]`` to ``work[lowest + i]`` where it is lower. Compiled code may read over eight places of a list.
+    ``work[lower + place]`` to ``work[lowest + i]`` where it is lower. Compiled code may read over eight places of a
+    list.
     """
     for k in range(i, i + 8):
         if not work[least + k] >= work[limit + k]:
@@ -345,10 +346,9 @@ def _register() -> None:
             for first in firsts:
                 here = builder.add(args[1], whole(first))
                 mask, bits = short_ones(builder, rows, here, args[2], args[3])
-                pairs = [(args[6], args[7])]
-                for n in range(signature.args[4].count):
-                    pairs.append(tuple(builder.extract_value(both, n) for both in args[4:6]))
-                for source, target in pairs:
+                tuples = range(signature.args[4].count)
+                pairs = [tuple(builder.extract_value(both, n) for both in args[4:6]) for n in tuples]
+                for source, target in (*pairs, (args[6], args[7])):
                     goal = builder.add(target, here)
                     kept, value = rows.load(goal), rows.load(builder.add(source, end))
                     if rows.kind.count == 4:  # or the store below becomes a masked one, which is slow

@@ -98,7 +98,7 @@ from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
+ANNOUNCEMENT = "compiling the oscillator's kernel, ten to twenty-five seconds, once on this machine"
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
@@ -169,8 +169,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
     def fly(
-        w: Any, t: Any, tabled: Any, held: Any, wanted: Any, q: int, start: int, end: int, c: Any, row: int, record: int,
-        left: int, outcomes: Any, undecided: Any,
+        w: Any, t: Any, tabled: Any, held: Any, wanted: Any, q: int, start: int, end: int, c: Any, row: int,
+        record: int, left: int, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
         """Take the wanted orbits of column q through one period by the scalar routine; states are in U and V."""
         for i in range(start, end):
@@ -208,7 +208,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             first = False
             dips = set_apart(w, left)
             dip(w, dips)
-            places, dips = 0, 0
+            places, dips = int(0.0), 0  # of a literal 0 the compiler would make versions of their own
             for n in range(left):
                 k = int(w[at(REST + n)])
                 i, q, cell = int(w[at(ORBIT + k)]), int(w[at(COLUMN + k)]), int(w[at(INSIDE + k)])
@@ -284,8 +284,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     fresh[q] = 0
                 if needy[q]:
                     fly(
-                        w, t, tabled, held, wanted, q, first, first + starts, constants_at(rows, top + q), top + q, record,
-                        left, outcomes, undecided,
+                        w, t, tabled, held, wanted, q, first, first + starts, constants_at(rows, top + q), top + q,
+                        record, left, outcomes, undecided,
                     )  # fmt: skip
                     for i in range(first, first + starts):
                         fresh[q] += held[i]

@@ -40,8 +40,8 @@ MARGIN, BAND = 11, 14
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
 # states,
 ONWARD, STATE, PAIR = 15, 21, 27
-# how many rows the certificate has, padded to a multiple of 4, at least 8, and how many the list of all; the wall, and 1
-# where p = 1 in all rows;
+# how many rows the certificate has, padded to a multiple of 4, at least 8, and how many the list of all; the wall, and
+# 1 where p = 1 in all rows;
 COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
 # then the certificate and the list of all rows, both in the order of time: all p, all q, all r, all places;
 CERTIFICATE = 40
@@ -148,23 +148,23 @@ class Extent(NamedTuple):
     blur: float  # how much a chord magnifies the errors of its ends
 
 
-def listed(t: Any, q: int, rows: int, n: int, p: float, r: float, s: float, place: float) -> int:
-    """Write row n of the list that begins at ``rows``; return n + 1."""
-    put_row(t, q, rows + n, MAX_ROWS, p, r, s)
-    t[at(q), at(rows + 3 * MAX_ROWS + n)] = place
-    return n + 1
+def listed(t: Any, q: int, row: int, p: float, r: float, s: float, place: float) -> int:
+    """Write a row of a list; return where the next one goes."""
+    put_row(t, q, row, MAX_ROWS, p, r, s)
+    t[at(q), at(row + 3 * MAX_ROWS)] = place
+    return row + 1
 
 
-def pad(t: Any, q: int, rows: int, n: int) -> None:
+def pad(t: Any, q: int, row: int) -> None:
     """Write rows that every flight passes, to where whole vectors end."""
-    end = n + 16
-    while n < end:
-        n = listed(t, q, rows, n, 1.0, 0.0, NEVER, NEVER)
+    end = row + 16
+    while row < end:
+        row = listed(t, q, row, 1.0, 0.0, NEVER, NEVER)
 
 
-def row_from(t: Any, q: int, rows: int, since: float, row: int) -> int:
-    """Return the first row from ``row`` on whose place is ``since`` or later; rows end in padding of place NEVER."""
-    while t[at(q), at(rows + 3 * MAX_ROWS + row)] < since:
+def row_from(t: Any, q: int, row: int, since: float) -> int:
+    """Return the first row from ``row`` on whose place is ``since`` or later; lists end in padding of place NEVER."""
+    while t[at(q), at(row + 3 * MAX_ROWS)] < since:
         row += 1
     return row
 
@@ -211,9 +211,10 @@ def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Exten
 def fill_window(
     t: Any, q: int, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
 ) -> tuple[int, int, int, Extent]:
-    """Cut window i into cells, write them and their rows; return the numbers of cells and rows so far, and extents.
+    """Cut window i into cells, write them and their rows.
 
-    n rows are in the certificate and m in the list of all rows.
+    Return the number of cells so far, where the next row of the certificate goes and where that of the list of all
+    rows, and the extents.
     """
     a, b = c.edges[i], c.edges[i + 1]
     count = cells_in(b - a, c)
@@ -253,19 +254,19 @@ def fill_window(
             max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
         )  # fmt: skip
         if k > 0 and positive:
-            place = 2 * (cell + (k - 1) // 2) + 1
+            place = 2.0 * (cell + (k - 1) // 2) + 1.0
             cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
-            n = listed(t, q, CERTIFICATE, n, cp, cr, cs, place)
+            n = listed(t, q, n, cp, cr, cs, place)
             extent = extended(extent, cp, cr, cs, blur)
             drawn = cs > ALWAYS and (k % 2 == 1 or drawn)
             if k % 2 == 0:
                 cp, cr, cs, blur = chord(f1, f2, before1, before2, h1, h2, band)
-                m = listed(t, q, ROWS, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
+                m = listed(t, q, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
                 extent = extended(extent, cp, cr, cs, blur)
         if k % 2 == 0 and (k > 0 or i == 0):
-            m = listed(t, q, ROWS, m, p, r, s, 2 * (cell + j))
+            m = listed(t, q, m, p, r, s, 2.0 * (cell + j))
             if j == last or k == 0:
-                n = listed(t, q, CERTIFICATE, n, p, r, s, 2 * (cell + j))
+                n = listed(t, q, n, p, r, s, 2.0 * (cell + j))
         if k % 2 == 0:
             before1, before2 = h1, h2
         g1, g2 = h1, h2
@@ -291,17 +292,19 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
     extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
-    cell, n, m = 0, 0, 0
+    start = int(0.0)  # of a literal 0 the compiler would make versions of their own
+    cell, n, m = start, start + CERTIFICATE, start + ROWS
     for i in range(windows):
         cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
-    pad(t, q, CERTIFICATE, n)
-    pad(t, q, ROWS, m)
-    row = 0
+    pad(t, q, n)
+    pad(t, q, m)
+    row = start + CERTIFICATE
     for i in range(cell):
-        row = row_from(t, q, CERTIFICATE, t[at(q), at(GO_ON + i)], row)
-        t[at(q), at(CELLS + i * cell_size(len(c.cos)) + THEN)] = row
+        row = row_from(t, q, row, t[at(q), at(GO_ON + i)])
+        t[at(q), at(CELLS + i * cell_size(len(c.cos)) + THEN)] = row - CERTIFICATE
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, ROW_COUNT], t[q, BAND] = max(8, (n + 3) // 4 * 4), m, band * extent.least
+    t[q, COUNT], t[q, ROW_COUNT] = max(8, (n - CERTIFICATE + 3) // 4 * 4), m - ROWS
+    t[q, BAND] = band * extent.least
     t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
     t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever

@@ -164,22 +164,21 @@ def locate(w: Any, t: Any, runs: Any, count: int) -> None:
 
 
 @inlined
-def first_failing(t: Any, q: int, rows: int, since: int, count: int, x: float, y: float, limit: float) -> int:
-    """Return the first of the rows from ``since`` on that a pair fails, ``count`` where there is none."""
-    start = q * t.shape[1] + rows
-    for base in range(since, count, 32):
-        bits = failing(t, start + base, MAX_ROWS, min(count - base, 32), x, y, limit)
+def first_failing(t: Any, q: int, start: int, end: int, x: float, y: float, limit: float) -> int:
+    """Return the first of the rows from ``start`` on that a pair fails, ``end`` where there is none."""
+    for row in range(start, end, 32):
+        bits = failing(t, q * t.shape[1] + row, MAX_ROWS, min(end - row, 32), x, y, limit)
         if bits != 0:
-            return base + first_bit(bits)
-    return count
+            return row + first_bit(bits)
+    return end
 
 
 @inlined
 def next_event(t: Any, q: int, since: float, x: float, y: float, limit: float) -> float:
     """Return the place of the first row that a pair fails from place ``since`` on; 0 where there is none."""
-    rows = int(t[at(q), ROW_COUNT])
-    row = first_failing(t, q, ROWS, row_from(t, q, ROWS, since, 0), rows, x, y, limit)
-    return t[at(q), at(ROWS + 3 * MAX_ROWS + row)] if row < rows else 0.0  # type: ignore[no-any-return]
+    end = ROWS + int(t[at(q), ROW_COUNT])
+    row = first_failing(t, q, row_from(t, q, ROWS, since), end, x, y, limit)
+    return t[at(q), at(row + 3 * MAX_ROWS)] if row < end else 0.0
 
 
 @inlined

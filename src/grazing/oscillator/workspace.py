@@ -26,8 +26,8 @@ A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in
 # where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
 # acceleration, 1 where proven,
 SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 40))
-# after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact; the list of those that do not
-# fly free to the end of the period, and the margins of those that may pass the wall without an impact;
+# after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact; the list of those that do
+# not fly free to the end of the period, and the margins of those that may pass the wall without an impact;
 Z1, Z2, WIDER, SPEED, REST, CLEARANCE = (i * WIDTH for i in range(40, 46))
 # derivatives 0 to 13 of the flight at the middle of the cell;
 Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(46, 60))
