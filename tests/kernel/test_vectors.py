@@ -11,7 +11,16 @@ import pytest
 
 import grazing
 from grazing.kernel.compile import compiled
-from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed, handed_back, transposed
+from grazing.kernel.vectors import (
+    appended,
+    failing,
+    filled,
+    first_bit,
+    first_failed,
+    handed_back,
+    passing,
+    transposed,
+)  # fmt: skip
 
 
 def deals(work, to, step, table, where, plus):
@@ -91,6 +100,26 @@ def test_eight_neighbours_are_filled():
 
 def asks(table, at, step, count, x, y, limit):
     return failing(table, at, step, count, x, y, limit)
+
+
+def judges(table, at, step, count, x, y, limit):
+    return passing(table, at, step, count, x, y, limit)
+
+
+@pytest.mark.parametrize("count", [0, 1, 5, 8, 31, 40])
+def test_a_pair_passes_where_it_fails_no_row(table, count):
+    """Behind the rows stand some that every pair passes."""
+    table[1, 3 + count : 13 + count], table[1, 53 + count : 63 + count] = 0.0, 0.0
+    table[1, 103 + count : 113 + count] = 1e300
+    verdicts = set()
+    for x, y, limit in ((1.0, 2.0, -40.0), (-1.0, 0.5, 3.0), (0.5, 0.0, -3.0), (np.nan, 1.0, 0.0), (1.0, 1.0, np.nan)):
+        passes = failing(table, 223, 50, count, x, y, limit) == 0
+        assert judges(table, 223, 50, count, x, y, limit) == passes
+        if limit == limit and x == x:
+            for arithmetic in ("strict", "fast"):
+                assert compiled(judges, arithmetic)(table, 223, 50, count, x, y, limit) == passes
+        verdicts.add(passes)
+    assert verdicts == ({True} if count == 0 else {True, False})
 
 
 def searches(work, table, at, step, count, upright):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from grazing.kernel.compile import compiled
-from grazing.oscillator.taylor import bends, expand, impulse, rough, value
+from grazing.oscillator.taylor import bends, cosh_root, expand, impulse, rough, sinhc_root, value
 
 #: Damping, stiffness: over-damped, critical, nearly so, under-damped, undamped, free; their fastest rates are below.
 DAMPINGS = ((3.0, 1.0), (2.0, 1.0), (2.0, 1.0 + 1e-9), (0.2, 3.0), (0.0, 2.2), (0.7, 0.0), (0.0, 0.0), (40.0, 1.0))
@@ -101,6 +101,14 @@ def test_an_impulse_seen_from_before(alpha, k):
             exact = flight.at(-s)
             for found, derivative in zip(impulse(s, alpha, q2), (0, 1), strict=True):
                 assert abs(found - exact[derivative]) < 8 * 2.0**-53 * rate ** (derivative - 1)
+
+
+@pytest.mark.parametrize("z", [0.0, 1e-300, 1e-9, -1e-5, 0.03, -0.03, 0.09, -0.09])
+def test_functions_of_the_root_of_a_number_of_either_sign(z):
+    with mpmath.workdps(40):
+        root = mpmath.sqrt(z)
+        assert abs(cosh_root(z) - mpmath.re(mpmath.cosh(root))) <= 2.5e-16
+        assert abs(sinhc_root(z) - (mpmath.re(mpmath.sinh(root) / root) if z else 1)) <= 2.5e-16
 
 
 def test_compiled_and_plain_agree_to_the_last_bit():
