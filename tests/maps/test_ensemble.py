@@ -15,7 +15,7 @@ import grazing as gz
 from grazing.kernel import elementary
 from grazing.kernel.compile import digest
 from grazing.maps import period
-from grazing.maps.ensemble import ensemble, law_addresses
+from grazing.maps.ensemble import ensemble, law_addresses, paced
 from grazing.maps.map import CHATTER_LETTER
 from grazing.maps.stroboscopic import step_of
 from grazing.oscillator import cells, contact, flight, taylor
@@ -97,6 +97,23 @@ def test_bits_do_not_depend_on_the_size_of_a_block(way, n):
         for threads in (1, 2):
             crowd = flown(way, ROWS[columns], many, 2, 3, threads=threads)
             assert same(part(crowd, slice(None), slice(place, place + 5)), alone)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("way", [("block", "fast"), ("scalar", "strict")])
+def test_bits_do_not_depend_on_how_many_blocks_are_a_tile(monkeypatch, way, threads):
+    columns = np.tile(np.arange(len(ROWS)), 60)  # 420 blocks of two columns each: several in a task
+    starts = starts_of(170, seed=5)
+    alone = part(flown(way, ROWS, starts, 2, 2), columns, slice(None))
+    for blocks in (1, 3, 8):
+        monkeypatch.setattr("grazing.maps.ensemble.paced", lambda _blocks, _spent, paced=blocks: paced)
+        assert same(flown(way, ROWS[columns], starts[columns], 2, 2, threads=threads), alone)
+
+
+def test_tiles_grow_where_they_are_short_and_shrink_where_they_are_long():
+    assert [paced(blocks, 0.001) for blocks in (1, 2, 4, 8)] == [2, 4, 8, 8]
+    assert [paced(blocks, 0.3) for blocks in (1, 2, 4, 8)] == [1, 1, 2, 4]
+    assert [paced(blocks, 0.08) for blocks in (1, 2, 4, 8)] == [1, 2, 4, 8]
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import lru_cache, partial
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
 from grazing.kernel.primitives import at, called_for_all, inlined
-from grazing.maps.columns import CUT, Columns
+from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
     flight_fields,
@@ -398,16 +399,31 @@ def ensemble_tasks(
     several, wide = max(1, LANES // padded(starts)), min(starts, LANES)
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
+    pace = [1]  # so many blocks may be a tile: more where tiles turn out to be short; the bits do not depend on it
 
     def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        box = top, min(top + together, len(source)), several, left, min(left + wide, starts)
-        for n in range(0, max(transient + keep, 1), CUT):
-            end = min(n + CUT, transient + keep)
-            passed = max(0, min(end, transient) - n)
-            job = (
-                *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
-            )  # fmt: skip
-            entry(flat, strike, job, lanes, *found)
-            yield
+        bottom = min(top + together, len(source))
+        while top < bottom:
+            blocks, first = pace[0], top
+            top = min(top + several * blocks, bottom)
+            box = first, top, several, left, min(left + wide, starts)
+            for n in range(0, max(transient + keep, 1), CUT):
+                end = min(n + CUT, transient + keep)
+                passed = max(0, min(end, transient) - n)
+                job = (
+                    *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
+                )  # fmt: skip
+                before = perf_counter()
+                entry(flat, strike, job, lanes, *found)
+                spent = perf_counter() - before
+                yield
+            pace[0] = paced(blocks, spent)
 
     return [partial(task, rows, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]
+
+
+def paced(blocks: int, spent: float) -> int:
+    """Return how many blocks the next tile may have, after one of so many took so many seconds."""
+    if spent < 0.25 * LONGEST:
+        return min(2 * blocks, BLOCKS)
+    return max(blocks // 2, 1) if spent > 0.5 * LONGEST else blocks
