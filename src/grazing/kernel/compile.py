@@ -151,9 +151,10 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "
     # kernels must never share a name, whatever process compiled them.
     resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
+    inlined = getattr(function, "inlined", False)
     if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": pipeline()}
-    if getattr(function, "inlined", False):
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": pipeline(inlined)}
+    if inlined:
         options["forceinline"] = True
     dispatcher = numba.njit(**options)(resolved)
     if entry:

@@ -12,8 +12,11 @@ from typing import Any
 
 
 @cache
-def pipeline() -> Any:
-    """Return the compiler pipeline for such functions; importing numba here is the reason to be lazy."""
+def pipeline(optimised: bool) -> Any:
+    """Return the compiler pipeline for such functions; importing numba here is the reason to be lazy.
+
+    Those that are not ``optimised`` are so with their callers only, once instead of twice.
+    """
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
 
@@ -29,6 +32,10 @@ def pipeline() -> Any:
         @property
         def codegen(self) -> Any:
             return Unnamed()
+
+        def _optimize_final_module(self) -> None:
+            if optimised:
+                super()._optimize_final_module()
 
         def _finalize_final_module(self) -> None:
             self._finalize_dynamic_globals()

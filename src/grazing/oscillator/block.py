@@ -90,6 +90,7 @@ from grazing.oscillator.workspace import (
     M,
 )  # fmt: skip
 
+INFINITY = float("inf")
 #: Added and taken off again, it rounds a number to a whole one.
 WHOLE = 6755399441055744.0
 
@@ -320,7 +321,7 @@ def kick(w: Any, count: int) -> None:
             carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
             wider = w[at(DOUBT + i)] * (worse * steep - carried * w[at(INVERSE + i)])
             w[at(WIDER + i)] = wider if flies else NAN
-            w[at(SPEED + i)] = -v if flies else HIGH
+            w[at(SPEED + i)] = -v if flies else INFINITY
 
 
 @inlined
