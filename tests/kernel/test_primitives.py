@@ -14,10 +14,12 @@ from grazing.kernel.compile import address, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import (
     at,
+    behind,
     built,
     called,
     called_for_all,
     inlined,
+    numbers,
     numbers_at,
     replaced,
 )
@@ -46,7 +48,7 @@ def calls(function, v, row):
 
 
 def calls_for_all(function, work, start, end, row):
-    called_for_all(function, work, start, end, row)
+    called_for_all(function, numbers(work), start, end, row)
 
 
 def in_plain_python(monkeypatch, function, signature):
@@ -99,8 +101,25 @@ def test_a_loop_by_its_address(monkeypatch, start, end):
 
 
 def test_numbers_at_an_address_are_the_numbers():
-    numbers = numbers_at(WHERE)
-    assert [numbers[i] for i in range(3)] == ROW.tolist()
+    found = numbers_at(WHERE)
+    assert [found[i] for i in range(3)] == ROW.tolist()
+
+
+def total(array, start, count):
+    items, found = behind(numbers(array), start), 0.0
+    for i in range(count):
+        found += items[i]
+        items[i] = -1
+    return found
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.int64])
+@pytest.mark.parametrize("shape", [(12,), (3, 4), (2, 3, 2)])
+def test_numbers_of_an_array_stand_one_after_the_other(kind, shape):
+    for function in (total, compiled(total), compiled(total, "fast")):
+        array = np.arange(12).astype(kind).reshape(shape)
+        assert function(array, 3, 5) == 25.0
+        assert array.ravel().tolist() == [0, 1, 2, -1, -1, -1, -1, -1, 8, 9, 10, 11]
 
 
 def test_what_does_not_compile_behind_an_address_is_named():

@@ -11,6 +11,7 @@ import pytest
 
 import grazing
 from grazing.kernel.compile import compiled
+from grazing.kernel.primitives import numbers
 from grazing.kernel.vectors import (
     appended,
     failing,
@@ -24,7 +25,7 @@ from grazing.kernel.vectors import (
 
 
 def deals(work, to, step, table, where, plus):
-    transposed(work, to, step, table, where, plus)
+    transposed(numbers(work), to, step, numbers(table), where, plus)
 
 
 def test_records_are_dealt_out_to_rows():
@@ -42,7 +43,7 @@ def test_records_are_dealt_out_to_rows():
 
 
 def appends(work, i, place):
-    return appended(work, i, 0, 20, (40, 60), (80, 100), place)
+    return appended(numbers(work), i, 0, 20, (40, 60), (80, 100), place)
 
 
 @pytest.mark.parametrize("place", [0, 3])
@@ -62,7 +63,7 @@ def test_what_falls_short_is_appended(place):
 
 
 def hands_back(work, i, place):
-    return handed_back(work, i, 0, 20, (80, 100), (40, 60), 120, 140, place)
+    return handed_back(numbers(work), i, 0, 20, (80, 100), (40, 60), 120, 140, place)
 
 
 @pytest.mark.parametrize("place", [0, 3])
@@ -87,7 +88,7 @@ def test_what_was_appended_is_handed_back(place):
 
 
 def fills(work, i, x):
-    filled(work, i, x)
+    filled(numbers(work), i, x)
 
 
 def test_eight_neighbours_are_filled():
@@ -99,11 +100,11 @@ def test_eight_neighbours_are_filled():
 
 
 def asks(table, at, step, count, x, y, limit):
-    return failing(table, at, step, count, x, y, limit)
+    return failing(numbers(table), at, step, count, x, y, limit)
 
 
 def judges(table, at, step, count, x, y, limit):
-    return passing(table, at, step, count, x, y, limit)
+    return passing(numbers(table), at, step, count, x, y, limit)
 
 
 @pytest.mark.parametrize("count", [0, 1, 5, 8, 31, 40])
@@ -113,7 +114,7 @@ def test_a_pair_passes_where_it_fails_no_row(table, count):
     table[1, 103 + count : 113 + count] = 1e300
     verdicts = set()
     for x, y, limit in ((1.0, 2.0, -40.0), (-1.0, 0.5, 3.0), (0.5, 0.0, -3.0), (np.nan, 1.0, 0.0), (1.0, 1.0, np.nan)):
-        passes = failing(table, 223, 50, count, x, y, limit) == 0
+        passes = asks(table, 223, 50, count, x, y, limit) == 0
         assert judges(table, 223, 50, count, x, y, limit) == passes
         if limit == limit and x == x:
             for arithmetic in ("strict", "fast"):
@@ -123,7 +124,7 @@ def test_a_pair_passes_where_it_fails_no_row(table, count):
 
 
 def searches(work, table, at, step, count, upright):
-    first_failed(work, 0, 10, 20, 31, table, at, step, count, upright)
+    first_failed(numbers(work), 0, 10, 20, 31, numbers(table), at, step, count, upright)
 
 
 def lowest(bits):
@@ -159,7 +160,7 @@ def test_the_first_row_that_fails_is_found_for_eight_pairs(table, count, upright
         work[random.integers(0, 28, 2)] = np.nan
         wanted = np.zeros(8)
         for k in range(8):
-            bits = failing(table, 220, 50, count, work[k], work[10 + k], work[20 + k])
+            bits = asks(table, 220, 50, count, work[k], work[10 + k], work[20 + k])
             wanted[k] = table[1, 150 + lowest(bits)] if bits else 0.0
         plain = work.copy()
         searches(plain, table, 220, 50, count, upright)
@@ -195,9 +196,9 @@ fills(plain, 3, 0.1), compiled(fills)(fast, 3, 0.1)
 for upright in (0, 1):
     table = np.round(3 * table)  # whole numbers: sums are exact
     table[0, :20] = 1.0 if upright else table[0, :20]
-    for kernel, numbers in ((searches, plain), (compiled(searches), fast)):
-        numbers[:30] = np.round(3 * work[:30])
-        kernel(numbers, table, 0, 20, 13, upright)
+    for kernel, row in ((searches, plain), (compiled(searches), fast)):
+        row[:30] = np.round(3 * work[:30])
+        kernel(row, table, 0, 20, 13, upright)
     bits = asks(table, 5, 20, 11, *work[:3])
     assert bits == compiled(asks)(table, 5, 20, 11, *work[:3])
 assert bits and lowest(bits) == compiled(lowest)(bits)

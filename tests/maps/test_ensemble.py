@@ -368,7 +368,7 @@ sys.path[:0] = [{source!r}, {folder!r}]
 import numpy as np
 from mine import law
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import called, called_for_all
+from grazing.kernel.primitives import called, called_for_all, numbers
 from grazing.maps.ensemble import law_addresses
 from grazing.oscillator.workspace import AFTER, BEFORE, COLUMN, workspace_size
 from grazing.oscillator.reset import difference_of
@@ -378,7 +378,7 @@ def one(where, v, row):
     return called(where, v, row)
 
 def many(where, work, row):
-    called_for_all(where, work, 0, 1, row)
+    called_for_all(where, numbers(work), 0, 1, row)
 
 places = law_addresses(law, difference_of(law), "mine", parameter_tuple(("r",)), "strict")
 row = np.array([0.5])

@@ -5,6 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.kernel.compile import compiled
+from grazing.kernel.primitives import numbers
 from grazing.oscillator import workspace
 from grazing.oscillator.cells import (
     ALWAYS,
@@ -46,21 +47,21 @@ N = 32  # orbits asked: whole vectors
 
 def table_of(name):
     c = packed(gz.stroboscopic_map(MODELS[name]))
-    t = np.zeros((1, table_size(len(c.cos))))
-    assert fill_table(t, 0, c, 1.0)
+    t = np.zeros(table_size(len(c.cos)))
+    assert fill_table(t, c, 1.0)
     return t
 
 
 def rows(t, start, count):
     """Return p, q, r and the place of every row of a list, without its padding."""
-    found = t[0, start : start + 4 * MAX_ROWS].reshape(4, MAX_ROWS)[:, : int(t[0, count])].T
+    found = t[start : start + 4 * MAX_ROWS].reshape(4, MAX_ROWS)[:, : int(t[count])].T
     return found[found[:, 2] < NEVER]
 
 
 def thens(t, name):
     """Return for each cell the first row of the certificate to be asked after an impact there."""
     size = cell_size(MODELS[name].harmonics)
-    return t[0, CELLS + THEN :: size][: int(rows(t, ROWS, ROW_COUNT)[-1, 3]) // 2]
+    return t[CELLS + THEN :: size][: int(rows(t, ROWS, ROW_COUNT)[-1, 3]) // 2]
 
 
 def pairs(t, n=N):
@@ -89,9 +90,9 @@ def test_upright_tables_have_p_1_in_all_rows(name):
     for start, count in ((CERTIFICATE, COUNT), (ROWS, ROW_COUNT)):
         found = rows(t, start, count)
         drawn = found[found[:, 2] > ALWAYS]
-        assert (drawn[:, 0] == 1.0).all() or not t[0, UPRIGHT]
+        assert (drawn[:, 0] == 1.0).all() or not t[UPRIGHT]
     m = MODELS[name].params
-    assert bool(t[0, UPRIGHT]) == (m["alpha"] >= 2.0 * m["k"])
+    assert bool(t[UPRIGHT]) == (m["alpha"] >= 2.0 * m["k"])
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -118,12 +119,13 @@ def asked(upright):
     """Return all questions as one kernel: the answers to each are left in ``w``."""
     certify = certify_of(upright)
 
-    def ask(w, t, runs, since, events):
-        certify(w, t, 0, 0, N)
-        locate(w, t, runs, 1)
+    def ask(work, table, runs, since, events):
+        w, t = numbers(work), numbers(table)
+        certify(w, t, 0, N)
+        locate(w, t, len(table), numbers(runs), 1)
         for i in range(N):
-            events[i] = next_event(t, 0, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
-        return certify_rest(w, t, runs, 1)
+            events[i] = next_event(t, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
+        return certify_rest(w, t, len(table), numbers(runs), 1)
 
     return ask
 
@@ -146,12 +148,12 @@ def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic)
     first, following = (
         np.where(found.any(axis=0), every[found.argmax(axis=0), 3], 0.0) for found in (failing, later)
     )  # fmt: skip
-    rest = certificate[:, 3:] >= t[0, GO_ON + inside]
+    rest = certificate[:, 3:] >= t[GO_ON + inside]
     wider = np.where(random.random(N) < 0.2, np.nan, 1e-9)
     free = (np.where(rest, heights, np.inf) >= 1e-9).all(axis=0) & (wider < HIGH)
     numbers = np.isfinite(x + y)
     scale = 1e-14 * np.abs(heights[:, numbers]).max()
-    for upright in {False, bool(t[0, UPRIGHT])}:
+    for upright in {False, bool(t[UPRIGHT])}:
         w, events = np.zeros(workspace_size(3)), np.zeros(N)
         for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (WIDER, wider)):
             w[start : start + N] = values
@@ -170,6 +172,6 @@ def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic)
 @pytest.mark.parametrize("name", NAMES)
 def test_after_an_impact_the_certificate_goes_on_at_the_first_row_from_there_on(name):
     t = table_of(name)
-    places, then = t[0, CERTIFICATE + 3 * MAX_ROWS :][: int(t[0, COUNT]) + 8], thens(t, name)
+    places, then = t[CERTIFICATE + 3 * MAX_ROWS :][: int(t[COUNT]) + 8], thens(t, name)
     for cell in range(int(rows(t, ROWS, ROW_COUNT)[-1, 3]) // 2):
-        assert then[cell] == np.argmax(places >= t[0, GO_ON + cell])
+        assert then[cell] == np.argmax(places >= t[GO_ON + cell])

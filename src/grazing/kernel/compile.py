@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.inner import pipeline
-from grazing.kernel.primitives import pointed
+from grazing.kernel.pipeline import pipeline
+from grazing.kernel.primitives import forms, pointed
 from grazing.outcome import InputError, UserCodeError
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
@@ -153,10 +153,11 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
     inlined = getattr(function, "inlined", False)
     if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": pipeline(inlined)}
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     if inlined:
         options["forceinline"] = True
-    dispatcher = numba.njit(**options)(resolved)
+    own = function.__module__.partition(".")[0] == "grazing"
+    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, own))(resolved)
     if entry:
         _attach_cache(dispatcher, resolved, content + repr(options), announce)
     return dispatcher
@@ -189,7 +190,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     names = {"__name__": function.__module__, "__builtins__": function.__globals__.get("__builtins__")}
     for name in _names(function.__code__) & function.__globals__.keys():
         value = function.__globals__[name]
-        names[name] = replace(value) if _is_kernel(value) else value
+        names[name] = replace(value) if _is_kernel(value) else forms.get(value, value) if callable(value) else value
     cells = []
     for cell in function.__closure__ or ():
         value = cell.cell_contents

@@ -37,6 +37,20 @@ def at(index: int) -> int:
     return index
 
 
+def numbers(array: Any) -> Any:
+    """Return the numbers of an array one after the other; compiled code gets their address.
+
+    An address knows neither how many numbers there are nor whose they are: reading costs one instruction, and half as
+    long to compile. The array must be kept by who calls.
+    """
+    return array.reshape(-1)
+
+
+def behind(items: Any, count: int) -> Any:
+    """Return the numbers from place ``count`` on, which others may look at before."""
+    return items[count:]
+
+
 def called(function: float, v: float, row: float) -> float:
     """Call a compiled ``f(v, row)`` by its address; ``row`` is the address of numbers.
 
@@ -64,14 +78,31 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
     return kind(*items)
 
 
+#: What stands for each primitive in compiled code.
+forms: dict[Callable[..., Any], Any] = {}
+
+
+def compiled_form(primitive: Callable[..., Any]) -> Callable[[Callable[..., Any]], Any]:
+    """Say what a primitive is in compiled code: ``define(context, *types) -> (signature, code)``, as numba wants it."""
+
+    def register(define: Callable[..., Any]) -> Any:
+        from numba.extending import intrinsic
+
+        forms[primitive] = intrinsic(define)
+        return forms[primitive]
+
+    return register
+
+
 def _register() -> None:
-    """Tell the compiler the second form of each primitive; importing numba here is the reason to be lazy."""
+    """Write down the compiled form of each primitive; importing numba here is the reason to be lazy."""
     from llvmlite import ir
     from numba.core import types
     from numba.cpython.unsafe.tuple import tuple_setitem
-    from numba.extending import intrinsic, overload
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    forms[replaced] = tuple_setitem
+
+    @compiled_form(power_of_two)
     def shifted_exponent(_context: Any, exponent: Any) -> Any:
         def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
             biased = builder.add(builder.fptosi(args[0], ir.IntType(64)), ir.Constant(ir.IntType(64), 1023))
@@ -79,7 +110,7 @@ def _register() -> None:
 
         return types.float64(exponent), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(exponent_of)
     def biased_exponent(_context: Any, x: Any) -> Any:
         def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
             bits = builder.lshr(builder.bitcast(args[0], ir.IntType(64)), ir.Constant(ir.IntType(64), 52))
@@ -87,51 +118,44 @@ def _register() -> None:
 
         return types.float64(types.float64), code
 
-    @overload(replaced, strict=False)  # type: ignore[untyped-decorator]
-    def _replaced(items: Any, index: Any, value: Any) -> Any:
-        return lambda items, index, value: tuple_setitem(items, index, value)
-
-    @overload(power_of_two, strict=False)  # type: ignore[untyped-decorator]
-    def _power_of_two(exponent: Any) -> Any:
-        return lambda exponent: shifted_exponent(exponent)
-
-    @overload(exponent_of, strict=False)  # type: ignore[untyped-decorator]
-    def _exponent_of(x: Any) -> Any:
-        return lambda x: biased_exponent(x)
-
     def code_at(builder: Any, address: Any, kind: Any) -> Any:
         return builder.inttoptr(builder.fptosi(address, ir.IntType(64)), kind)
 
-    number, numbers, count = ir.DoubleType(), ir.DoubleType().as_pointer(), ir.IntType(64)
+    number, pointer, count = ir.DoubleType(), ir.DoubleType().as_pointer(), ir.IntType(64)
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(called)
     def call_one(_context: Any, function: Any, v: Any, row: Any) -> Any:
         def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(number, [number, numbers]).as_pointer()
-            return builder.call(code_at(builder, args[0], kind), [args[1], code_at(builder, args[2], numbers)])
+            kind = ir.FunctionType(number, [number, pointer]).as_pointer()
+            return builder.call(code_at(builder, args[0], kind), [args[1], code_at(builder, args[2], pointer)])
 
         return types.float64(types.float64, types.float64, types.float64), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(called_for_all)
     def call_all(_context: Any, function: Any, work: Any, start: Any, end: Any, row: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(ir.VoidType(), [numbers, count, count, numbers]).as_pointer()
-            data = ctx.make_array(signature.args[1])(ctx, builder, args[1]).data
-            where = code_at(builder, args[4], numbers)
-            builder.call(code_at(builder, args[0], kind), [data, args[2], args[3], where])
+            kind = ir.FunctionType(ir.VoidType(), [pointer, count, count, pointer]).as_pointer()
+            where = code_at(builder, args[4], pointer)
+            builder.call(code_at(builder, args[0], kind), [args[1], args[2], args[3], where])
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, types.int64, types.int64, types.float64), code
 
-    @overload(called, strict=False)  # type: ignore[untyped-decorator]
-    def _called(function: Any, v: Any, row: Any) -> Any:
-        return lambda function, v, row: call_one(function, v, row)
+    @compiled_form(numbers)
+    def address(_context: Any, array: Any) -> Any:
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return ctx.make_array(signature.args[0])(ctx, builder, args[0]).data
 
-    @overload(called_for_all, strict=False)  # type: ignore[untyped-decorator]
-    def _called_for_all(function: Any, work: Any, start: Any, end: Any, row: Any) -> Any:
-        return lambda function, work, start, end, row: call_all(function, work, start, end, row)
+        return types.CPointer(array.dtype)(array), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(behind)
+    def further(_context: Any, items: Any, count: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            return builder.gep(args[0], [args[1]])
+
+        return items(items, types.int64), code
+
+    @compiled_form(built)
     def named(_context: Any, kind: Any, items: Any) -> Any:
         result = types.NamedUniTuple(items.dtype, items.count, kind.instance_class)
 
@@ -140,20 +164,12 @@ def _register() -> None:
 
         return result(kind, items), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(at)
     def unsigned(_context: Any, index: Any) -> Any:
         def code(_ctx: Any, _builder: Any, _signature: Any, args: Any) -> Any:
             return args[0]
 
         return types.uint64(types.int64), code
-
-    @overload(at, strict=False)  # type: ignore[untyped-decorator]
-    def _at(index: Any) -> Any:
-        return lambda index: unsigned(index)
-
-    @overload(built, strict=False)  # type: ignore[untyped-decorator]
-    def _built(kind: Any, items: Any) -> Any:
-        return lambda kind, items: named(kind, items)
 
 
 if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):

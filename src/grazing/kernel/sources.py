@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.compile import PRIMITIVES, _names
+from grazing.kernel.primitives import forms
 
 
 def source_digest(function: Callable[..., Any]) -> str:
@@ -50,6 +51,7 @@ def _without_docstrings(tree: ast.AST) -> ast.AST:
 
 def _described(value: Any, seen: dict[str, str]) -> str:
     value = getattr(value, "py_func", value)
+    value = next((primitive for primitive, form in forms.items() if form is value), value)
     if not isinstance(value, FunctionType):
         if isinstance(value, float):
             return value.hex()

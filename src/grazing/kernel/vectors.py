@@ -1,22 +1,26 @@
-"""Operations on eight numbers at a time that a compiler does not find by itself: their two forms side by side."""
+"""Operations on eight numbers at a time that a compiler does not find by itself: their two forms side by side.
+
+``work`` and ``table`` are what :func:`grazing.kernel.primitives.numbers` returns.
+"""
 
 from __future__ import annotations
 
 import os
 from typing import Any
 
+from grazing.kernel.primitives import compiled_form
+
 
 def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
     """Copy eight records of four numbers from a table to rows of ``work``: number h of record k to place k of row h.
 
     The four rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
-    table, counted through all its rows. Compiled code reads and writes whole vectors.
+    table. Compiled code reads and writes whole vectors.
     """
-    numbers = table.reshape(-1)
     for k in range(8):
         record = int(work[where + k]) + plus
         for h in range(4):
-            work[to + h * step + k] = numbers[record + h]
+            work[to + h * step + k] = table[record + h]
 
 
 def filled(work: Any, i: int, value: float) -> None:
@@ -62,12 +66,12 @@ def handed_back(
 def failing(table: Any, at: int, step: int, count: int, x: float, y: float, limit: float) -> int:
     """Return which of up to 62 rows a pair fails: bit n is set where not p x + (q y + r) >= limit for row n.
 
-    The rows stand in a table counted through all its rows: row n has p at ``at + n``, and q and r ``step`` and
-    ``2 * step`` further on. Compiled code reads up to seven rows too many.
+    Row n has p at ``at + n`` in the table, and q and r ``step`` and ``2 * step`` further on. Compiled code reads up to
+    seven rows too many.
     """
-    numbers, bits = table.reshape(-1), 0
+    bits = 0
     for n in range(count):
-        p, q, r = numbers[at + n], numbers[at + step + n], numbers[at + 2 * step + n]
+        p, q, r = table[at + n], table[at + step + n], table[at + 2 * step + n]
         if not p * x + (q * y + r) >= limit:
             bits |= 1 << n
     return bits
@@ -78,9 +82,8 @@ def passing(table: Any, at: int, step: int, count: int, x: float, y: float, limi
 
     Compiled code looks at up to seven rows more: there must be some that every pair passes.
     """
-    numbers = table.reshape(-1)
     for n in range(count):
-        p, q, r = numbers[at + n], numbers[at + step + n], numbers[at + 2 * step + n]
+        p, q, r = table[at + n], table[at + step + n], table[at + 2 * step + n]
         if not p * x + (q * y + r) >= limit:
             return False
     return True
@@ -94,10 +97,9 @@ def first_failed(
     The pairs are ``work[x + k], work[y + k]``, their limits ``work[limit + k]``. ``work[found + k]`` gets the number
     that stands ``3 * step`` after the p of that row, 0 if there is none. ``upright`` promises p = 1 in all rows.
     """
-    numbers = table.reshape(-1)
     for k in range(8):
         bits = failing(table, at, step, count, work[x + k], work[y + k], work[limit + k])
-        work[found + k] = numbers[at + 3 * step + first_bit(bits)] if bits else 0.0
+        work[found + k] = table[at + 3 * step + first_bit(bits)] if bits else 0.0
 
 
 def first_bit(bits: int) -> int:
@@ -106,19 +108,15 @@ def first_bit(bits: int) -> int:
 
 
 def _register() -> None:
-    """Tell the compiler the second form of each; importing numba here is the reason to be lazy."""
+    """Write down the compiled form of each; importing numba here is the reason to be lazy."""
     from llvmlite import ir
     from numba.core import cgutils, types
-    from numba.extending import intrinsic, overload
 
     number, whole, short = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 
     def features(ctx: Any) -> str:
         """Return what the processor that is compiled for can do."""
         return str(ctx.codegen().magic_tuple()[2])
-
-    def numbers_of(ctx: Any, builder: Any, kind: Any, array: Any) -> Any:
-        return ctx.make_array(kind)(ctx, builder, array).data
 
     class Row:
         """Vectors of ``width`` numbers in a row of memory."""
@@ -146,11 +144,11 @@ def _register() -> None:
         """Return a vector of truths as the bits of a number."""
         return builder.zext(builder.bitcast(mask, ir.IntType(mask.type.count)), whole)
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(transposed)
     def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            work = numbers_of(ctx, builder, signature.args[0], args[0])
-            out, source = Row(builder, work, 4), Row(builder, numbers_of(ctx, builder, signature.args[3], args[3]), 4)
+            work = args[0]
+            out, source = Row(builder, work, 4), Row(builder, args[3], 4)
             starts = builder.fptosi(Row(builder, work, 8).load(args[4]), ir.VectorType(whole, 8))
             for half in (0, 4):
                 lanes = [builder.extract_element(starts, short(half + k)) for k in range(4)]
@@ -168,10 +166,10 @@ def _register() -> None:
 
         return types.void(work, types.int64, types.int64, table, types.int64, types.int64), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(filled)
     def filling(_context: Any, work: Any, i: Any, value: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            row = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), 8)
+            row = Row(builder, args[0], 8)
             row.store(same_in_all(builder, args[2], 8), args[1])
             return ctx.get_dummy_value()
 
@@ -182,11 +180,11 @@ def _register() -> None:
         p, q, r = (rows.load(builder.add(place, builder.mul(step, whole(k)))) for k in range(3))
         return builder.fadd(builder.fmul(p, x), builder.fadd(builder.fmul(q, y), r))
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(failing)
     def asking(_c: Any, table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
             width = 8 if "+avx512f" in features(ctx) else 4
-            rows = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
+            rows = Row(builder, args[0], width)
             x, y, limit = (same_in_all(builder, value, width) for value in args[4:7])
             found = cgutils.alloca_once_value(builder, whole(0))
             with cgutils.for_range_slice(builder, whole(0), args[3], whole(width)) as (n, _count):
@@ -199,11 +197,11 @@ def _register() -> None:
         numbers = (types.float64,) * 3
         return types.int64(table, types.int64, types.int64, types.int64, *numbers), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(passing)
     def judging(_c: Any, table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
             width = 8 if "+avx512f" in features(ctx) else 4
-            rows = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
+            rows = Row(builder, args[0], width)
             x, y, limit = (same_in_all(builder, value, width) for value in args[4:7])
             none = ir.Constant(ir.VectorType(ir.IntType(1), width), [0] * width)
             failed = cgutils.alloca_once_value(builder, none)
@@ -216,15 +214,15 @@ def _register() -> None:
         numbers = (types.float64,) * 3
         return types.boolean(table, types.int64, types.int64, types.int64, *numbers), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(first_failed)
     def searching(
         _c: Any, work: Any, x: Any, y: Any, limit: Any, found: Any, table: Any, at: Any, step: Any, count: Any,
         upright: Any,
     ) -> Any:  # fmt: skip
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
             width = 8 if "+avx512f" in features(ctx) else 4
-            lanes = Row(builder, numbers_of(ctx, builder, signature.args[0], args[0]), width)
-            table, last = numbers_of(ctx, builder, signature.args[5], args[5]), builder.sub(args[8], whole(1))
+            lanes = Row(builder, args[0], width)
+            table, last = args[5], builder.sub(args[8], whole(1))
 
             def search(upright: bool) -> None:
                 places = [whole(k) for k in range(0, 8, width)]
@@ -261,7 +259,7 @@ def _register() -> None:
         n = types.int64
         return types.void(work, n, n, n, n, table, n, n, n, n), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(first_bit)
     def counting(_context: Any, bits: Any) -> Any:
         def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
             return builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))
@@ -299,11 +297,11 @@ def _register() -> None:
         found.align = 4
         return found
 
-    def parts(ctx: Any, builder: Any, array: Any, kind: Any) -> Any:
-        """Return the rows of an array as vectors as wide as the processor's, and how many make eight numbers."""
+    def parts(ctx: Any, builder: Any, work: Any) -> Any:
+        """Return rows of numbers as vectors as wide as the processor's, and how many make eight numbers."""
         able = features(ctx)
         width = 8 if "+avx512f" in able else 4 if "+avx2" in able else 1
-        return Row(builder, numbers_of(ctx, builder, kind, array), width), range(0, 8, width)
+        return Row(builder, work, width), range(0, 8, width)
 
     def short_ones(builder: Any, rows: Any, here: Any, least: Any, limit: Any) -> Any:
         """Return which places of a vector fall short, as truths and as bits."""
@@ -318,10 +316,10 @@ def _register() -> None:
             return by_permutation(builder, value, order_of(builder, bits, lists_to_places))
         return value
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(appended)
     def appending(_c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            rows, firsts = parts(ctx, builder, args[0], signature.args[0])
+            rows, firsts = parts(ctx, builder, args[0])
             end = args[6]
             for first in firsts:
                 here = builder.add(args[1], whole(first))
@@ -335,13 +333,13 @@ def _register() -> None:
 
         return types.int64(work, types.int64, types.int64, types.int64, sources, targets, types.int64), code
 
-    @intrinsic  # type: ignore[untyped-decorator]
+    @compiled_form(handed_back)
     def returning(
         _c: Any, work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, lower: Any, lowest: Any,
         place: Any,
     ) -> Any:  # fmt: skip
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            rows, firsts = parts(ctx, builder, args[0], signature.args[0])
+            rows, firsts = parts(ctx, builder, args[0])
             end = args[8]
             for first in firsts:
                 here = builder.add(args[1], whole(first))
@@ -362,48 +360,6 @@ def _register() -> None:
 
         n = types.int64
         return types.int64(work, n, n, n, sources, targets, n, n, n), code
-
-    @overload(transposed, strict=False)  # type: ignore[untyped-decorator]
-    def _transposed(work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
-        return lambda work, to, step, table, where, plus: transposing(work, to, step, table, where, plus)
-
-    @overload(filled, strict=False)  # type: ignore[untyped-decorator]
-    def _filled(work: Any, i: Any, value: Any) -> Any:
-        return lambda work, i, value: filling(work, i, value)
-
-    @overload(failing, strict=False)  # type: ignore[untyped-decorator]
-    def _failing(table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
-        return lambda table, at, step, count, x, y, limit: asking(table, at, step, count, x, y, limit)
-
-    @overload(passing, strict=False)  # type: ignore[untyped-decorator]
-    def _passing(table: Any, at: Any, step: Any, count: Any, x: Any, y: Any, limit: Any) -> Any:
-        return lambda table, at, step, count, x, y, limit: judging(table, at, step, count, x, y, limit)
-
-    @overload(first_failed, strict=False)  # type: ignore[untyped-decorator]
-    def _first_failed(
-        work: Any, x: Any, y: Any, limit: Any, found: Any, table: Any, at: Any, step: Any, count: Any, upright: Any
-    ) -> Any:
-        return lambda work, x, y, limit, found, table, at, step, count, upright: searching(
-            work, x, y, limit, found, table, at, step, count, upright
-        )
-
-    @overload(first_bit, strict=False)  # type: ignore[untyped-decorator]
-    def _first_bit(bits: Any) -> Any:
-        return lambda bits: counting(bits)
-
-    @overload(appended, strict=False)  # type: ignore[untyped-decorator]
-    def _appended(work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, place: Any) -> Any:
-        return lambda work, i, least, limit, sources, targets, place: appending(
-            work, i, least, limit, sources, targets, place
-        )
-
-    @overload(handed_back, strict=False)  # type: ignore[untyped-decorator]
-    def _handed_back(
-        work: Any, i: Any, least: Any, limit: Any, sources: Any, targets: Any, lower: Any, lowest: Any, place: Any
-    ) -> Any:
-        return lambda work, i, least, limit, sources, targets, lower, lowest, place: returning(
-            work, i, least, limit, sources, targets, lower, lowest, place
-        )
 
 
 if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, called_for_all, inlined
+from grazing.kernel.primitives import at, behind, called_for_all, inlined, numbers
 from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
@@ -39,11 +39,15 @@ from grazing.oscillator.cells import (
     BAND,
     CERTIFICATE,
     GO_ON,
+    HOLDING,
+    LAW,
     MARGIN,
     MAX_ROWS,
+    NEEDY,
     PAIR,
     SIGMA,
     STATE,
+    TABLED,
     UPRIGHT,
     fill_table,
     table_size,
@@ -62,7 +66,6 @@ from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.workspace import (
     AFTER,
-    BEFORE,
     C1,
     C2,
     COLUMN,
@@ -77,22 +80,22 @@ from grazing.oscillator.workspace import (
     NAN,
     NEAR,
     NEED,
-    NUMBER,
     ORBIT,
     PROVEN,
     PULL,
     REST,
     SLOW,
+    WANTED,
     WHEN,
+    WHERE,
     WIDER,
-    WIDTH,
     X1,
     X2,
     Z1,
     Z2,
     U,
     V,
-    workspace_size,
+    workspace,
 )  # fmt: skip
 from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
@@ -103,7 +106,7 @@ ANNOUNCEMENT = "compiling the oscillator's kernel, ten to twenty-five seconds, o
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
-FLOWN, FRESH, HELD = 0, 1, 2
+FLOWN, FRESH, HELD = 0.0, 1.0, 2.0
 
 
 @lru_cache(maxsize=128)
@@ -119,89 +122,87 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     Returns
     -------
     callable
-        ``run(rows, strike, job, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are the numbers of
-        :func:`flight_fields`, column after column; ``strike`` the address of :func:`strike_of`. ``job``: columns from,
-        to; how many of them are a block; starts from, to; whether to use the block; periods to pass over; those to keep
-        from, to. ``lanes`` (columns, 2, starts) hold the states. Results are as in
-        :class:`grazing.maps.columns.Columns`.
+        ``run(rows, strike, job, *workspace, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are
+        the numbers of :func:`flight_fields`, column after column; ``strike`` the address of :func:`strike_of`. ``job``:
+        columns from, to; how many of them are a block; starts from, to; whether to use the block; periods to pass over;
+        those to keep from, to. ``workspace`` is that of so many columns. ``lanes`` (columns, 2, starts) hold the
+        states. Results are as in :class:`grazing.maps.columns.Columns`.
     """
     fields = len(flight_fields(harmonics))
     unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
     prepare = constants_of(harmonics, section_phase)
     period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
     solve = solve_of(harmonics)
-    size, work = table_size(harmonics), workspace_size(harmonics)
+    room = table_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
         return prepare(unpack(rows, q * fields))
 
     def begin(
-        w: Any, t: Any, laws: Any, tabled: Any, fresh: Any, held: Any, rows: Any, blocks: int, top: int, columns: int,
-        left: int, starts: int, lanes: Any,
-    ) -> None:  # fmt: skip
+        w: Any, tables: Any, rows: Any, blocks: int, top: int, columns: int, left: int, starts: int, lanes: Any
+    ) -> None:
         """Fill the tables of a block's columns, and take the states."""
         stride = padded(starts)
         for q in range(columns):
-            c = constants_at(rows, top + q)
-            laws[q], fresh[q] = c.p.row, 1
-            tabled[q] = 1 if blocks and fill_table(t, q, c, c.p.ratio) else 0
+            t, c = behind(tables, q * room), constants_at(rows, top + q)
+            t[LAW], t[HOLDING] = c.p.row, 1.0
+            t[TABLED] = 1.0 if blocks and fill_table(t, c, c.p.ratio) else 0.0
             for j in range(stride):
                 i = q * stride + j
-                w[C1 + i], w[C2 + i] = 0.0, 0.0
+                w[C1 + i], w[C2 + i], w[WANTED + i] = 0.0, 0.0, 0.0
                 w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
                 if j < starts:
                     w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
-                    held[i] = held_back(w, i, t, q, tabled[q])
+                    w[WHERE + i] = held_back(w, i, t)
 
     def end(
-        w: Any, t: Any, tabled: Any, held: Any, top: int, columns: int, left: int, starts: int, lanes: Any, near: Any,
-        slow: Any,
-    ) -> None:  # fmt: skip
+        w: Any, tables: Any, top: int, columns: int, left: int, starts: int, lanes: Any, near: Any, slow: Any
+    ) -> None:
         """Give back the states of a block, and how near its orbits came to being others."""
         stride = padded(starts)
         for q in range(columns):
+            t = behind(tables, q * room)
+            measured = t[BAND] if t[TABLED] > 0.0 else INFINITY
             for j in range(starts):
                 i = q * stride + j
-                if held[i] == FLOWN:
-                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
+                if w[WHERE + i] == FLOWN:
+                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
                 lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
-                measured = t[q, BAND] if tabled[q] else INFINITY
                 near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
     def fly(
-        w: Any, t: Any, tabled: Any, held: Any, wanted: Any, q: int, start: int, end: int, c: Any, row: int,
-        record: int, left: int, outcomes: Any, undecided: Any,
-    ) -> None:  # fmt: skip
-        """Take the wanted orbits of column q through one period by the scalar routine; states are in U and V."""
+        w: Any, t: Any, start: int, end: int, c: Any, row: int, record: int, left: int, outcomes: Any, undecided: Any
+    ) -> None:
+        """Take the wanted orbits of a column through one period by the scalar routine; states are in U and V."""
         for i in range(start, end):
-            if wanted[i]:
+            if w[WANTED + i] > 0.0:
                 state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
                 w[U + i], w[V + i] = state
                 w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
                 w[HITS + i] = float(letter)
                 outcomes[row, record, left + i - start] |= outcome
                 undecided[row, left + i - start] += 1 if outcome & AMBIGUOUS else 0
-                held[i], wanted[i] = held_back(w, i, t, q, tabled[q]), 0
+                w[WHERE + i], w[WANTED + i] = held_back(w, i, t), 0.0
 
     @inlined
     def impacts(
-        w: Any, t: Any, laws: Any, tabled: Any, needy: Any, wanted: Any, runs: Any, columns: int, stride: int,
-        starts: int, strike: float, counted: bool,
-    ) -> None:  # fmt: skip
+        w: Any, tables: Any, runs: Any, columns: int, stride: int, starts: int, strike: float, counted: bool
+    ) -> None:
         """Take the orbits that hit to the end of the period, all their next impacts together."""
-        places, several = candidates(w, columns, stride, starts, tabled, runs)
+        places, several = candidates(w, tables, room, columns, stride, starts, runs)
         if counted:
             count_hits(w, columns * stride)
-        locate(w, t, runs, several)
+        locate(w, tables, room, runs, several)
         first = True
         while places > 0:
-            look_up(w, t, runs, several, harmonics)
+            look_up(w, tables, room, runs, several, harmonics)
             solve(w, places)
             for n in range(several):
-                called_for_all(strike, w, runs[at(n)], runs[at(n + 1)], laws[int(w[at(COLUMN + runs[at(n)])])])
+                law = tables[int(w[COLUMN + runs[n]]) * room + LAW]
+                called_for_all(strike, w, runs[n], runs[n + 1], law)
             kick(w, places)
-            left = certify_rest(w, t, runs, several)
+            left = certify_rest(w, tables, room, runs, several)
             if first:  # most orbits hit once and are done: as if all were
                 hand_back(w, columns * stride, left)
             else:
@@ -211,122 +212,105 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             dip(w, dips)
             places, dips = int(0.0), 0  # of a literal 0 the compiler would make versions of their own
             for n in range(left):
-                k = int(w[at(REST + n)])
-                i, q, cell = int(w[at(ORBIT + k)]), int(w[at(COLUMN + k)]), int(w[at(INSIDE + k)])
-                met = w[at(MET + k)]
-                if w[at(WIDER + k)] < HIGH:
-                    x, y, doubt, when = w[at(Z1 + k)], w[at(Z2 + k)], w[at(WIDER + k)], w[at(WHEN + k)]
-                    event = next_event(t, q, t[at(q), at(GO_ON + cell)], x, y, doubt)
+                k = int(w[REST + n])
+                i, q, cell = int(w[ORBIT + k]), int(w[COLUMN + k]), int(w[INSIDE + k])
+                met, t = w[MET + k], behind(tables, q * room)
+                if w[WIDER + k] < HIGH:
+                    x, y, doubt, when = w[Z1 + k], w[Z2 + k], w[WIDER + k], w[WHEN + k]
+                    event = next_event(t, t[GO_ON + cell], x, y, doubt)
                     placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0)
                     places += 1
                     continue
                 clear = False
-                if is_chord(w[at(EVENT + k)]):
-                    clear = w[at(PROVEN + dips)] > 0.0
-                    if clear and w[at(PULL + dips)] > 0.0:
-                        w[NEAR + i] = min(w[NEAR + i], w[at(AFTER + dips)])
+                if is_chord(w[EVENT + k]):
+                    clear = w[PROVEN + dips] > 0.0
+                    if clear and w[PULL + dips] > 0.0:
+                        w[NEAR + i] = min(w[NEAR + i], w[AFTER + dips])
                     dips += 1
                 if not clear:
-                    wanted[i] = 1
-                    needy[q] += 1
+                    w[WANTED + i] = 1.0
+                    t[NEEDY] += 1.0
                     continue
-                x, y, doubt = w[at(X1 + k)], w[at(X2 + k)], w[at(DOUBT + k)]
-                event = next_event(t, q, w[at(EVENT + k)] + 1.0, x, y, doubt)
+                x, y, doubt = w[X1 + k], w[X2 + k], w[DOUBT + k]
+                event = next_event(t, w[EVENT + k] + 1.0, x, y, doubt)
                 if event > 0.0:
                     placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met)
                     places += 1
                 else:
-                    w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = x, y, met
+                    w[C1 + i], w[C2 + i], w[HITS + i] = x, y, met
             several = runs_of(w, places, runs)
 
     @inlined
-    def keep(
-        w: Any, t: Any, q: int, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int
-    ) -> None:
-        """Write the states of the pairs of column q, and how often each hit the wall."""
-        sigma, u0, u1, u2 = t[q, SIGMA], t[q, STATE], t[q, STATE + 1], t[q, STATE + 2]
-        v0, v1, v2 = t[q, STATE + 3], t[q, STATE + 4], t[q, STATE + 5]
+    def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
+        """Write the states of a column's pairs, and how often each hit the wall."""
+        sigma, u0, u1, u2 = t[SIGMA], t[STATE], t[STATE + 1], t[STATE + 2]
+        v0, v1, v2 = t[STATE + 3], t[STATE + 4], t[STATE + 5]
         for j in range(starts):
-            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            x, y = w[C1 + first + j], w[C2 + first + j]
             points[at(row), at(n), 0, at(left + j)] = sigma + (u0 + (u1 * x + u2 * y))
         for j in range(starts):
-            x, y = w[at(C1 + first + j)], w[at(C2 + first + j)]
+            x, y = w[C1 + first + j], w[C2 + first + j]
             points[at(row), at(n), 1, at(left + j)] = v0 + (v1 * x + v2 * y)
         for j in range(starts):
-            letters[at(row), at(n), at(left + j)] = int(w[at(HITS + first + j)])
+            letters[at(row), at(n), at(left + j)] = int(w[HITS + first + j])
 
     def advance(
-        w: Any, t: Any, laws: Any, tabled: Any, needy: Any, fresh: Any, held: Any, wanted: Any, runs: Any, rows: Any,
-        strike: float, top: int, columns: int, left: int, starts: int, transient: int, start: int, stop: int,
-        points: Any, letters: Any, outcomes: Any, undecided: Any,
+        w: Any, tables: Any, runs: Any, rows: Any, strike: float, top: int, columns: int, left: int, starts: int,
+        transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
         stride, last = padded(starts), outcomes.shape[1] - 1
         for n in range(transient + stop - start):
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
-            certify(w, t, columns, stride)
+            certify(w, tables, room, columns, stride)
             for q in range(columns):
-                needy[q] = 0 if tabled[q] else starts
-                if not tabled[q]:
-                    wanted[q * stride : q * stride + starts] = 1
-            impacts(w, t, laws, tabled, needy, wanted, runs, columns, stride, starts, strike, kept >= 0)
+                t = behind(tables, q * room)
+                t[NEEDY] = 0.0 if t[TABLED] > 0.0 else float(starts)
+                for i in range(q * stride, q * stride if t[TABLED] > 0.0 else q * stride + starts):
+                    w[WANTED + i] = 1.0
+            impacts(w, tables, runs, columns, stride, starts, strike, kept >= 0)
             for q in range(columns):
-                if needy[q]:
+                t = behind(tables, q * room)
+                if t[NEEDY] > 0.0:
                     for i in range(q * stride, q * stride + starts):
-                        if wanted[i] and held[i] == FLOWN:
-                            w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t, q)
-            onward(w, t, columns, stride)
+                        if w[WANTED + i] > 0.0 and w[WHERE + i] == FLOWN:
+                            w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
+            onward(w, tables, room, columns, stride)
             for q in range(columns):
-                first = q * stride
-                if fresh[q]:
+                first, t = q * stride, behind(tables, q * room)
+                if t[HOLDING] > 0.0:
                     for i in range(first, first + starts):
-                        held[i] = held[i] if wanted[i] else FLOWN
-                    fresh[q] = 0
-                if needy[q]:
-                    fly(
-                        w, t, tabled, held, wanted, q, first, first + starts, constants_at(rows, top + q), top + q,
-                        record, left, outcomes, undecided,
-                    )  # fmt: skip
+                        w[WHERE + i] = w[WHERE + i] if w[WANTED + i] > 0.0 else FLOWN
+                    t[HOLDING] = 0.0
+                if t[NEEDY] > 0.0:
+                    c = constants_at(rows, top + q)
+                    fly(w, t, first, first + starts, c, top + q, record, left, outcomes, undecided)
                     for i in range(first, first + starts):
-                        fresh[q] += held[i]
+                        t[HOLDING] += w[WHERE + i]
                 if kept >= 0:
-                    keep(w, t, q, first, starts, points, letters, top + q, kept, left)
-                    for j in range(starts if fresh[q] else 0):
-                        if held[first + j] != FLOWN:
+                    keep(w, t, first, starts, points, letters, top + q, kept, left)
+                    for j in range(starts if t[HOLDING] > 0.0 else 0):
+                        if w[WHERE + first + j] != FLOWN:
                             points[top + q, kept, 0, left + j] = w[U + first + j]
                             points[top + q, kept, 1, left + j] = w[V + first + j]
 
     def run(
-        rows: Any, strike: float, job: Any, lanes: Any, points: Any, letters: Any, outcomes: Any, near: Any, slow: Any,
-        undecided: Any,
+        rows: Any, strike: float, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
+        outcomes: Any, near: Any, slow: Any, undecided: Any,
     ) -> None:  # fmt: skip
         top, bottom, several, left, right, blocks, transient, start, stop = job
-        starts = right - left
-        w, t, laws = aligned(work), aligned(several * size).reshape((several, size)), np.zeros(several)
-        tabled, needy, fresh = (
-            np.zeros(several, np.int64), np.zeros(several, np.int64), np.zeros(several, np.int64),
-        )  # fmt: skip
-        held, wanted, runs = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
-        for i in range(LANES):
-            w[NUMBER + i], w[BEFORE + i] = float(i), -1.0
+        w, t, ends = numbers(work), numbers(tables), numbers(runs)
         for first in range(top, bottom, several):
             columns = min(several, bottom - first)
-            begin(w, t, laws, tabled, fresh, held, rows, blocks, first, columns, left, starts, lanes)
+            begin(w, t, numbers(rows), blocks, first, columns, left, right - left, lanes)
             advance(
-                w, t, laws, tabled, needy, fresh, held, wanted, runs, rows, strike, first, columns, left, starts,
-                transient, start, stop, points, letters, outcomes, undecided,
+                w, t, ends, numbers(rows), strike, first, columns, left, right - left, transient, start, stop, points,
+                letters, outcomes, undecided,
             )  # fmt: skip
-            end(w, t, tabled, held, first, columns, left, starts, lanes, near, slow)
+            end(w, t, first, columns, left, right - left, lanes, near, slow)
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
-
-
-def aligned(count: int) -> Any:
-    """Return zeros from an address on that 64 divides: then no vector lies across two lines of the cache."""
-    room = np.zeros(count + 8)
-    skip = -(room.ctypes.data // 8) % 8
-    return room[skip : skip + count]
 
 
 def padded(starts: int) -> int:
@@ -334,34 +318,29 @@ def padded(starts: int) -> int:
     return (starts + 15) // 16 * 16
 
 
-def held_back(w: Any, i: int, t: Any, q: int, tabled: int) -> int:
+def held_back(w: Any, i: int, t: Any) -> float:
     """Turn the state of orbit i into a pair as well: FRESH; return HELD where the block must not have it.
 
     That is a ball on the wall, or so near that the certificate cannot tell. A fresh state is what the scalar routine
     gets if it must fly the next period: the way to a pair and back would cost a rounding.
     """
-    if tabled:
-        y, v = (w[U + i] - t[q, SIGMA]) - t[q, STATE], w[V + i] - t[q, STATE + 3]
-        x, y = t[q, PAIR] * y + t[q, PAIR + 1] * v, t[q, PAIR + 2] * y + t[q, PAIR + 3] * v
-        margin = t[q, MARGIN] + (t[q, MARGIN + 1] * abs(x) + t[q, MARGIN + 2] * abs(y))
-        at = CERTIFICATE
-        height = t[q, at] * x + (t[q, at + MAX_ROWS] * y + t[q, at + 2 * MAX_ROWS])
+    if t[TABLED] > 0.0:
+        y, v = (w[U + i] - t[SIGMA]) - t[STATE], w[V + i] - t[STATE + 3]
+        x, y = t[PAIR] * y + t[PAIR + 1] * v, t[PAIR + 2] * y + t[PAIR + 3] * v
+        margin = t[MARGIN] + (t[MARGIN + 1] * abs(x) + t[MARGIN + 2] * abs(y))
+        height = t[CERTIFICATE] * x + (t[CERTIFICATE + MAX_ROWS] * y + t[CERTIFICATE + 2 * MAX_ROWS])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = x, y, margin, margin - t[q, UPRIGHT] * x
+            w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = x, y, margin, margin - t[UPRIGHT] * x
             return FRESH
-    w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = (
-        NAN,
-        NAN,
-        NAN,
-        NAN,
-    )  # fails every row of the certificate, the first one first
+    # fails every row of the certificate, the first one first
+    w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = NAN, NAN, NAN, NAN
     return HELD
 
 
-def state_of(x: float, y: float, t: Any, q: int) -> tuple[float, float]:
+def state_of(x: float, y: float, t: Any) -> tuple[float, float]:
     """Return the state at the strobe of a pair (c1, c2)."""
-    u = t[q, SIGMA] + (t[q, STATE] + (t[q, STATE + 1] * x + t[q, STATE + 2] * y))
-    return u, t[q, STATE + 3] + (t[q, STATE + 4] * x + t[q, STATE + 5] * y)
+    u = t[SIGMA] + (t[STATE] + (t[STATE + 1] * x + t[STATE + 2] * y))
+    return u, t[STATE + 3] + (t[STATE + 4] * x + t[STATE + 5] * y)
 
 
 # ---- tasks for the driver of columns
@@ -402,7 +381,7 @@ def ensemble_tasks(
     pace = [1]  # so many blocks may be a tile: more where tiles turn out to be short; the bits do not depend on it
 
     def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        bottom = min(top + together, len(source))
+        bottom, space = min(top + together, len(source)), workspace(harmonics, several)
         while top < bottom:
             blocks, first = pace[0], top
             top = min(top + several * blocks, bottom)
@@ -414,7 +393,7 @@ def ensemble_tasks(
                     *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
                 )  # fmt: skip
                 before = perf_counter()
-                entry(flat, strike, job, lanes, *found)
+                entry(flat, strike, job, *space, lanes, *found)
                 spent = perf_counter() - before
                 yield
             pace[0] = paced(blocks, spent)

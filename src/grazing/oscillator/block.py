@@ -14,7 +14,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import at, inlined
+from grazing.kernel.primitives import behind, inlined
 from grazing.kernel.vectors import filled, handed_back, transposed
 from grazing.oscillator.cells import CELLS, CONSTANTS, cell_size
 from grazing.oscillator.taylor import bends, expand, impulse, rough, value
@@ -101,40 +101,40 @@ def placed(
     met: float,
 ) -> None:  # fmt: skip
     """Put a flight that has an event ahead to the impacts at hand."""
-    w[at(COLUMN + to)], w[at(ORBIT + to)], w[at(MET + to)] = float(q), float(orbit), met
-    w[at(X1 + to)], w[at(X2 + to)], w[at(DOUBT + to)] = x, y, doubt
-    w[at(EVENT + to)], w[at(BACK + to)], w[at(WHEN + to)] = event, back, when
+    w[COLUMN + to], w[ORBIT + to], w[MET + to] = float(q), float(orbit), met
+    w[X1 + to], w[X2 + to], w[DOUBT + to] = x, y, doubt
+    w[EVENT + to], w[BACK + to], w[WHEN + to] = event, back, when
 
 
 @inlined
-def look_up(w: Any, t: Any, runs: Any, count: int, harmonics: int) -> None:
+def look_up(w: Any, tables: Any, room: int, runs: Any, count: int, harmonics: int) -> None:
     """Give each place the constants of its column and the cell of its event.
 
     The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
     that is not for the block to decide.
     """
-    size, room, places = cell_size(harmonics), float(t.shape[1]), runs[at(count)]
+    size, places = cell_size(harmonics), runs[count]
     for base in range(0, places, 32):
         for k in range(32):
             i = base + k
-            cell = max(0.0, (0.5 * w[at(EVENT + i)] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
-            w[at(INSIDE + i)] = cell
-            w[at(RECORD + i)] = w[at(COLUMN + i)] * room + (CELLS + cell * size)
+            cell = max(0.0, (0.5 * w[EVENT + i] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
+            w[INSIDE + i] = cell
+            w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size)
     for n in range(count):
-        q = int(w[at(COLUMN + runs[at(n)])])
+        t = behind(tables, int(w[COLUMN + runs[n]]) * room)
         for h in range(CONSTANTS):
-            constant = t[at(q), at(h)]
-            for base in range(runs[at(n)], runs[at(n + 1)], 8):  # what runs over the end is for the next run
+            constant = t[h]
+            for base in range(runs[n], runs[n + 1], 8):  # what runs over the end is for the next run
                 filled(w, A + h * WIDTH + base, constant)
     for base in range(0, places, 8):
         for h in range(0, size, 4):
-            transposed(w, YM + h * WIDTH + base, WIDTH, t, RECORD + base, h)
+            transposed(w, YM + h * WIDTH + base, WIDTH, tables, RECORD + base, h)
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            when, until = w[at(WHEN + i)], w[at(UNTIL + i)]
-            low = when if w[at(INSIDE + i)] == w[at(BACK + i)] else -until
-            w[at(SINCE + i)] = low if w[at(EVENT + i)] > 0.0 else HIGH
+            when, until = w[WHEN + i], w[UNTIL + i]
+            low = when if w[INSIDE + i] == w[BACK + i] else -until
+            w[SINCE + i] = low if w[EVENT + i] > 0.0 else HIGH
 
 
 @inlined
@@ -154,16 +154,16 @@ def clamped(s: float, low: float, high: float) -> float:
 @inlined
 def derivatives(w: Any, i: int, harmonics: int) -> Any:
     """Return the derivatives 0 to 11 of the force at the middle of the cell at place i."""
-    g, d = w[at(WAVES + i)], w[at(WAVES + WIDTH + i)]
-    n = -w[at(W2 + i)]
-    f0, f1, f2, f3 = w[at(F + i)] + g, d, g * n, d * n
+    g, d = w[WAVES + i], w[WAVES + WIDTH + i]
+    n = -w[W2 + i]
+    f0, f1, f2, f3 = w[F + i] + g, d, g * n, d * n
     f4, f5 = f2 * n, f3 * n
     f6, f7 = f4 * n, f5 * n
     f8, f9 = f6 * n, f7 * n
     f10, f11 = f8 * n, f9 * n
     for h in range(1, harmonics):
-        n = -(h + 1.0) * (h + 1.0) * w[at(W2 + i)]
-        g, d = w[at(WAVES + 2 * h * WIDTH + i)], w[at(WAVES + (2 * h + 1) * WIDTH + i)]
+        n = -(h + 1.0) * (h + 1.0) * w[W2 + i]
+        g, d = w[WAVES + 2 * h * WIDTH + i], w[WAVES + (2 * h + 1) * WIDTH + i]
         f0, f1 = f0 + g, f1 + d
         g, d = g * n, d * n
         f2, f3 = f2 + g, f3 + d
@@ -180,19 +180,19 @@ def derivatives(w: Any, i: int, harmonics: int) -> Any:
 @inlined
 def series_at(w: Any, i: int, harmonics: int) -> Any:
     """Return the derivatives of the flight at place i, in the middle of its cell."""
-    x, y = w[at(X1 + i)], w[at(X2 + i)]
-    position = w[at(YM + i)] + (x * w[at(B1 + i)] + y * w[at(B2 + i)])
-    velocity = w[at(VM + i)] + (x * w[at(D1 + i)] + y * w[at(D2 + i)])
-    return expand(position, velocity, w[at(A + i)], w[at(K + i)], derivatives(w, i, harmonics))
+    x, y = w[X1 + i], w[X2 + i]
+    position = w[YM + i] + (x * w[B1 + i] + y * w[B2 + i])
+    velocity = w[VM + i] + (x * w[D1 + i] + y * w[D2 + i])
+    return expand(position, velocity, w[A + i], w[K + i], derivatives(w, i, harmonics))
 
 
 @inlined
 def unfolded(w: Any, i: int) -> Any:
     """Return the derivatives of the flight at place i, as the solver left them."""
     return (
-        w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)], w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)],
-        w[at(Y7 + i)], w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)], w[at(Y11 + i)], w[at(Y12 + i)],
-        w[at(Y13 + i)],
+        w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i], w[Y4 + i], w[Y5 + i], w[Y6 + i],
+        w[Y7 + i], w[Y8 + i], w[Y9 + i], w[Y10 + i], w[Y11 + i], w[Y12 + i],
+        w[Y13 + i],
     )  # fmt: skip
 
 
@@ -209,48 +209,48 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         """Find the derivatives of the flights in the middles of their cells."""
         for k in range(SOME):
             i, y = base + k, series_at(w, base + k, harmonics)
-            w[at(Y0 + i)], w[at(Y1 + i)], w[at(Y2 + i)], w[at(Y3 + i)] = y[0], y[1], y[2], y[3]
-            w[at(Y4 + i)], w[at(Y5 + i)], w[at(Y6 + i)], w[at(Y7 + i)] = y[4], y[5], y[6], y[7]
-            w[at(Y8 + i)], w[at(Y9 + i)], w[at(Y10 + i)] = y[8], y[9], y[10]
-            w[at(Y11 + i)], w[at(Y12 + i)], w[at(Y13 + i)] = y[11], y[12], y[13]
+            w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i] = y[0], y[1], y[2], y[3]
+            w[Y4 + i], w[Y5 + i], w[Y6 + i], w[Y7 + i] = y[4], y[5], y[6], y[7]
+            w[Y8 + i], w[Y9 + i], w[Y10 + i] = y[8], y[9], y[10]
+            w[Y11 + i], w[Y12 + i], w[Y13 + i] = y[11], y[12], y[13]
 
     @inlined
     def begin(w: Any, base: int) -> None:
         """Guess the impacts from position, velocity and acceleration."""
         for k in range(SOME):
             i, y = base + k, unfolded(w, base + k)
-            w[at(WHEN + i)] = clamped(descending(y[0], y[1], y[2]), w[at(SINCE + i)], w[at(UNTIL + i)])
+            w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
 
     @inlined
     def improve(w: Any, base: int) -> None:
         """Take a step of Newton's method on the first seven derivatives."""
         for k in range(SOME):
             i = base + k
-            s = w[at(WHEN + i)]
+            s = w[WHEN + i]
             y, v = rough(unfolded(w, i), s)
             inverse = 1.0 / v
-            w[at(INVERSE + i)] = inverse
-            w[at(WHEN + i)] = clamped(s - y * inverse, w[at(SINCE + i)], w[at(UNTIL + i)])
+            w[INVERSE + i] = inverse
+            w[WHEN + i] = clamped(s - y * inverse, w[SINCE + i], w[UNTIL + i])
 
     @inlined
     def improve_again(w: Any, base: int) -> None:
         """Take another one, to about eight digits; the inverse of the velocity needs no division any more."""
         for k in range(SOME):
             i = base + k
-            s, inverse = w[at(WHEN + i)], w[at(INVERSE + i)]
+            s, inverse = w[WHEN + i], w[INVERSE + i]
             y, v = rough(unfolded(w, i), s)
             inverse = inverse * (2.0 - v * inverse)
-            w[at(INVERSE + i)] = inverse
-            w[at(WHEN + i)] = s - y * inverse
+            w[INVERSE + i] = inverse
+            w[WHEN + i] = s - y * inverse
 
     @inlined
     def arrive(w: Any, base: int) -> None:
         """Find position, velocity, acceleration and jerk there; the first two go to AFTER and BEFORE."""
         for k in range(SOME):
             i, y = base + k, unfolded(w, base + k)
-            s = w[at(WHEN + i)]
-            w[at(AFTER + i)], w[at(BEFORE + i)] = value(y, s)
-            w[at(PULL + i)], w[at(STEEP + i)] = bends(y, s)
+            s = w[WHEN + i]
+            w[AFTER + i], w[BEFORE + i] = value(y, s)
+            w[PULL + i], w[STEEP + i] = bends(y, s)
 
     @inlined
     def accept(w: Any, base: int) -> None:
@@ -261,9 +261,9 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         """
         for k in range(SOME):
             i = base + k
-            y, v, acceleration, jerk = w[at(AFTER + i)], w[at(BEFORE + i)], w[at(PULL + i)], w[at(STEEP + i)]
-            s, inverse = w[at(WHEN + i)], w[at(INVERSE + i)]
-            low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
+            y, v, acceleration, jerk = w[AFTER + i], w[BEFORE + i], w[PULL + i], w[STEEP + i]
+            s, inverse = w[WHEN + i], w[INVERSE + i]
+            low, high = w[SINCE + i], w[UNTIL + i]
             inverse = inverse * (2.0 - v * inverse)
             wrong = 1.0 - v * inverse
             inverse = inverse + inverse * wrong
@@ -272,18 +272,18 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
             step = step * (1.0 - 0.5 * bent)
             v = v + step * (acceleration + 0.5 * step * jerk)
             s = s + step
-            w[at(WHEN + i)] = s
+            w[WHEN + i] = s
             sure = (
                 (s > low)
                 & (s < high * (1.0 - 1e-7))
-                & (v < -w[at(SLOWEST_ALLOWED + i)])
+                & (v < -w[SLOWEST_ALLOWED + i])
                 & (abs(bent) < 1e-5)
                 & (abs(step) < 1e-5 * high)
                 & (abs(wrong) < 1e-5)
             )
-            w[at(BEFORE + i)] = v if sure else -1.0  # no law is asked about nonsense
-            w[at(INVERSE + i)] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
-            w[at(PROVEN + i)] = 1.0 if sure else 0.0
+            w[BEFORE + i] = v if sure else -1.0  # no law is asked about nonsense
+            w[INVERSE + i] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
+            w[PROVEN + i] = 1.0 if sure else 0.0
 
     @inlined
     def solve(w: Any, count: int) -> None:
@@ -304,24 +304,24 @@ def kick(w: Any, count: int) -> None:
     for base in range(0, count, 8):
         for k in range(8):
             i = base + k
-            v, u, alpha = w[at(BEFORE + i)], w[at(AFTER + i)], w[at(A + i)]
-            s, room = w[at(WHEN + i)], w[at(ROOM + i)]
+            v, u, alpha = w[BEFORE + i], w[AFTER + i], w[A + i]
+            s, room = w[WHEN + i], w[ROOM + i]
             # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
-            press = -(w[at(PULL + i)] + alpha * v)
-            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[at(GAP + i)])
-            y, d = impulse(s, alpha, w[at(Q2 + i)])
+            press = -(w[PULL + i] + alpha * v)
+            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[GAP + i])
+            y, d = impulse(s, alpha, w[Q2 + i])
             change = u - v
-            scale = change * w[at(UNMIX + i)]
-            z1 = w[at(X1 + i)] + (w[at(D2 + i)] * y - w[at(B2 + i)] * d) * scale
-            z2 = w[at(X2 + i)] + (w[at(B1 + i)] * d - w[at(D1 + i)] * y) * scale
-            w[at(Z1 + i)], w[at(Z2 + i)] = z1, z2
-            flies = (w[at(PROVEN + i)] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
+            scale = change * w[UNMIX + i]
+            z1 = w[X1 + i] + (w[D2 + i] * y - w[B2 + i] * d) * scale
+            z2 = w[X2 + i] + (w[B1 + i] * d - w[D1 + i] * y) * scale
+            w[Z1 + i], w[Z2 + i] = z1, z2
+            flies = (w[PROVEN + i] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
             # what an impact makes of the errors before it, see next_launch in contact.py
-            worse, steep = w[at(WORSE + i)], 1.0 + w[at(STEEP + i)]
-            carried = worse * u + (w[at(FAR + i)] * w[at(M + i)] + change) * steep
-            wider = w[at(DOUBT + i)] * (worse * steep - carried * w[at(INVERSE + i)])
-            w[at(WIDER + i)] = wider if flies else NAN
-            w[at(SPEED + i)] = -v if flies else INFINITY
+            worse, steep = w[WORSE + i], 1.0 + w[STEEP + i]
+            carried = worse * u + (w[FAR + i] * w[M + i] + change) * steep
+            wider = w[DOUBT + i] * (worse * steep - carried * w[INVERSE + i])
+            w[WIDER + i] = wider if flies else NAN
+            w[SPEED + i] = -v if flies else INFINITY
 
 
 @inlined
@@ -331,9 +331,9 @@ def hand_back(w: Any, end: int, left: int) -> None:
     for base in range(0, end, 8):
         place = handed_back(w, base, LEAST, NEED, (Z1, Z2), (C1, C2), SPEED, SLOW, place)
     for n in range(left):
-        k = int(w[at(REST + n)])
-        i = int(w[at(ORBIT + k)])
-        w[at(C1 + i)], w[at(C2 + i)] = w[at(X1 + k)], w[at(X2 + k)]
+        k = int(w[REST + n])
+        i = int(w[ORBIT + k])
+        w[C1 + i], w[C2 + i] = w[X1 + k], w[X2 + k]
 
 
 @inlined
@@ -341,12 +341,12 @@ def hand_on(w: Any, count: int, left: int) -> None:
     """Give the orbits that hit again and then fly free their pairs; those in REST keep what the period began with."""
     n = 0
     for k in range(count):
-        i = int(w[at(ORBIT + k)])
-        w[at(SLOW + i)] = min(w[at(SLOW + i)], w[at(SPEED + k)])
-        if n < left and int(w[at(REST + n)]) == k:
+        i = int(w[ORBIT + k])
+        w[SLOW + i] = min(w[SLOW + i], w[SPEED + k])
+        if n < left and int(w[REST + n]) == k:
             n += 1
         else:
-            w[at(C1 + i)], w[at(C2 + i)], w[at(HITS + i)] = w[at(Z1 + k)], w[at(Z2 + k)], w[at(MET + k)] + 1.0
+            w[C1 + i], w[C2 + i], w[HITS + i] = w[Z1 + k], w[Z2 + k], w[MET + k] + 1.0
 
 
 @inlined
@@ -360,12 +360,12 @@ def set_apart(w: Any, left: int) -> int:
     """Put flights of REST that may pass the wall without an impact side by side; return how many there are."""
     dips = 0
     for n in range(left):
-        k = int(w[at(REST + n)])
-        if not w[at(WIDER + k)] < HIGH and is_chord(w[at(EVENT + k)]):
-            w[at(CLEARANCE + dips)] = w[at(DOUBT + k)]
-            w[at(SINCE + dips)], w[at(UNTIL + dips)] = w[at(SINCE + k)], w[at(UNTIL + k)]
+        k = int(w[REST + n])
+        if not w[WIDER + k] < HIGH and is_chord(w[EVENT + k]):
+            w[CLEARANCE + dips] = w[DOUBT + k]
+            w[SINCE + dips], w[UNTIL + dips] = w[SINCE + k], w[UNTIL + k]
             for y in range(Y0, Y13 + 1, WIDTH):
-                w[at(y + dips)] = w[at(y + k)]
+                w[y + dips] = w[y + k]
             dips += 1
     return dips
 
@@ -381,7 +381,7 @@ def dip(w: Any, count: int) -> None:
         for k in range(8):
             i = base + k
             a = unfolded(w, i)
-            low, high = w[at(SINCE + i)], w[at(UNTIL + i)]
+            low, high = w[SINCE + i], w[UNTIL + i]
             s = clamped(-a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
             _y, v = rough(a, s)
             acceleration, _jerk = bends(a, s)
@@ -393,9 +393,9 @@ def dip(w: Any, count: int) -> None:
             # what is left of v after the last step lowers y by less than this
             y = y - abs(v * step) - v * v / acceleration if (s + step > low) & (s + step < high) else y
             settled = (acceleration > 0.0) & (abs(step) < 1e-4 * high)
-            w[at(AFTER + i)] = y
-            w[at(PULL + i)] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
-            w[at(PROVEN + i)] = 1.0 if settled & (0.4 * y > w[at(CLEARANCE + i)]) else 0.0
+            w[AFTER + i] = y
+            w[PULL + i] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
+            w[PROVEN + i] = 1.0 if settled & (0.4 * y > w[CLEARANCE + i]) else 0.0
 
 
 @lru_cache(maxsize=256)
@@ -411,12 +411,12 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable
         for base in range(start, end, 8):  # what runs over the end is for the next column
             for k in range(8):
                 j = base + k
-                v = w[at(BEFORE + j)]
+                v = w[BEFORE + j]
                 # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                error = w[at(DOUBT + j)] * (w[at(RATE + j)] - w[at(M + j)] * w[at(INVERSE + j)]) * 0.015625
+                error = w[DOUBT + j] * (w[RATE + j] - w[M + j] * w[INVERSE + j]) * 0.015625
                 h = min(max(1e-8 * -v, error), -v)
                 u, less, more = law(v, p), law(v - h, p), law(v + h, p)
-                w[at(STEEP + j)] = abs(less - more) / h
-                w[at(AFTER + j)] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
+                w[STEEP + j] = abs(less - more) / h
+                w[AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
 
     return strike

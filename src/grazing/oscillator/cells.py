@@ -19,7 +19,6 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
-from grazing.kernel.primitives import at
 from grazing.oscillator.constants import Constants
 from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
@@ -43,6 +42,9 @@ ONWARD, STATE, PAIR = 15, 21, 27
 # how many rows the certificate has, padded to a multiple of 4, at least 8, and how many the list of all; the wall, and
 # 1 where p = 1 in all rows;
 COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
+# what is no matter of the table but of its column: where the numbers of its reset law are, 1 where there is a table,
+# how many orbits need the scalar routine in this period, and how many have a state from there;
+LAW, TABLED, NEEDY, HOLDING = 35, 36, 37, 38
 # then the certificate and the list of all rows, both in the order of time: all p, all q, all r, all places;
 CERTIFICATE = 40
 MAX_ROWS = 3 * MAX_CELLS + 24
@@ -131,9 +133,9 @@ def windows_in(c: Constants) -> int:
     return count
 
 
-def put_row(t: Any, q: int, i: int, step: int, p: float, r: float, s: float) -> None:
+def put_row(t: Any, i: int, step: int, p: float, r: float, s: float) -> None:
     """Write a row (p, r, s); its numbers lie ``step`` apart."""
-    t[at(q), at(i)], t[at(q), at(i + step)], t[at(q), at(i + 2 * step)] = p, r, s
+    t[i], t[i + step], t[i + 2 * step] = p, r, s
 
 
 class Extent(NamedTuple):
@@ -148,39 +150,39 @@ class Extent(NamedTuple):
     blur: float  # how much a chord magnifies the errors of its ends
 
 
-def listed(t: Any, q: int, row: int, p: float, r: float, s: float, place: float) -> int:
+def listed(t: Any, row: int, p: float, r: float, s: float, place: float) -> int:
     """Write a row of a list; return where the next one goes."""
-    put_row(t, q, row, MAX_ROWS, p, r, s)
-    t[at(q), at(row + 3 * MAX_ROWS)] = place
+    put_row(t, row, MAX_ROWS, p, r, s)
+    t[row + 3 * MAX_ROWS] = place
     return row + 1
 
 
-def pad(t: Any, q: int, row: int) -> None:
+def pad(t: Any, row: int) -> None:
     """Write rows that every flight passes, to where whole vectors end."""
     end = row + 16
     while row < end:
-        row = listed(t, q, row, 1.0, 0.0, NEVER, NEVER)
+        row = listed(t, row, 1.0, 0.0, NEVER, NEVER)
 
 
-def row_from(t: Any, q: int, row: int, since: float) -> int:
+def row_from(t: Any, row: int, since: float) -> int:
     """Return the first row from ``row`` on whose place is ``since`` or later; lists end in padding of place NEVER."""
-    while t[at(q), at(row + 3 * MAX_ROWS)] < since:
+    while t[row + 3 * MAX_ROWS] < since:
         row += 1
     return row
 
 
 def put_cell(
-    t: Any, q: int, cell: int, now: Instant, at_time: tuple[float, float, float, float, float, float], c: Constants
+    t: Any, cell: int, now: Instant, at_time: tuple[float, float, float, float, float, float], c: Constants
 ) -> int:
     """Write what a Taylor series about an instant needs; return where the cell's entries begin."""
     i = CELLS + cell * cell_size(len(c.cos))
     for k in range(6):
-        t[at(q), at(i + k)] = at_time[k]
+        t[i + k] = at_time[k]
     sine, cosine = now.sine, now.cosine
     sj, cj = sine, cosine
     for h in range(len(c.cos)):
-        t[at(q), at(i + CELL + 2 * h)] = c.cos[h] * cj + c.sin[h] * sj
-        t[at(q), at(i + CELL + 2 * h + 1)] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
+        t[i + CELL + 2 * h] = c.cos[h] * cj + c.sin[h] * sj
+        t[i + CELL + 2 * h + 1] = (h + 1) * c.omega * (c.sin[h] * cj - c.cos[h] * sj)
         sj, cj = sj * cosine + cj * sine, cj * cosine - sj * sine
     return i
 
@@ -209,7 +211,7 @@ def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Exten
 
 
 def fill_window(
-    t: Any, q: int, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
+    t: Any, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
 ) -> tuple[int, int, int, Extent]:
     """Cut window i into cells, write them and their rows.
 
@@ -239,13 +241,13 @@ def fill_window(
         Y, dY, b1, d1, b2, d2 = at_time
         unmix = 1.0 / (b1 * d2 - b2 * d1)
         if k % 2 == 1:
-            record = put_cell(t, q, cell + j, now, at_time, c)
-            t[q, record + HALF], t[q, record + UNMIX] = 0.5 * length, unmix
-            t[q, record + TIME_LEFT] = 0.0 if positive else b - time
-            t[q, GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
+            record = put_cell(t, cell + j, now, at_time, c)
+            t[record + HALF], t[record + UNMIX] = 0.5 * length, unmix
+            t[record + TIME_LEFT] = 0.0 if positive else b - time
+            t[GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
             for h in range(6):
-                t[q, (STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
+                t[(STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
         phi = f1 * b1 + f2 * b2
         h1, h2 = (b2 * dY - d2 * Y) * unmix, (d1 * Y - b1 * dY) * unmix  # the state that grazes now
         p, r, s = b1 / phi, b2 / phi, Y / phi
@@ -256,30 +258,30 @@ def fill_window(
         if k > 0 and positive:
             place = 2.0 * (cell + (k - 1) // 2) + 1.0
             cp, cr, cs, blur = chord(f1, f2, g1, g2, h1, h2, band)
-            n = listed(t, q, n, cp, cr, cs, place)
+            n = listed(t, n, cp, cr, cs, place)
             extent = extended(extent, cp, cr, cs, blur)
             drawn = cs > ALWAYS and (k % 2 == 1 or drawn)
             if k % 2 == 0:
                 cp, cr, cs, blur = chord(f1, f2, before1, before2, h1, h2, band)
-                m = listed(t, q, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
+                m = listed(t, m, cp, cr, cs if drawn else ALWAYS, place)  # what the halves leave open is open
                 extent = extended(extent, cp, cr, cs, blur)
         if k % 2 == 0 and (k > 0 or i == 0):
-            m = listed(t, q, m, p, r, s, 2.0 * (cell + j))
+            m = listed(t, m, p, r, s, 2.0 * (cell + j))
             if j == last or k == 0:
-                n = listed(t, q, n, p, r, s, 2.0 * (cell + j))
+                n = listed(t, n, p, r, s, 2.0 * (cell + j))
         if k % 2 == 0:
             before1, before2 = h1, h2
         g1, g2 = h1, h2
     return cell + count, n, m, extent
 
 
-def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
-    """Fill table q; False where the parameter value must be left to the scalar routine.
+def fill_table(t: Any, c: Constants, ratio: float) -> bool:
+    """Fill a table; False where the parameter value must be left to the scalar routine.
 
     Parameters
     ----------
-    t : ndarray, shape (tables, table_size(harmonics))
-    q : int
+    t : ndarray, shape (table_size(harmonics),)
+        The table, or the address of its numbers.
     c : Constants
     ratio : float
         Of the reset law's contraction near zero speed; 1 for none.
@@ -295,47 +297,47 @@ def fill_table(t: Any, q: int, c: Constants, ratio: float) -> bool:
     start = int(0.0)  # of a literal 0 the compiler would make versions of their own
     cell, n, m = start, start + CERTIFICATE, start + ROWS
     for i in range(windows):
-        cell, n, m, extent = fill_window(t, q, c, i, cell, n, m, extent, band)
-    pad(t, q, n)
-    pad(t, q, m)
+        cell, n, m, extent = fill_window(t, c, i, cell, n, m, extent, band)
+    pad(t, n)
+    pad(t, m)
     row = start + CERTIFICATE
     for i in range(cell):
-        row = row_from(t, q, row, t[at(q), at(GO_ON + i)])
-        t[at(q), at(CELLS + i * cell_size(len(c.cos)) + THEN)] = row - CERTIFICATE
+        row = row_from(t, row, t[GO_ON + i])
+        t[CELLS + i * cell_size(len(c.cos)) + THEN] = row - CERTIFICATE
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
-    t[q, COUNT], t[q, ROW_COUNT] = max(8, (n - CERTIFICATE + 3) // 4 * 4), m - ROWS
-    t[q, BAND] = band * extent.least
-    t[q, ALPHA], t[q, K2], t[q, F0], t[q, OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
+    t[COUNT], t[ROW_COUNT] = max(8, (n - CERTIFICATE + 3) // 4 * 4), m - ROWS
+    t[BAND] = band * extent.least
+    t[ALPHA], t[K2], t[F0], t[OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
-    t[q, FORCE], t[q, LEVER], t[q, GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
-    t[q, SLOWEST], t[q, RATE] = 1e-5 * c.force * reach, 4.0 * fastest(c) + c.alpha
-    t[q, SQUARE], t[q, GAP] = c.q2, 1.0 - ratio
-    t[q, UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
+    t[FORCE], t[LEVER], t[GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
+    t[SLOWEST], t[RATE] = 1e-5 * c.force * reach, 4.0 * fastest(c) + c.alpha
+    t[SQUARE], t[GAP] = c.q2, 1.0 - ratio
+    t[UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
-    t[q, MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
-    t[q, MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
-    t[q, MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
-    put_maps(t, q, c)
+    t[MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
+    t[MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
+    t[MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
+    put_maps(t, c)
     return True
 
 
-def put_maps(t: Any, q: int, c: Constants) -> None:
+def put_maps(t: Any, c: Constants) -> None:
     """Write how pairs go over to the next period, and what they are as states."""
     first, end = STATE, ONWARD  # the windows left the basis at t = 0 and t = T here
     Y, dY, b1, d1, b2, d2 = (
-        t[q, first], t[q, first + 1], t[q, first + 2], t[q, first + 3], t[q, first + 4], t[q, first + 5],
+        t[first], t[first + 1], t[first + 2], t[first + 3], t[first + 4], t[first + 5],
     )  # fmt: skip
-    Y_T, dY_T, e1, f1, e2, f2 = t[q, end], t[q, end + 1], t[q, end + 2], t[q, end + 3], t[q, end + 4], t[q, end + 5]
+    Y_T, dY_T, e1, f1, e2, f2 = t[end], t[end + 1], t[end + 2], t[end + 3], t[end + 4], t[end + 5]
     W = b1 * d2 - b2 * d1
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
-    put_row(t, q, STATE, 1, Y, b1, b2)
-    t[q, SIGMA] = c.sigma
-    put_row(t, q, STATE + 3, 1, dY, d1, d2)
-    t[q, PAIR], t[q, PAIR + 1], t[q, PAIR + 2], t[q, PAIR + 3] = i11, i12, i21, i22
+    put_row(t, STATE, 1, Y, b1, b2)
+    t[SIGMA] = c.sigma
+    put_row(t, STATE + 3, 1, dY, d1, d2)
+    t[PAIR], t[PAIR + 1], t[PAIR + 2], t[PAIR + 3] = i11, i12, i21, i22
     x1, x2 = (0.0, 0.0) if c.steady else (Y_T - Y, dY_T - dY)
     if exponential(c):
-        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, e1, 0.0)
-        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, e2)
+        put_row(t, ONWARD, 1, i11 * x1 + i12 * x2, e1, 0.0)
+        put_row(t, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, e2)
     else:
-        put_row(t, q, ONWARD, 1, i11 * x1 + i12 * x2, i11 * e1 + i12 * f1, i11 * e2 + i12 * f2)
-        put_row(t, q, ONWARD + 3, 1, i21 * x1 + i22 * x2, i21 * e1 + i22 * f1, i21 * e2 + i22 * f2)
+        put_row(t, ONWARD, 1, i11 * x1 + i12 * x2, i11 * e1 + i12 * f1, i11 * e2 + i12 * f2)
+        put_row(t, ONWARD + 3, 1, i21 * x1 + i22 * x2, i21 * e1 + i22 * f1, i21 * e2 + i22 * f2)

@@ -1,0 +1,84 @@
+"""Functions inside a kernel become part of it, and nothing else; the way through the compiler changes no number."""
+
+import gc
+import os
+from types import FunctionType
+
+import numba
+import numpy as np
+import pytest
+
+from grazing.kernel import compile as layer
+from grazing.kernel.compile import compiled
+
+
+def test_no_machine_code_is_made_of_what_is_only_linked():
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")  # no kernel on the disk has it
+
+    def inner(x):
+        return unseen * x + np.zeros(3).sum()
+
+    def outer(x):
+        return inner(x) - 1.0
+
+    assert compiled(outer)(2.0) == 2.0 * unseen - 1.0
+    (found,) = layer._inner[inner, "strict"].overloads.values()
+    (entry,) = layer._outer[outer, "strict"].overloads.values()
+    engine = entry.library._codegen._engine
+    assert engine.is_symbol_defined(entry.fndesc.llvm_func_name)
+    assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+def test_a_function_may_be_inside_one_kernel_and_be_another():
+    def shared(x):
+        return 2.0 * x
+
+    def outer(x):
+        return shared(x) + 1.0
+
+    assert compiled(outer)(3.0) == 7.0
+    assert compiled(shared)(3.0) == 6.0
+    assert compiled(lambda x: shared(x) - 1.0)(3.0) == 5.0
+
+
+def mixed(x, n):
+    """Operators of numbers, truths and tuples, with constants on either side; powers with and without one."""
+    sides, total, bits = (x, 2.0), 0.0, 1
+    for i in range(n):
+        y = 3.0 - sides[0] * i / (1 + i) + x**2 + x**i - (i**2 - 7 % (i + 1) + (i << 2) // 3)
+        total += y if (i & 1 == 0) & (y < 2) | (x > 1.5) else -sides[1]
+        bits |= i << 3
+    return total + bits + (n // 2) ** 2
+
+
+@pytest.mark.parametrize("own", [True, False])
+@pytest.mark.parametrize("x", [0.3, 1.7, -0.9])
+def test_operators_are_those_of_numba(own, x):
+    place = {"__name__": "grazing.kernel.tried" if own else "tried", "__builtins__": __builtins__}
+    function = FunctionType(mixed.__code__, place, "mixed")
+    function.__module__ = place["__name__"]
+    wanted = numba.njit(error_model="numpy")(mixed)(x, 9)
+    assert compiled(function)(x, 9) == wanted == pytest.approx(mixed(x, 9), rel=1e-14)
+
+
+def test_laws_of_others_may_hold_what_kernels_do_not():
+    def listed(x):
+        steps = [x * k for k in range(4)]
+        return sum([step + 1.0 for step in steps])
+
+    assert compiled(listed)(2.0) == 16.0
+
+
+def test_garbage_is_looked_for_again_after_a_compilation():
+    assert gc.isenabled()
+    compiled(lambda x: x + 41.5)(1.0)
+    assert gc.isenabled()
+    with pytest.raises(numba.errors.TypingError):
+        compiled(lambda x: x.nothing)(1.0)
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        compiled(lambda x: x + 42.5)(1.0)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
