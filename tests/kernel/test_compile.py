@@ -117,21 +117,23 @@ def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "function", "line", "edit", "before", "after"),
+    ("name", "home", "function", "line", "edit", "before", "after"),
     [
-        ("primitives", "at", "return args[0]", "return _builder.add(args[0], args[0])", 2.0, 4.0),
-        ("vectors", "first_bit", "return builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))", "return args[0]", 1, 2),
+        ("primitives", "primitives", "at", "return args[0]", "return _builder.add(args[0], args[0])", 2.0, 4.0),
+        ("simd", "rows", "first_bit", 'name = f"llvm.fabs', 'name = f"llvm.sqrt', 1, 1),
+        ("pipeline", "rows", "first_bit", '"with_lifting", ', "", 1, 1),
+        ("rows", "rows", "first_bit", "builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))", "args[0]", 1, 2),
     ],
 )
 def test_an_edit_of_a_compiled_form_is_never_answered_from_the_cache(
-    tmp_path, name, function, line, edit, before, after
+    tmp_path, name, home, function, line, edit, before, after
 ):
     """It is code that writes code, which no bytecode of a kernel shows."""
     source, cache = tmp_path / "source", tmp_path / "cache"
     shutil.copytree(
         Path(SOURCE) / "grazing", source / "grazing", ignore=shutil.ignore_patterns("__pycache__", "*.wasm")
     )
-    imports = f"from grazing.kernel.{name} import {function}\n"
+    imports = f"from grazing.kernel.{home} import {function}\n"
     (tmp_path / "top.py").write_text(f"{imports}\ndef outer(x):\n    return 1.0 * {function}(int(x))\n")
     assert run_in_a_process(tmp_path, cache, source)[0] == [before, 0]
     assert run_in_a_process(tmp_path, cache, source)[0] == [before, 1]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dis
 import hashlib
-import inspect
 import math
 import os
 import stat
@@ -34,7 +33,7 @@ from grazing.outcome import InputError, UserCodeError
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
 #: The functions of these modules have a compiled form of their own and are not compiled from their source.
-PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.vectors")
+PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.rows", "grazing.kernel.vectors")
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
 LAYOUT = 3
 
@@ -212,6 +211,18 @@ def processor() -> str:
     return f"{binding.get_host_cpu_name()} {features[:8]}"
 
 
+@cache
+def width() -> int:
+    """Return how many numbers compiled code may take side by side; 1 in plain Python."""
+    if jit_disabled():
+        return 1
+    from numba.core.registry import cpu_target
+
+    from grazing.kernel.simd import width_for
+
+    return width_for(cpu_target.target_context)
+
+
 def digest(function: Callable[..., Any]) -> str:
     """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
 
@@ -231,7 +242,7 @@ def digest(function: Callable[..., Any]) -> str:
 def _content(value: Any, above: tuple[Any, ...]) -> Any:
     """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
     if isinstance(value, FunctionType) and value.__module__ in PRIMITIVES:
-        return ("primitive", value.__name__, _text(value.__module__))  # both its forms stand there
+        return ("primitive", value.__name__, _text(value.__module__), _text("grazing.kernel.simd"))  # both its forms
     if isinstance(value, FunctionType):
         if value in above:
             return value.__name__
@@ -266,8 +277,9 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
 
 @cache
 def _text(module: str) -> str:
-    """Hash the text of a module."""
-    return hashlib.sha256(inspect.getsource(sys.modules[module]).encode()).hexdigest()
+    """Hash the text of a module of this folder."""
+    name = module.rpartition(".")[2]
+    return hashlib.sha256(Path(__file__).with_name(f"{name}.py").read_bytes()).hexdigest()
 
 
 @lru_cache(maxsize=4096)
@@ -322,7 +334,7 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
     import numba
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
-    versions = f"{LAYOUT} {numba.__version__} {llvmlite.__version__}"
+    versions = f"{LAYOUT} {_text(pipeline.__module__)} {numba.__version__} {llvmlite.__version__}"
     stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
 
     class Implementation(CompileResultCacheImpl):  # type: ignore[misc]

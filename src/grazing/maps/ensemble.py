@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import compiled
+from grazing.kernel.compile import compiled, width
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
 from grazing.kernel.primitives import at, behind, called_for_all, inlined, numbers
@@ -75,7 +75,6 @@ from grazing.oscillator.workspace import (
     HITS,
     INSIDE,
     LANES,
-    LIMIT,
     MET,
     NAN,
     NEAR,
@@ -102,7 +101,7 @@ from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-ANNOUNCEMENT = "compiling the oscillator's kernel, ten to twenty-five seconds, once on this machine"
+ANNOUNCEMENT = "compiling the oscillator's kernel, up to fifteen seconds, once on this machine"
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
@@ -124,9 +123,9 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     callable
         ``run(rows, strike, job, *workspace, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are
         the numbers of :func:`flight_fields`, column after column; ``strike`` the address of :func:`strike_of`. ``job``:
-        columns from, to; how many of them are a block; starts from, to; whether to use the block; periods to pass over;
-        those to keep from, to. ``workspace`` is that of so many columns. ``lanes`` (columns, 2, starts) hold the
-        states. Results are as in :class:`grazing.maps.columns.Columns`.
+        columns from, to; how many of them are a block, and the room of each there; starts from, to; whether to use the
+        block; periods to pass over; those to keep from, to. ``workspace`` is that of so many columns. ``lanes``
+        (columns, 2, starts) hold the states. Results are as in :class:`grazing.maps.columns.Columns`.
     """
     fields = len(flight_fields(harmonics))
     unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
@@ -139,10 +138,10 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         return prepare(unpack(rows, q * fields))
 
     def begin(
-        w: Any, tables: Any, rows: Any, blocks: int, top: int, columns: int, left: int, starts: int, lanes: Any
-    ) -> None:
+        w: Any, tables: Any, rows: Any, blocks: int, top: int, columns: int, stride: int, left: int, starts: int,
+        lanes: Any,
+    ) -> None:  # fmt: skip
         """Fill the tables of a block's columns, and take the states."""
-        stride = padded(starts)
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
             t[LAW], t[HOLDING] = c.p.row, 1.0
@@ -156,10 +155,10 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     w[WHERE + i] = held_back(w, i, t)
 
     def end(
-        w: Any, tables: Any, top: int, columns: int, left: int, starts: int, lanes: Any, near: Any, slow: Any
-    ) -> None:
+        w: Any, tables: Any, top: int, columns: int, stride: int, left: int, starts: int, lanes: Any, near: Any,
+        slow: Any,
+    ) -> None:  # fmt: skip
         """Give back the states of a block, and how near its orbits came to being others."""
-        stride = padded(starts)
         for q in range(columns):
             t = behind(tables, q * room)
             measured = t[BAND] if t[TABLED] > 0.0 else INFINITY
@@ -255,11 +254,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             letters[at(row), at(n), at(left + j)] = int(w[HITS + first + j])
 
     def advance(
-        w: Any, tables: Any, runs: Any, rows: Any, strike: float, top: int, columns: int, left: int, starts: int,
-        transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
+        w: Any, tables: Any, runs: Any, rows: Any, strike: float, top: int, columns: int, stride: int, left: int,
+        starts: int, transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
-        stride, last = padded(starts), outcomes.shape[1] - 1
+        last = outcomes.shape[1] - 1
         for n in range(transient + stop - start):
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
@@ -299,23 +298,23 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         rows: Any, strike: float, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
         outcomes: Any, near: Any, slow: Any, undecided: Any,
     ) -> None:  # fmt: skip
-        top, bottom, several, left, right, blocks, transient, start, stop = job
+        top, bottom, several, stride, left, right, blocks, transient, start, stop = job
         w, t, ends = numbers(work), numbers(tables), numbers(runs)
         for first in range(top, bottom, several):
             columns = min(several, bottom - first)
-            begin(w, t, numbers(rows), blocks, first, columns, left, right - left, lanes)
+            begin(w, t, numbers(rows), blocks, first, columns, stride, left, right - left, lanes)
             advance(
-                w, t, ends, numbers(rows), strike, first, columns, left, right - left, transient, start, stop, points,
-                letters, outcomes, undecided,
+                w, t, ends, numbers(rows), strike, first, columns, stride, left, right - left, transient, start, stop,
+                points, letters, outcomes, undecided,
             )  # fmt: skip
-            end(w, t, first, columns, left, right - left, lanes, near, slow)
+            end(w, t, first, columns, stride, left, right - left, lanes, near, slow)
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
 
 
 def padded(starts: int) -> int:
     """Return the room of a column in a block: whole vectors, so that loops that run over the end hit no neighbour."""
-    return (starts + 15) // 16 * 16
+    return -(-starts // width()) * width()
 
 
 def held_back(w: Any, i: int, t: Any) -> float:
@@ -330,10 +329,9 @@ def held_back(w: Any, i: int, t: Any) -> float:
         margin = t[MARGIN] + (t[MARGIN + 1] * abs(x) + t[MARGIN + 2] * abs(y))
         height = t[CERTIFICATE] * x + (t[CERTIFICATE + MAX_ROWS] * y + t[CERTIFICATE + 2 * MAX_ROWS])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = x, y, margin, margin - t[UPRIGHT] * x
+            w[C1 + i], w[C2 + i], w[NEED + i] = x, y, margin - t[UPRIGHT] * x
             return FRESH
-    # fails every row of the certificate, the first one first
-    w[C1 + i], w[C2 + i], w[LIMIT + i], w[NEED + i] = NAN, NAN, NAN, NAN
+    w[C1 + i], w[C2 + i], w[NEED + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
     return HELD
 
 
@@ -375,17 +373,20 @@ def ensemble_tasks(
     strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
     entry = ensemble(harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
-    several, wide = max(1, LANES // padded(starts)), min(starts, LANES)
+    wide = min(starts, LANES)
+    stride = padded(wide)
+    several = LANES // stride
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
+    spare: list[tuple[Any, ...]] = []  # workspaces that no task is using
     pace = [1]  # so many blocks may be a tile: more where tiles turn out to be short; the bits do not depend on it
 
     def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        bottom, space = min(top + together, len(source)), workspace(harmonics, several)
+        bottom, space = min(top + together, len(source)), spare.pop() if spare else workspace(harmonics, several)
         while top < bottom:
             blocks, first = pace[0], top
             top = min(top + several * blocks, bottom)
-            box = first, top, several, left, min(left + wide, starts)
+            box = first, top, several, stride, left, min(left + wide, starts)
             for n in range(0, max(transient + keep, 1), CUT):
                 end = min(n + CUT, transient + keep)
                 passed = max(0, min(end, transient) - n)
@@ -397,6 +398,7 @@ def ensemble_tasks(
                 spent = perf_counter() - before
                 yield
             pace[0] = paced(blocks, spent)
+        spare.append(space)
 
     return [partial(task, rows, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]
 

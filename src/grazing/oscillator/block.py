@@ -15,8 +15,8 @@ from math import sqrt
 from typing import Any
 
 from grazing.kernel.primitives import behind, inlined
-from grazing.kernel.vectors import filled, handed_back, transposed
-from grazing.oscillator.cells import CELLS, CONSTANTS, cell_size
+from grazing.kernel.vectors import handed_back, spread, transposed
+from grazing.oscillator.cells import ALPHA, CELLS, CONSTANTS, cell_size
 from grazing.oscillator.taylor import bends, expand, impulse, rough, value
 from grazing.oscillator.workspace import (
     AFTER,
@@ -33,15 +33,14 @@ from grazing.oscillator.workspace import (
     DOUBT,
     EVENT,
     FAR,
+    FREE,
     GAP,
     HIGH,
     HITS,
     INSIDE,
     INVERSE,
-    LEAST,
     MET,
     NAN,
-    NEED,
     ORBIT,
     PROVEN,
     PULL,
@@ -122,10 +121,7 @@ def look_up(w: Any, tables: Any, room: int, runs: Any, count: int, harmonics: in
             w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size)
     for n in range(count):
         t = behind(tables, int(w[COLUMN + runs[n]]) * room)
-        for h in range(CONSTANTS):
-            constant = t[h]
-            for base in range(runs[n], runs[n + 1], 8):  # what runs over the end is for the next run
-                filled(w, A + h * WIDTH + base, constant)
+        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
     for base in range(0, places, 8):
         for h in range(0, size, 4):
             transposed(w, YM + h * WIDTH + base, WIDTH, tables, RECORD + base, h)
@@ -327,9 +323,7 @@ def kick(w: Any, count: int) -> None:
 @inlined
 def hand_back(w: Any, end: int, left: int) -> None:
     """Give the orbits their pairs after one impact each, but for those in REST."""
-    place = 0
-    for base in range(0, end, 8):
-        place = handed_back(w, base, LEAST, NEED, (Z1, Z2), (C1, C2), SPEED, SLOW, place)
+    handed_back(w, 0, end, FREE, (Z1, Z2), (C1, C2), SPEED, SLOW)
     for n in range(left):
         k = int(w[REST + n])
         i = int(w[ORBIT + k])

@@ -1,18 +1,17 @@
-"""Questions to the certificate: four rows and many orbits at a time, or one orbit and many rows.
+"""Questions to the certificate: who flies free, and where the others hit.
 
-Who flies free, and where do the others hit? A row (p, q, r) is asked whether p c1 + q c2 + r >= margin. Where p = 1 in
-all rows of a table (*upright*: free flights that never change sign) c1 goes to the other side, which saves a product a
-row. Loops may run over their end, where nothing is kept yet.
+A row (p, q, r) is asked whether p c1 + q c2 + r >= margin. Where p = 1 in all rows of a table (*upright*: free flights
+that never change sign) c1 goes to the other side, which saves a product a row. Loops may run over their end, where
+nothing is kept yet.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 from grazing.kernel.primitives import behind, inlined
-from grazing.kernel.vectors import appended, failing, filled, first_bit, first_failed, passing
+from grazing.kernel.rows import all_passed, carried, failing, first_bit, first_failed, passing
+from grazing.kernel.vectors import appended, filled
 from grazing.oscillator.cells import (
     CERTIFICATE,
     COUNT,
@@ -32,12 +31,10 @@ from grazing.oscillator.workspace import (
     COLUMN,
     DOUBT,
     EVENT,
+    FREE,
     HIGH,
     HITS,
-    LEAST,
-    LIMIT,
     MET,
-    NAN,
     NEED,
     NUMBER,
     ORBIT,
@@ -50,122 +47,38 @@ from grazing.oscillator.workspace import (
     Z2,
 )  # fmt: skip
 
-#: Where the numbers of the certificate's rows begin.
-P, Q, R = CERTIFICATE, CERTIFICATE + MAX_ROWS, CERTIFICATE + 2 * MAX_ROWS
-
-
-@inlined
-def four(t: Any, i: int) -> tuple[float, float, float, float]:
-    """Return four numbers of a table."""
-    return t[i], t[i + 1], t[i + 2], t[i + 3]
-
-
-@inlined
-def lower(a: float, b: float) -> float:
-    """Return the smaller one; b where a is not a number."""
-    return a if a < b else b
-
 
 @inlined
 def onward(w: Any, tables: Any, room: int, columns: int, stride: int) -> None:
-    """Take all pairs over to the next period; LIMIT gets their margins, NaN where a row could overflow.
+    """Take all pairs over to the next period.
 
-    NEED gets what the least row must reach: the margin, less c1 where that is in no row.
+    NEED gets what all rows must reach: the margin, less c1 where that is in no row; NaN where a row could overflow.
     """
     for q in range(columns):
         t = behind(tables, q * room)
-        s0, a00, a01 = t[ONWARD], t[ONWARD + 1], t[ONWARD + 2]
-        s1, a10, a11 = t[ONWARD + 3], t[ONWARD + 4], t[ONWARD + 5]
-        m0, m1, m2 = t[MARGIN], t[MARGIN + 1], t[MARGIN + 2]
-        aside = t[UPRIGHT]
-        for base in range(q * stride, (q + 1) * stride, 16):
-            for k in range(16):
-                i = base + k
-                x, y = w[C1 + i], w[C2 + i]
-                x, y = a00 * x + (a01 * y + s0), a10 * x + (a11 * y + s1)
-                w[C1 + i], w[C2 + i] = x, y
-                margin = m0 + (m1 * abs(x) + m2 * abs(y))
-                margin = margin if margin < HIGH else NAN
-                w[LIMIT + i], w[NEED + i] = margin, margin - aside * x
-
-
-@lru_cache(maxsize=2)
-def certify_of(upright: bool) -> Callable[..., None]:
-    """Return the question whether a period has no impact."""
-
-    @inlined
-    def begin(w: Any, t: Any, start: int, end: int) -> None:
-        """Set LEAST to the least of the first eight rows."""
-        p, c, r = four(t, P), four(t, Q), four(t, R)
-        p4, c4, r4 = four(t, P + 4), four(t, Q + 4), four(t, R + 4)
-        for base in range(start, end, 16):
-            for k in range(16):
-                i = base + k
-                x, y = w[C1 + i], w[C2 + i]
-                z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                z4 = c4[0] * y + r4[0] if upright else p4[0] * x + (c4[0] * y + r4[0])
-                z5 = c4[1] * y + r4[1] if upright else p4[1] * x + (c4[1] * y + r4[1])
-                z6 = c4[2] * y + r4[2] if upright else p4[2] * x + (c4[2] * y + r4[2])
-                z7 = c4[3] * y + r4[3] if upright else p4[3] * x + (c4[3] * y + r4[3])
-                z0, z1, z2, z3 = lower(z0, z1), lower(z2, z3), lower(z4, z5), lower(z6, z7)
-                w[LEAST + i] = lower(lower(z0, z1), lower(z2, z3))
-
-    @inlined
-    def go_on(w: Any, t: Any, j: int, start: int, end: int) -> None:
-        """Lower LEAST to the four rows from row j on."""
-        p, c, r = four(t, P + j), four(t, Q + j), four(t, R + j)
-        for base in range(start, end, 16):
-            for k in range(16):
-                i = base + k
-                x, y, least = w[C1 + i], w[C2 + i], w[LEAST + i]
-                z0 = c[0] * y + r[0] if upright else p[0] * x + (c[0] * y + r[0])
-                z1 = c[1] * y + r[1] if upright else p[1] * x + (c[1] * y + r[1])
-                z2 = c[2] * y + r[2] if upright else p[2] * x + (c[2] * y + r[2])
-                z3 = c[3] * y + r[3] if upright else p[3] * x + (c[3] * y + r[3])
-                w[LEAST + i] = lower(lower(least, lower(z0, z1)), lower(z2, z3))
-
-    @inlined
-    def certify(w: Any, t: Any, start: int, end: int) -> None:
-        """Ask the certificate about the orbits start to end of a column: LEAST gets the least row.
-
-        LEAST >= NEED is proof that there is no impact in the period. Numbers that are no numbers may drop out of the
-        least, but never with a NEED that is one, see :func:`onward`.
-        """
-        begin(w, t, start, end)
-        for j in range(8, int(t[COUNT]), 4):
-            go_on(w, t, j, start, end)
-
-    return certify
-
-
-certify_upright, certify_any = certify_of(True), certify_of(False)
+        carried(w, q * stride, (q + 1) * stride, C1, C2, NEED, t, ONWARD, MARGIN, HIGH, UPRIGHT)
 
 
 @inlined
 def certify(w: Any, tables: Any, room: int, columns: int, stride: int) -> None:
-    """Ask the certificate about all orbits."""
+    """Ask the certificate about all orbits: FREE gets 1 where there is provably no impact in the period, else -1."""
     for q in range(columns):
         t = behind(tables, q * room)
-        if t[UPRIGHT] > 0.0:
-            certify_upright(w, t, q * stride, (q + 1) * stride)
-        else:
-            certify_any(w, t, q * stride, (q + 1) * stride)
+        rows, upright = int(t[COUNT]), int(t[UPRIGHT])
+        all_passed(w, q * stride, (q + 1) * stride, C1, C2, NEED, FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
 
 
 @inlined
 def locate(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
-    """Find the first rows that the pairs at hand fail: EVENT gets their places, 0 where there is none.
+    """Find the margins of the pairs at hand, and the first rows that they fail.
 
-    Results of a run may be written over by the next.
+    DOUBT gets the margins, EVENT the places of the rows, 0 where there is none. Results of a run may be
+    written over by the next.
     """
     for n in range(count):
         t = behind(tables, int(w[COLUMN + runs[n]]) * room)
         rows, upright = int(t[ROW_COUNT]), int(t[UPRIGHT])
-        for base in range(runs[n], runs[n + 1], 8):
-            first_failed(w, X1 + base, X2 + base, DOUBT + base, EVENT + base, t, ROWS, MAX_ROWS, rows, upright)
+        first_failed(w, runs[n], runs[n + 1], X1, X2, DOUBT, EVENT, t, MARGIN, HIGH, ROWS, MAX_ROWS, rows, upright)
 
 
 @inlined
@@ -195,7 +108,7 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
         rows = int(t[COUNT])
         for i in range(runs[n], runs[n + 1]):
             since, margin = int(w[THEN + i]), w[WIDER + i]
-            passes = passing(t, P + since, MAX_ROWS, rows - since, w[Z1 + i], w[Z2 + i], margin)
+            passes = passing(t, CERTIFICATE + since, MAX_ROWS, rows - since, w[Z1 + i], w[Z2 + i], margin)
             w[REST + left] = float(i)
             left += 0 if passes & (margin < HIGH) else 1
     return left
@@ -209,12 +122,10 @@ def candidates(w: Any, tables: Any, room: int, columns: int, stride: int, starts
         first, t = q * stride, behind(tables, q * room)
         end = first + starts if t[TABLED] > 0.0 else first
         for i in range(end, first + stride):  # nobody is there
-            w[LEAST + i], w[NEED + i] = 0.0, 0.0
+            w[FREE + i] = 1.0
         runs[count] = places
-        for base in range(first, end, 8):
-            places = appended(w, base, LEAST, NEED, (C1, C2, LIMIT, NUMBER), (X1, X2, DOUBT, ORBIT), places)
-        for base in range(runs[count], places, 8):
-            filled(w, COLUMN + base, float(q))
+        places = appended(w, first, end, FREE, (C1, C2, NUMBER), (X1, X2, ORBIT), places)
+        filled(w, COLUMN + runs[count], COLUMN + places, float(q))
         count += 1 if places > runs[count] else 0
     runs[count] = places
     for base in range(0, places, 64):
@@ -230,7 +141,7 @@ def count_hits(w: Any, end: int) -> None:
     for base in range(0, end, 64):
         for k in range(64):
             i = base + k
-            w[HITS + i] = 0.0 if w[LEAST + i] >= w[NEED + i] else 1.0
+            w[HITS + i] = 0.0 if w[FREE + i] > 0.0 else 1.0
 
 
 @inlined

@@ -18,27 +18,27 @@ WIDTH = LANES + 72
 #: Impacts that are solved together, step by step.
 SOME = 24
 
-# Arrays over the orbits of a block: the pair (c1, c2), the margin, what the least row must reach, the least row, the
+# Arrays over the orbits of a block: the pair (c1, c2), what all rows must reach, 1 where they do and -1 where not, the
 # narrowest miss, the slowest impact, the state where the scalar routine is needed, the number of the orbit, how often
 # it hit the wall, where its state is, 1 where the scalar routine is wanted.
-C1, C2, LIMIT, NEED, LEAST, NEAR, SLOW, U, V, NUMBER, HITS, WHERE, WANTED = (i * WIDTH for i in range(13))
+C1, C2, NEED, FREE, NEAR, SLOW, U, V, NUMBER, HITS, WHERE, WANTED = (i * WIDTH for i in range(12))
 # Arrays over the impacts at hand: pair, margin, which orbit, how many impacts it had in this period, the place of what
 # comes next, its cell, where the cell begins in the tables, the cell of the impact before, the column;
-X1, X2, DOUBT, ORBIT, MET, EVENT, INSIDE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(13, 23))
+X1, X2, DOUBT, ORBIT, MET, EVENT, INSIDE, RECORD, BACK, COLUMN = (i * WIDTH for i in range(12, 22))
 # constants of the column in the order of the table: alpha, k^2, F0, omega^2, max|F|, how far a velocity carries, the
 # slowest impact allowed, the growth of errors there, its rate, alpha^2/4 - k^2, 1 less the contraction of the law;
-A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in range(23, 34))
+A, K, F, W2, M, FAR, SLOWEST_ALLOWED, WORSE, RATE, Q2, GAP = (i * WIDTH for i in range(22, 33))
 # where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
 # acceleration, 1 where proven,
-SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(34, 42))
+SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(33, 41))
 # after the impact: pair, margin (NaN where the ball does not fly), the speed of the impact; the list of those that do
 # not fly free to the end of the period, and the margins of those that may pass the wall without an impact;
-Z1, Z2, WIDER, SPEED, REST, CLEARANCE = (i * WIDTH for i in range(42, 48))
+Z1, Z2, WIDER, SPEED, REST, CLEARANCE = (i * WIDTH for i in range(41, 47))
 # derivatives 0 to 13 of the flight at the middle of the cell;
-Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(48, 62))
+Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(47, 61))
 # the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window,
 # the inverse of the Wronskian, the row of the certificate to go on with; the harmonics.
-YM, VM, B1, D1, B2, D2, UNTIL, ROOM, UNMIX, THEN, WAVES = (i * WIDTH for i in range(62, 73))
+YM, VM, B1, D1, B2, D2, UNTIL, ROOM, UNMIX, THEN, WAVES = (i * WIDTH for i in range(61, 72))
 
 NAN = float("nan")
 #: Above every row that counts; a margin above this would let rows overflow.
