@@ -156,7 +156,7 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "
     if inlined:
         options["forceinline"] = True
     own = function.__module__.partition(".")[0] == "grazing"
-    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, own))(resolved)
+    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, inlined, own))(resolved)
     if entry:
         _attach_cache(dispatcher, resolved, content + repr(options), announce)
     return dispatcher

@@ -15,6 +15,7 @@ from grazing.kernel.primitives import at, built, inlined, replaced
 BLOCK = 64
 
 
+@inlined
 def column(lanes: Any, j: int, zero: tuple[float, ...], first: int = 0) -> tuple[float, ...]:
     """Return lane j of an array of shape (rows, lanes), from row ``first`` on, as a tuple as long as ``zero``."""
     state = zero
@@ -23,6 +24,7 @@ def column(lanes: Any, j: int, zero: tuple[float, ...], first: int = 0) -> tuple
     return state
 
 
+@inlined
 def put(lanes: Any, j: int, state: tuple[float, ...]) -> None:
     """Write a state into lane j of an array of shape (dimension, lanes)."""
     for i in range(len(state)):
@@ -83,6 +85,7 @@ def loop_of(
     constants = prepare if prepare is not None else _same
     packed = prepare is None
 
+    @inlined
     def own(c: Any, x: Any, j: int) -> Any:
         return built(kind, column(x, j, blank, dimension))
 
