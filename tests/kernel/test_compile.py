@@ -13,6 +13,7 @@ import pytest
 
 import grazing
 from grazing.kernel.compile import cache_folder, call, compiled, digest
+from grazing.kernel.primitives import inlined
 from grazing.outcome import InputError, UserCodeError
 
 SOURCE = str(Path(grazing.__file__).parents[1])
@@ -232,3 +233,13 @@ def test_compiled_kernels_release_the_lock():
     entry = compiled(outer)
     assert entry.targetoptions["nogil"] is True
     assert np.isfinite(entry(1.0))
+
+
+def test_a_mark_changes_the_hash():
+    """Code that is compiled into its caller may be contracted with it: in fast arithmetic its bits can differ."""
+
+    def marked(x):
+        return 2.0 * x
+
+    before = digest(marked)
+    assert digest(inlined(marked)) != before

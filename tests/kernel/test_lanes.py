@@ -1,8 +1,5 @@
 """The loop over lanes: order, blocks, folding of outcomes."""
 
-import math
-import os
-import platform
 from collections import namedtuple
 
 import numpy as np
@@ -117,22 +114,3 @@ def test_rows_become_named_tuples_and_columns_states():
     assert (p.a, p.b, state) == (1.0, 2.0, (4.0, 6.0))
     assert entry(row, lanes) == (Pair(1.0, 2.0), (4.0, 6.0))
     assert built(Pair, (1.0, 2.0)) == Pair(1.0, 2.0)
-
-
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="knows the instructions of this family")
-@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
-def test_lanes_are_computed_side_by_side(arithmetic):
-    """A loop that the compiler fails to recognise takes four times as long, and nothing else would show it."""
-    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p-4")  # no kernel on the disk has it
-    Pair = namedtuple("Pair", "a b")
-
-    def step(state, p):
-        x = state[0]
-        right = x > 0.0
-        return (p.a - p.b - math.sqrt(x) if right else p.a * x + unseen,), 1 if right else 0, 0
-
-    entry = runner(step, None, Pair, 1, arithmetic)
-    rows, starts = np.array([[0.3, 0.1]]), np.linspace(-0.1, 0.1, 70).reshape(1, 1, 70)
-    entry(rows, starts, 3, np.empty((1, 2, 1, 70)), np.empty((1, 2, 70), np.int64), np.zeros((1, 1, 70), np.int64))
-    (code,) = entry.inspect_asm().values()
-    assert "sqrtpd" in code

@@ -156,7 +156,7 @@ def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "
     if inlined:
         options["forceinline"] = True
     own = function.__module__.partition(".")[0] == "grazing"
-    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, inlined, own))(resolved)
+    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, own))(resolved)
     if entry:
         _attach_cache(dispatcher, resolved, content + repr(options), announce)
     return dispatcher
@@ -250,6 +250,7 @@ def _content(value: Any, above: tuple[Any, ...]) -> Any:
         code = value.__code__
         names = sorted(_names(code) & value.__globals__.keys())
         return (
+            getattr(value, "inlined", False),
             _code_content(code),
             [(name, _content(value.__globals__[name], below)) for name in names],
             [_content(cell.cell_contents, below) for cell in value.__closure__ or ()],

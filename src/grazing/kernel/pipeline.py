@@ -39,20 +39,17 @@ def uncollected() -> Iterator[None]:
 
 
 @cache
-def pipeline(linked: bool, optimised: bool, own: bool) -> Any:
+def pipeline(linked: bool, own: bool) -> Any:
     """Return the compiler for a function.
 
     Parameters
     ----------
     linked : bool
-        Whether the function is only ever linked into others: no machine code is made of it.
-    optimised : bool
-        Whether such a function is optimised before that; else with its callers only. What goes into loops must be: the
-        loop is not recognised for what it is before.
+        Whether the function is only ever linked into others: it is optimised with them, not by itself.
     own : bool
         Whether it is one of the library's: what others wrote may need every pass.
     """
-    return type("Pipeline", (_pipeline(),), {"linked": linked, "optimised": optimised, "own": own})
+    return type("Pipeline", (_pipeline(),), {"linked": linked, "own": own})
 
 
 @cache
@@ -76,15 +73,12 @@ def _pipeline() -> Any:
     class Linked(JITCodeLibrary):  # type: ignore[misc]
         """Code to be linked into other code."""
 
-        optimised: bool
-
         @property
         def codegen(self) -> Any:
             return Unnamed()
 
         def _optimize_final_module(self) -> None:
-            if self.optimised:
-                super()._optimize_final_module()
+            pass
 
         def _finalize_final_module(self) -> None:
             self._finalize_dynamic_globals()
@@ -139,7 +133,6 @@ def _pipeline() -> Any:
         """The usual passes, or those that are needed."""
 
         linked: bool
-        optimised: bool
         own: bool
 
         def _compile_core(self) -> Any:
@@ -151,7 +144,6 @@ def _pipeline() -> Any:
             if self.linked and self.state.library is None:
                 generator = self.state.targetctx.codegen()
                 self.state.library = Linked(generator, self.state.func_id.func_qualname)
-                self.state.library.optimised = self.optimised
             usual = super().define_pipelines()
             if not self.own:
                 return usual
