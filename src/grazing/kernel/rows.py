@@ -72,7 +72,7 @@ def carried(
 ) -> None:  # fmt: skip
     """Take the pairs from ``start`` to ``end`` through a map, and find what they need.
 
-    At ``to`` stands the map, row by row: x goes to s + (a x + (b y)), and y so, too. ``work[need + i]`` gets the limit
+    At ``to`` stands the map, row by row: x goes to a x + (b y + s), and y so, too. ``work[need + i]`` gets the limit
     of :func:`first_failed` less ``table[aside]`` times x.
     """
     s0, a00, a01, s1, a10, a11 = table[to], table[to + 1], table[to + 2], table[to + 3], table[to + 4], table[to + 5]

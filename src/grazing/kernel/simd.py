@@ -1,6 +1,6 @@
 """What the compiled forms of vector operations are written with: numbers side by side, as wide as the processor takes.
 
-Only those forms import this file, and numba with it.
+It imports numba: those who need it import it late.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-ANNOUNCEMENT = "compiling the oscillator's kernel, up to fifteen seconds, once on this machine"
+ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
