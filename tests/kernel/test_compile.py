@@ -121,6 +121,8 @@ def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
     ("name", "home", "function", "line", "edit", "before", "after"),
     [
         ("primitives", "primitives", "at", "return args[0]", "return _builder.add(args[0], args[0])", 2.0, 4.0),
+        ("turns", "turns", "eights", "max(turns //", "min(turns //", 2.0, 2.0),
+        ("simd", "turns", "eights", "number, whole, short = ", "number, whole, short  = ", 2.0, 2.0),
         ("simd", "rows", "first_bit", 'name = f"llvm.fabs', 'name = f"llvm.sqrt', 1, 1),
         ("pipeline", "rows", "first_bit", '"with_lifting", ', "", 1, 1),
         ("rows", "rows", "first_bit", "builder.cttz(args[0], ir.Constant(ir.IntType(1), 0))", "args[0]", 1, 2),

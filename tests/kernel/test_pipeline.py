@@ -61,6 +61,21 @@ def test_operators_are_those_of_numba(own, x):
     assert compiled(function)(x, 9) == wanted == pytest.approx(mixed(x, 9), rel=1e-14)
 
 
+def test_registers_that_are_put_on_the_stack_lie_in_one_line_of_the_cache():
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")
+
+    def outer(x):
+        return unseen * x
+
+    outer.__module__ = "grazing.tried"
+    entry = compiled(outer)
+    assert entry(2.0) == 2.0 * unseen
+    (found,) = entry.overloads.values()
+    able = found.library.codegen.magic_tuple()[2]
+    wide = 64 if "+avx512f" in able else 32 if "+avx" in able else 0
+    assert (f"alignstack={wide} " in found.library.get_llvm_str()) == (wide > 0)
+
+
 def test_laws_of_others_may_hold_what_kernels_do_not():
     def listed(x):
         steps = [x * k for k in range(4)]

@@ -33,7 +33,7 @@ from grazing.outcome import InputError, UserCodeError
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
 #: The functions of these modules have a compiled form of their own and are not compiled from their source.
-PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.rows", "grazing.kernel.vectors")
+PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.turns", "grazing.kernel.rows", "grazing.kernel.vectors")
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
 LAYOUT = 3
 
@@ -94,8 +94,8 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     function : callable
         A plain Python function, see :func:`compiled`.
     signature : {"value", "sweep"}
-        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row)``. ``row`` and ``work`` are addresses
-        of numbers.
+        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row, a, b)``. ``row`` and ``work`` are
+        addresses of numbers.
     arithmetic : {"strict", "fast"}
     who : str
         Who is to blame if it does not compile.
@@ -110,8 +110,9 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
         return float(len(pointed) - 1)
     from numba import types
 
-    numbers = types.CPointer(types.float64)
-    wanted = {"value": (types.float64, numbers), "sweep": (numbers, types.int64, types.int64, numbers)}[signature]
+    number, count, numbers = types.float64, types.int64, types.CPointer(types.float64)
+    kinds = {"value": (number, numbers), "sweep": (numbers, count, count, numbers, number, number)}
+    wanted = kinds[signature]
     entry: Any = compiled(function, arithmetic)
     with _lock:
         call(entry.compile, wanted, who=who)
@@ -335,7 +336,8 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
     import numba
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
-    versions = f"{LAYOUT} {_text(pipeline.__module__)} {numba.__version__} {llvmlite.__version__}"
+    ways = _text(pipeline.__module__) + _text("grazing.kernel.simd")
+    versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__}"
     stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
 
     class Implementation(CompileResultCacheImpl):  # type: ignore[misc]

@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+from grazing.kernel.turns import take_at_once
+
 #: Passes of numba that find nothing to do in a kernel of the library.
 IDLE = frozenset(
     {
@@ -63,6 +65,8 @@ def _pipeline() -> Any:
     from numba.core.compiler_machinery import PassManager, register_pass
     from numba.core.typed_passes import NativeLowering
     from numba.core.types import Function
+
+    from grazing.kernel.simd import register_bytes
 
     class Unnamed:
         """What stands for the code generator where an environment is to be entered: there is no code to enter it in."""
@@ -120,6 +124,15 @@ def _pipeline() -> Any:
             signature = Remembering(self.context.typing_context).resolve_function_type(function, signature.args, {})
             value = self.context.get_function(function, signature)(self.builder, values)
             return self.context.cast(self.builder, value, signature.return_type, result)
+
+        def lower_function_body(self) -> Any:
+            tail = super().lower_function_body()
+            take_at_once(self.function, self.blkmap[self.firstblk])
+            wide = register_bytes(self.context)
+            if wide > 16:  # or registers that are put on the stack lie across two lines of the cache
+                self.function.attributes.add("nounwind")
+                self.function.attributes.alignstack = wide
+            return tail
 
     @register_pass(mutates_CFG=True, analysis_only=False)
     class Lowering(NativeLowering):  # type: ignore[misc]

@@ -20,9 +20,15 @@ def features(context: Any) -> str:
     return str(context.codegen().magic_tuple()[2])
 
 
+def register_bytes(context: Any) -> int:
+    """Return how long a register is."""
+    able = features(context)
+    return 64 if "+avx512f" in able else 32 if "+avx" in able else 16
+
+
 def width_for(context: Any) -> int:
     """Return how many numbers a register holds, at least four: what is wider than a register takes several."""
-    return 8 if "+avx512f" in features(context) else 4
+    return max(register_bytes(context) // 8, 4)
 
 
 class Lanes:

@@ -1,0 +1,106 @@
+"""Loops of which several turns are taken at once: the same numbers, in vectors side by side."""
+
+import os
+import re
+from itertools import groupby
+
+import numpy as np
+import pytest
+from llvmlite import binding
+
+from grazing.kernel.compile import compiled
+from grazing.kernel.primitives import numbers
+from grazing.kernel.turns import eights, fours
+
+FEATURES = binding.get_host_cpu_features()
+
+
+def chain(x):
+    """A chain of operations, none of which can be left out."""
+    for _ in range(12):
+        x = x * x - 1.37
+    return x
+
+
+def by_fours(work, n):
+    w = numbers(work)
+    for base in range(0, n, 16):
+        for k in range(16):
+            i = base + fours(k)
+            w[i] = chain(w[i])
+
+
+def by_eights(work, n):
+    w = numbers(work)
+    for base in range(0, n, 16):
+        for k in range(16):
+            i = base + eights(k)
+            w[i] = chain(w[i])
+
+
+def within(work, n):
+    """Marks of two loops, one inside a loop that has none, behind a question."""
+    w = numbers(work)
+    for base in range(0, n, 16):
+        if base != 16:
+            for k in range(16):
+                i = base + eights(k)
+                w[i] = chain(w[i])
+        for k in range(8):
+            w[base + fours(k)] += 1.0
+
+
+for sweep in (by_fours, by_eights, within):
+    sweep.__module__ = "grazing.tried"  # marks count in kernels of the library
+
+
+@pytest.mark.parametrize("sweep", [by_fours, by_eights, within])
+@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
+def test_the_numbers_are_those_of_one_turn_after_the_other(sweep, arithmetic):
+    work = np.random.default_rng(3).uniform(-0.9, 0.9, 48)
+    plain, fast = work.copy(), work.copy()
+    sweep(plain, 48)
+    compiled(sweep, arithmetic)(fast, 48)
+    if arithmetic == "strict":
+        assert np.array_equal(plain, fast)
+    else:
+        np.testing.assert_allclose(plain, fast, rtol=1e-9)
+
+
+@pytest.mark.skipif(not FEATURES.get("avx2") or FEATURES.get("avx512f"), reason="counts registers of four numbers")
+@pytest.mark.parametrize(("turns", "vectors"), [(4, 1), (8, 2)])
+def test_so_many_vectors_stand_side_by_side(turns, vectors):
+    """Of each operation there are so many in the loop, one after the other, before the next operation."""
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")  # no kernel on the disk has it
+
+    def turn(w, i):
+        x = w[i]
+        for _ in range(12):
+            x = x * x - unseen
+        w[i] = x
+
+    def in_fours(work, n):
+        for base in range(0, n, 16):
+            for k in range(16):
+                turn(numbers(work), base + fours(k))
+
+    def in_eights(work, n):
+        for base in range(0, n, 16):
+            for k in range(16):
+                turn(numbers(work), base + eights(k))
+
+    sweep = in_fours if turns == 4 else in_eights
+    sweep.__module__ = "grazing.tried"  # marks count in kernels of the library
+    entry = compiled(sweep)
+    entry(np.zeros(16), 16)
+    (found,) = entry.overloads.values()
+    operations = re.findall(r"= (fmul|fadd) <4 x double>", found.library.get_llvm_str())
+    assert {len(list(alike)) for _name, alike in groupby(operations)} == {vectors}
+
+
+def test_a_mark_outside_of_every_loop_is_no_matter():
+    def twice(k):
+        return eights(k) + fours(k)
+
+    twice.__module__ = "grazing.tried"
+    assert compiled(twice)(3) == 6
