@@ -38,17 +38,17 @@ def other_law(v, row):
     return row[1] - row[0] * v
 
 
-def sweep(work, start, end, row):
+def sweep(work, start, end, row, a, b):
     for i in range(start, end):
-        work[i] = row[0] * work[i] + row[1]
+        work[i] = row[0] * work[i] + row[1] + a - b * b
 
 
 def calls(function, v, row):
     return called(function, v, row)
 
 
-def calls_for_all(function, work, start, end, row):
-    called_for_all(function, numbers(work), start, end, row)
+def calls_for_all(function, work, start, end, row, a, b):
+    called_for_all(function, numbers(work), start, end, row, a, b)
 
 
 def in_plain_python(monkeypatch, function, signature):
@@ -92,10 +92,10 @@ def test_an_address_is_a_whole_number_that_a_float_holds():
 def test_a_loop_by_its_address(monkeypatch, start, end):
     work = np.random.default_rng(1).normal(size=7)
     expected = work.copy()
-    expected[start:end] = ROW[0] * expected[start:end] + ROW[1]
+    expected[start:end] = ROW[0] * expected[start:end] + ROW[1] + 2.5 - 0.25
     plain, fast = work.copy(), work.copy()
-    calls_for_all(in_plain_python(monkeypatch, sweep, "sweep"), plain, start, end, WHERE)
-    compiled(calls_for_all)(address(sweep, "sweep"), fast, start, end, WHERE)
+    calls_for_all(in_plain_python(monkeypatch, sweep, "sweep"), plain, start, end, WHERE, 2.5, 0.5)
+    compiled(calls_for_all)(address(sweep, "sweep"), fast, start, end, WHERE, 2.5, 0.5)
     assert np.array_equal(plain, expected)
     assert np.array_equal(fast, expected)
 

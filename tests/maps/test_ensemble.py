@@ -349,7 +349,7 @@ def test_the_hash_of_the_kernel_sees_every_source_below_it(monkeypatch):
         (contact, "lowest", other),
         (period, "MAX_SWINGS", 7),
         (flight, "exp", other),
-        (cells, "basis", other),
+        (cells, "put_points", other),
         (taylor.expand, "__code__", other.__code__),
         (elementary.sincos, "__defaults__", (1.0,)),
     )
@@ -378,7 +378,7 @@ def one(where, v, row):
     return called(where, v, row)
 
 def many(where, work, row):
-    called_for_all(where, numbers(work), 0, 1, row)
+    called_for_all(where, numbers(work), 0, 1, row, 0.0, 0.0)
 
 places = law_addresses(law, difference_of(law), "mine", parameter_tuple(("r",)), "strict")
 row = np.array([0.5])

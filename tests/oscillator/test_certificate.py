@@ -16,8 +16,10 @@ from grazing.oscillator.cells import (
     MARGIN,
     MAX_ROWS,
     NEVER,
+    POINTS,
     ROW_COUNT,
     ROWS,
+    TABLED,
     THEN,
     UPRIGHT,
     cell_size,
@@ -35,6 +37,7 @@ from grazing.oscillator.workspace import (
     NEED,
     REST,
     WIDER,
+    WIDTH,
     X1,
     X2,
     Z1,
@@ -50,7 +53,7 @@ N = 32  # orbits asked: whole vectors
 def table_of(name):
     c = packed(gz.stroboscopic_map(MODELS[name]))
     t = np.zeros(table_size(len(c.cos)))
-    assert fill_table(t, c, 1.0)
+    assert fill_table(t, np.zeros(8 * POINTS), c, 1.0)
     return t
 
 
@@ -132,7 +135,7 @@ def test_longer_chords_ask_for_more(name):
 def asks(work, table, runs, since, events):
     """Ask all questions: the answers to each are left in ``work``."""
     w, t, room = numbers(work), numbers(table), len(table)
-    certify(w, t, room, 1, N)
+    certify(w, t, room, 1, N, N)
     locate(w, t, room, numbers(runs), 1)
     for i in range(N):
         events[i] = next_event(t, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
@@ -166,13 +169,14 @@ def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic)
     clear = ~(np.abs(lowest) < 1e-14 * np.nanmax(np.abs(heights)))
     assert set(lowest[clear] >= 0.0) == {True, False}
     for upright in {0.0, t[UPRIGHT]}:
-        w, events = np.zeros(workspace_size(3)), np.zeros(N)
+        w, events, runs = np.zeros(workspace_size(3)), np.zeros(N), np.zeros(2 * WIDTH, np.int64)
         t[UPRIGHT] = upright
         for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (WIDER, wider)):
             w[start : start + N] = values
         w[workspace.THEN : workspace.THEN + N] = thens(t, name)[inside]
+        runs[:2], t[TABLED] = (0, N), 1.0
         w[NEED : NEED + N] = np.where(np.isfinite(x + y), 1e-9 - upright * x, np.nan)
-        left = compiled(asks, arithmetic)(w, t, np.array([0, N]), since, events)
+        left = compiled(asks, arithmetic)(w, t, runs, since, events)
         passed, event = (w[start : start + N] for start in (FREE, EVENT))
         assert np.array_equal(passed[clear], np.where(lowest[clear] >= 0.0, 1.0, -1.0))
         assert np.array_equal(event, first)

@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from grazing.kernel.compile import compiled
-from grazing.oscillator.taylor import bends, cosh_root, expand, impulse, rough, sinhc_root, value
+from grazing.oscillator.taylor import bends, coarse, cosh_root, expand, impulse, rough, sinhc_root, value
 
 #: Damping, stiffness: over-damped, critical, nearly so, under-damped, undamped, free; their fastest rates are below.
 DAMPINGS = ((3.0, 1.0), (2.0, 1.0), (2.0, 1.0 + 1e-9), (0.2, 3.0), (0.0, 2.2), (0.7, 0.0), (0.0, 0.0), (40.0, 1.0))
 #: (fastest rate) * (time from the middle) up to which a series is used.
 FAR = 0.3
 #: Which derivative each function returns, and the power of that time of the first term left out.
-FIRST_LEFT_OUT = {value: ((0, 14), (1, 13)), rough: ((0, 7), (1, 6)), bends: ((2, 7), (3, 5))}
+FIRST_LEFT_OUT = {
+    value: ((0, 14), (1, 13)), rough: ((0, 7), (1, 6)), coarse: ((0, 5), (1, 4)), bends: ((2, 7), (3, 5)),
+}  # fmt: skip
 
 
 class Flight:
@@ -114,7 +116,7 @@ def test_functions_of_the_root_of_a_number_of_either_sign(z):
 def test_compiled_and_plain_agree_to_the_last_bit():
     def entry(y, v, alpha, k2, F, s):
         a = expand(y, v, alpha, k2, F)
-        return value(a, s), rough(a, s), bends(a, s), impulse(s, alpha, 0.25 * alpha * alpha - k2)
+        return value(a, s), rough(a, s), coarse(a, s), bends(a, s), impulse(s, alpha, 0.25 * alpha * alpha - k2)
 
     random = np.random.default_rng(0)
     for _ in range(20):

@@ -38,6 +38,7 @@ from grazing.oscillator.block import (
 from grazing.oscillator.cells import (
     BAND,
     CERTIFICATE,
+    FORCE,
     GO_ON,
     HOLDING,
     LAW,
@@ -45,10 +46,12 @@ from grazing.oscillator.cells import (
     MAX_ROWS,
     NEEDY,
     PAIR,
+    RATE,
     SIGMA,
     STATE,
     TABLED,
     UPRIGHT,
+    WHICH,
     fill_table,
     table_size,
 )  # fmt: skip
@@ -57,6 +60,7 @@ from grazing.oscillator.certificate import (
     certify,
     certify_rest,
     count_hits,
+    describe,
     locate,
     next_event,
     onward,
@@ -88,8 +92,10 @@ from grazing.oscillator.workspace import (
     WHEN,
     WHERE,
     WIDER,
+    WIDTH,
     X1,
     X2,
+    Y0,
     Z1,
     Z2,
     U,
@@ -145,7 +151,8 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
             t[LAW], t[HOLDING] = c.p.row, 1.0
-            t[TABLED] = 1.0 if blocks and fill_table(t, c, c.p.ratio) else 0.0
+            t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, Y0), c, c.p.ratio) else 0.0
+            t[WHICH] = float(q)
             for j in range(stride):
                 i = q * stride + j
                 w[C1 + i], w[C2 + i], w[WANTED + i] = 0.0, 0.0, 0.0
@@ -185,21 +192,19 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 w[WHERE + i], w[WANTED + i] = held_back(w, i, t), 0.0
 
     @inlined
-    def impacts(
-        w: Any, tables: Any, runs: Any, columns: int, stride: int, starts: int, strike: float, counted: bool
-    ) -> None:
+    def impacts(w: Any, tables: Any, runs: Any, columns: int, stride: int, strike: float, counted: bool) -> None:
         """Take the orbits that hit to the end of the period, all their next impacts together."""
-        places, several = candidates(w, tables, room, columns, stride, starts, runs)
+        places, several = candidates(w, columns, stride, runs)
         if counted:
             count_hits(w, columns * stride)
         locate(w, tables, room, runs, several)
         first = True
         while places > 0:
-            look_up(w, tables, room, runs, several, harmonics)
+            look_up(w, tables, room, places, harmonics)
             solve(w, places)
             for n in range(several):
-                law = tables[int(w[COLUMN + runs[n]]) * room + LAW]
-                called_for_all(strike, w, runs[n], runs[n + 1], law)
+                t = behind(tables, runs[WIDTH + n] * room)
+                called_for_all(strike, w, runs[n], runs[n + 1], t[LAW], t[RATE], t[FORCE])
             kick(w, places)
             left = certify_rest(w, tables, room, runs, several)
             if first:  # most orbits hit once and are done: as if all were
@@ -238,6 +243,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 else:
                     w[C1 + i], w[C2 + i], w[HITS + i] = x, y, met
             several = runs_of(w, places, runs)
+            describe(w, tables, room, runs, several)
 
     @inlined
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
@@ -262,13 +268,13 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         for n in range(transient + stop - start):
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
-            certify(w, tables, room, columns, stride)
+            certify(w, tables, room, columns, stride, starts)
             for q in range(columns):
                 t = behind(tables, q * room)
                 t[NEEDY] = 0.0 if t[TABLED] > 0.0 else float(starts)
                 for i in range(q * stride, q * stride if t[TABLED] > 0.0 else q * stride + starts):
                     w[WANTED + i] = 1.0
-            impacts(w, tables, runs, columns, stride, starts, strike, kept >= 0)
+            impacts(w, tables, runs, columns, stride, strike, kept >= 0)
             for q in range(columns):
                 t = behind(tables, q * room)
                 if t[NEEDY] > 0.0:

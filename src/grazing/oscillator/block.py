@@ -14,10 +14,11 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import behind, inlined
-from grazing.kernel.vectors import handed_back, spread, transposed
-from grazing.oscillator.cells import ALPHA, CELLS, CONSTANTS, cell_size
-from grazing.oscillator.taylor import bends, expand, impulse, rough, value
+from grazing.kernel.primitives import inlined
+from grazing.kernel.turns import eights, fours
+from grazing.kernel.vectors import handed_back, transposed
+from grazing.oscillator.cells import CELLS, cell_size
+from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, value
 from grazing.oscillator.workspace import (
     AFTER,
     B1,
@@ -32,7 +33,6 @@ from grazing.oscillator.workspace import (
     D2,
     DOUBT,
     EVENT,
-    FAR,
     FREE,
     GAP,
     HIGH,
@@ -44,8 +44,7 @@ from grazing.oscillator.workspace import (
     ORBIT,
     PROVEN,
     PULL,
-    Q2,
-    RATE,
+    PUSH,
     RECORD,
     REST,
     ROOM,
@@ -86,7 +85,6 @@ from grazing.oscillator.workspace import (
     A,
     F,
     K,
-    M,
 )  # fmt: skip
 
 INFINITY = float("inf")
@@ -106,22 +104,19 @@ def placed(
 
 
 @inlined
-def look_up(w: Any, tables: Any, room: int, runs: Any, count: int, harmonics: int) -> None:
-    """Give each place the constants of its column and the cell of its event.
+def look_up(w: Any, tables: Any, room: int, places: int, harmonics: int) -> None:
+    """Give each place the cell of its event.
 
     The cell of the impact just before is looked into from there on. Nothing is ever found for an event at the strobe:
     that is not for the block to decide.
     """
-    size, places = cell_size(harmonics), runs[count]
+    size = cell_size(harmonics)
     for base in range(0, places, 32):
         for k in range(32):
             i = base + k
             cell = max(0.0, (0.5 * w[EVENT + i] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
             w[INSIDE + i] = cell
             w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size)
-    for n in range(count):
-        t = behind(tables, int(w[COLUMN + runs[n]]) * room)
-        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
     for base in range(0, places, 8):
         for h in range(0, size, 4):
             transposed(w, YM + h * WIDTH + base, WIDTH, tables, RECORD + base, h)
@@ -214,16 +209,17 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     def begin(w: Any, base: int) -> None:
         """Guess the impacts from position, velocity and acceleration."""
         for k in range(SOME):
-            i, y = base + k, unfolded(w, base + k)
+            i = base + eights(k)
+            y = unfolded(w, i)
             w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
 
     @inlined
     def improve(w: Any, base: int) -> None:
-        """Take a step of Newton's method on the first seven derivatives."""
+        """Take a step of Newton's method on the first five derivatives, to about four digits."""
         for k in range(SOME):
-            i = base + k
+            i = base + eights(k)
             s = w[WHEN + i]
-            y, v = rough(unfolded(w, i), s)
+            y, v = coarse(unfolded(w, i), s)
             inverse = 1.0 / v
             w[INVERSE + i] = inverse
             w[WHEN + i] = clamped(s - y * inverse, w[SINCE + i], w[UNTIL + i])
@@ -232,7 +228,7 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     def improve_again(w: Any, base: int) -> None:
         """Take another one, to about eight digits; the inverse of the velocity needs no division any more."""
         for k in range(SOME):
-            i = base + k
+            i = base + eights(k)
             s, inverse = w[WHEN + i], w[INVERSE + i]
             y, v = rough(unfolded(w, i), s)
             inverse = inverse * (2.0 - v * inverse)
@@ -256,7 +252,7 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         cell and fast enough for rounding, is the impact.
         """
         for k in range(SOME):
-            i = base + k
+            i = base + eights(k)
             y, v, acceleration, jerk = w[AFTER + i], w[BEFORE + i], w[PULL + i], w[STEEP + i]
             s, inverse = w[WHEN + i], w[INVERSE + i]
             low, high = w[SINCE + i], w[UNTIL + i]
@@ -296,16 +292,16 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
 
 @inlined
 def kick(w: Any, count: int) -> None:
-    """Find the flights after the impacts at hand; WIDER gets NaN where that is not to be done here."""
+    """Find the flights after the impacts at hand; WIDER gets no finite number where that is not to be done here."""
     for base in range(0, count, 8):
         for k in range(8):
-            i = base + k
+            i = base + eights(k)
             v, u, alpha = w[BEFORE + i], w[AFTER + i], w[A + i]
             s, room = w[WHEN + i], w[ROOM + i]
             # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
             press = -(w[PULL + i] + alpha * v)
             ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[GAP + i])
-            y, d = impulse(s, alpha, w[Q2 + i])
+            y, d = impulse(s, alpha, 0.25 * (alpha * alpha) - w[K + i])
             change = u - v
             scale = change * w[UNMIX + i]
             z1 = w[X1 + i] + (w[D2 + i] * y - w[B2 + i] * d) * scale
@@ -314,9 +310,9 @@ def kick(w: Any, count: int) -> None:
             flies = (w[PROVEN + i] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
             # what an impact makes of the errors before it, see next_launch in contact.py
             worse, steep = w[WORSE + i], 1.0 + w[STEEP + i]
-            carried = worse * u + (w[FAR + i] * w[M + i] + change) * steep
-            wider = w[DOUBT + i] * (worse * steep - carried * w[INVERSE + i])
-            w[WIDER + i] = wider if flies else NAN
+            carried = worse * u + (w[PUSH + i] + change) * steep
+            inverse = w[INVERSE + i] if flies else -INFINITY  # a NaN would make the compiler skip what leads to it
+            w[WIDER + i] = w[DOUBT + i] * (worse * steep - carried * inverse)
             w[SPEED + i] = -v if flies else INFINITY
 
 
@@ -394,20 +390,20 @@ def dip(w: Any, count: int) -> None:
 
 @lru_cache(maxsize=256)
 def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable[..., None]:
-    """Return ``strike(work, start, end, row)``: the reset law for impacts at hand of one column.
+    """Return ``strike(work, start, end, row, rate, force)``: the reset law for impacts at hand of one column.
 
     AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity makes AFTER
     NaN: that is left to the scalar routine.
     """
 
-    def strike(w: Any, start: int, end: int, row: Any) -> None:
+    def strike(w: Any, start: int, end: int, row: Any, rate: float, force: float) -> None:
         p = unpack(row)
-        for base in range(start, end, 8):  # what runs over the end is for the next column
-            for k in range(8):
-                j = base + k
+        for base in range(start, end, 4):  # what runs over the end is for the next column
+            for k in range(4):
+                j = base + fours(k)
                 v = w[BEFORE + j]
                 # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                error = w[DOUBT + j] * (w[RATE + j] - w[M + j] * w[INVERSE + j]) * 0.015625
+                error = w[DOUBT + j] * (rate - force * w[INVERSE + j]) * 0.015625
                 h = min(max(1e-8 * -v, error), -v)
                 u, less, more = law(v, p), law(v - h, p), law(v + h, p)
                 w[STEEP + j] = abs(less - more) / h

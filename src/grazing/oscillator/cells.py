@@ -29,11 +29,11 @@ MAX_CELLS = 96
 #: Decay of the fast mode over a period beyond which the pair (c1, c2) would lose its digits.
 MAX_DECAY = 30.0
 
-# ---- where things stand in a table: the constants of the parameter value, the last being how far a velocity carries,
-# the slowest impact to be solved here, the growth of errors there, its rate, alpha^2/4 - k^2, and 1 less the
-# contraction of the law near zero speed;
-ALPHA, K2, F0, OMEGA2, FORCE, LEVER, SLOWEST, GROWTH, RATE, SQUARE, GAP = range(11)
-CONSTANTS = 11
+# ---- where things stand in a table: the constants that each impact needs, the last being what the force can do to a
+# velocity, the slowest impact to be solved here, the growth of errors there, 1 less the contraction of the law near
+# zero speed, and which column of a block this is; then the rate of that growth, and the bound on the force;
+ALPHA, K2, F0, OMEGA2, PUSH, SLOWEST, GROWTH, GAP, WHICH, RATE, FORCE = range(11)
+CONSTANTS = 9
 # margin = MARGIN[0] + MARGIN[1] |c1| + MARGIN[2] |c2|; the band;
 MARGIN, BAND = 11, 14
 # one period on: c -> s + A c, row by row; states from pairs: (u - sigma, v) = (y0 + y1 c1 + y2 c2, ...); pairs from
@@ -56,6 +56,10 @@ GO_ON = ROWS + 4 * MAX_ROWS
 CELLS = GO_ON + MAX_CELLS
 HALF, TIME_LEFT, UNMIX, THEN = 6, 7, 8, 9
 CELL = 10
+# The points of a window while a table is filled, ends and middles of its cells: Y, Y', b1, b1', b2, b2' there, and the
+# sine and cosine of the forcing's phase.
+POINTS = 2 * MAX_CELLS + 8
+Y, DY, B1, D1, B2, D2, SINE, COSINE = (i * POINTS for i in range(8))
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
@@ -77,42 +81,34 @@ def exponential(c: Constants) -> bool:
     return c.q2 * c.T * c.T >= 1.0
 
 
-class Instant(NamedTuple):
-    """Sine and cosine of the forcing's phase, and e^{l1 t}, e^{l2 t} where these are the free flights."""
-
-    sine: float
-    cosine: float
-    e1: float
-    e2: float
-
-
-def instant(t: float, phase: float, c: Constants) -> Instant:
-    """Return the instant at local time t, with the given phase of the forcing."""
-    sine, cosine = sincos(phase)
-    if exponential(c):
-        return Instant(sine, cosine, exp(c.l1 * t), exp(c.l2 * t))
-    return Instant(sine, cosine, 0.0, 0.0)
-
-
-def later(now: Instant, step: Instant) -> Instant:
-    """Return the instant a step later: products instead of functions, for a rounding more."""
-    return Instant(
-        now.sine * step.cosine + now.cosine * step.sine, now.cosine * step.cosine - now.sine * step.sine,
-        now.e1 * step.e1, now.e2 * step.e2,
-    )  # fmt: skip
-
-
-def basis(t: float, now: Instant, c: Constants) -> tuple[float, float, float, float, float, float]:
-    """Return Y, Y', b1, b1', b2, b2' at local time t."""
-    if c.steady:
-        Y, dY = summed(c.Y0, c.hc, c.hs, c.omega, now.sine, now.cosine)
-    else:
-        Y, dY = duhamel(t, 0.0, c)
-    if exponential(c):
-        return Y, dY, now.e1, c.l1 * now.e1, now.e2, c.l2 * now.e2
-    E11, E12, E21, E22 = modes(t, c)
-    half = 0.5 * c.alpha
-    return Y, dY, E11 - half * E12, E21 - half * E22, E12, E22
+def put_points(x: Any, a: float, b: float, count: int, c: Constants) -> None:
+    """Write the basis at the ends and in the middles of a window's cells, one after the other, as rows of ``x``."""
+    half = 0.5 * (b - a) / count
+    if exponential(c) and c.steady:
+        for k in range(2 * count + 1):
+            time = b if k == 2 * count else a + half * k
+            sine, cosine = sincos(c.omega * time + c.theta)
+            x[SINE + k], x[COSINE + k] = sine, cosine
+            x[Y + k], x[DY + k] = summed(c.Y0, c.hc, c.hs, c.omega, sine, cosine)
+            x[B1 + k], x[B2 + k] = exp(c.l1 * time), exp(c.l2 * time)
+        for k in range(2 * count + 1):
+            x[D1 + k], x[D2 + k] = c.l1 * x[B1 + k], c.l2 * x[B2 + k]
+        return
+    for k in range(2 * count + 1):
+        time = b if k == 2 * count else a + half * k
+        sine, cosine = sincos(c.omega * time + c.theta)
+        x[SINE + k], x[COSINE + k] = sine, cosine
+        if c.steady:
+            x[Y + k], x[DY + k] = summed(c.Y0, c.hc, c.hs, c.omega, sine, cosine)
+        else:
+            x[Y + k], x[DY + k] = duhamel(time, 0.0, c)
+        if exponential(c):
+            e1, e2 = exp(c.l1 * time), exp(c.l2 * time)
+            x[B1 + k], x[D1 + k], x[B2 + k], x[D2 + k] = e1, c.l1 * e1, e2, c.l2 * e2
+        else:
+            E11, E12, E21, E22 = modes(time, c)
+            damping = 0.5 * c.alpha
+            x[B1 + k], x[D1 + k], x[B2 + k], x[D2 + k] = E11 - damping * E12, E21 - damping * E22, E12, E22
 
 
 def cells_in(length: float, c: Constants) -> int:
@@ -171,14 +167,12 @@ def row_from(t: Any, row: int, since: float) -> int:
     return row
 
 
-def put_cell(
-    t: Any, cell: int, now: Instant, at_time: tuple[float, float, float, float, float, float], c: Constants
-) -> int:
-    """Write what a Taylor series about an instant needs; return where the cell's entries begin."""
+def put_cell(t: Any, cell: int, x: Any, k: int, c: Constants) -> int:
+    """Write what a Taylor series about point k needs; return where the cell's entries begin."""
     i = CELLS + cell * cell_size(len(c.cos))
-    for k in range(6):
-        t[i + k] = at_time[k]
-    sine, cosine = now.sine, now.cosine
+    for h in range(6):
+        t[i + h] = x[h * POINTS + k]
+    sine, cosine = x[SINE + k], x[COSINE + k]
     sj, cj = sine, cosine
     for h in range(len(c.cos)):
         t[i + CELL + 2 * h] = c.cos[h] * cj + c.sin[h] * sj
@@ -199,7 +193,8 @@ def chord(
     size = abs(f1) * (abs(g2) + abs(h2)) + abs(f2) * (abs(g1) + abs(h1))
     if not size < 1e4 * abs(cross):
         return 0.0, 0.0, ALWAYS, 1.0
-    return x2 / cross, -x1 / cross, -(g1 * x2 - g2 * x1) / cross - band, size / abs(cross)
+    inverse = 1.0 / cross
+    return x2 / cross, -x1 * inverse, -(g1 * x2 - g2 * x1) * inverse - band, size * abs(inverse)
 
 
 def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Extent:
@@ -211,7 +206,7 @@ def extended(extent: Extent, p: float, q: float, r: float, blur: float) -> Exten
 
 
 def fill_window(
-    t: Any, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
+    t: Any, x: Any, c: Constants, i: int, cell: int, n: int, m: int, extent: Extent, band: float
 ) -> tuple[int, int, int, Extent]:
     """Cut window i into cells, write them and their rows.
 
@@ -223,34 +218,30 @@ def fill_window(
     length = (b - a) / count
     piece = min(count, max(1, int(c.piece / max(length, 1e-300))))  # cells on which one comparison solution is > 0
     positive = (-c.first if i % 2 == 1 else c.first) >= 0.0
-    half = instant(0.5 * length, c.omega * (0.5 * length), c)
-    now = half
+    put_points(x, a, b, count, c)
     f1, f2, last, drawn = 1.0, 0.0, 0, True
     g1, g2, before1, before2 = 0.0, 0.0, 0.0, 0.0  # states that graze half a cell ago, and a whole one
     for k in range(2 * count + 1):
         j = k // 2
-        time = b if k == 2 * count else a + 0.5 * length * k
         if (j % piece == 0 and k % 2 == 1) or k == 0:
             last = min(j + piece, count)
             if c.q2 < 0.0:
                 sine, cosine = sincos(c.spread * (a + 0.5 * length * (j + last)))
                 f1, f2 = cosine, c.spread * sine
-        between = k % 2 == 0 and 0 < k < 2 * count  # an end between two cells: no flight starts from its numbers
-        now = later(now, half) if between else instant(time, c.omega * time + c.theta, c)
-        at_time = basis(time, now, c)
-        Y, dY, b1, d1, b2, d2 = at_time
+        y, v, b1, d1, b2, d2 = x[Y + k], x[DY + k], x[B1 + k], x[D1 + k], x[B2 + k], x[D2 + k]
         unmix = 1.0 / (b1 * d2 - b2 * d1)
         if k % 2 == 1:
-            record = put_cell(t, cell + j, now, at_time, c)
+            record = put_cell(t, cell + j, x, k, c)
             t[record + HALF], t[record + UNMIX] = 0.5 * length, unmix
-            t[record + TIME_LEFT] = 0.0 if positive else b - time
+            t[record + TIME_LEFT] = 0.0 if positive else b - (a + 0.5 * length * k)
             t[GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
             for h in range(6):
-                t[(STATE if k == 0 and i == 0 else ONWARD) + h] = at_time[h]
+                t[(STATE if k == 0 and i == 0 else ONWARD) + h] = x[h * POINTS + k]
         phi = f1 * b1 + f2 * b2
-        h1, h2 = (b2 * dY - d2 * Y) * unmix, (d1 * Y - b1 * dY) * unmix  # the state that grazes now
-        p, r, s = b1 / phi, b2 / phi, Y / phi
+        h1, h2 = (b2 * v - d2 * y) * unmix, (d1 * y - b1 * v) * unmix  # the state that grazes now
+        inverse = 1.0 / phi
+        p, r, s = b1 / phi, b2 * inverse, y * inverse
         extent = Extent(
             max(extent.r, abs(s)), max(extent.p, abs(p)), max(extent.q, abs(r)), max(extent.b1, abs(b1)),
             max(extent.b2, abs(b2)), min(extent.least, phi), extent.blur,
@@ -275,13 +266,15 @@ def fill_window(
     return cell + count, n, m, extent
 
 
-def fill_table(t: Any, c: Constants, ratio: float) -> bool:
+def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
     """Fill a table; False where the parameter value must be left to the scalar routine.
 
     Parameters
     ----------
     t : ndarray, shape (table_size(harmonics),)
         The table, or the address of its numbers.
+    x : ndarray, shape (8 * POINTS,)
+        Room for the points of a window, or its address.
     c : Constants
     ratio : float
         Of the reset law's contraction near zero speed; 1 for none.
@@ -297,7 +290,7 @@ def fill_table(t: Any, c: Constants, ratio: float) -> bool:
     start = int(0.0)  # of a literal 0 the compiler would make versions of their own
     cell, n, m = start, start + CERTIFICATE, start + ROWS
     for i in range(windows):
-        cell, n, m, extent = fill_window(t, c, i, cell, n, m, extent, band)
+        cell, n, m, extent = fill_window(t, x, c, i, cell, n, m, extent, band)
     pad(t, n)
     pad(t, m)
     row = start + CERTIFICATE
@@ -309,9 +302,9 @@ def fill_table(t: Any, c: Constants, ratio: float) -> bool:
     t[BAND] = band * extent.least
     t[ALPHA], t[K2], t[F0], t[OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
-    t[FORCE], t[LEVER], t[GROWTH] = c.force, lever, 1.0 + 4.0 * fastest(c) * lever
+    t[FORCE], t[PUSH], t[GROWTH] = c.force, lever * c.force, 1.0 + 4.0 * fastest(c) * lever
     t[SLOWEST], t[RATE] = 1e-5 * c.force * reach, 4.0 * fastest(c) + c.alpha
-    t[SQUARE], t[GAP] = c.q2, 1.0 - ratio
+    t[GAP] = 1.0 - ratio
     t[UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
     t[MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
@@ -324,17 +317,17 @@ def fill_table(t: Any, c: Constants, ratio: float) -> bool:
 def put_maps(t: Any, c: Constants) -> None:
     """Write how pairs go over to the next period, and what they are as states."""
     first, end = STATE, ONWARD  # the windows left the basis at t = 0 and t = T here
-    Y, dY, b1, d1, b2, d2 = (
+    y, v, b1, d1, b2, d2 = (
         t[first], t[first + 1], t[first + 2], t[first + 3], t[first + 4], t[first + 5],
     )  # fmt: skip
-    Y_T, dY_T, e1, f1, e2, f2 = t[end], t[end + 1], t[end + 2], t[end + 3], t[end + 4], t[end + 5]
+    y_T, v_T, e1, f1, e2, f2 = t[end], t[end + 1], t[end + 2], t[end + 3], t[end + 4], t[end + 5]
     W = b1 * d2 - b2 * d1
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
-    put_row(t, STATE, 1, Y, b1, b2)
+    put_row(t, STATE, 1, y, b1, b2)
     t[SIGMA] = c.sigma
-    put_row(t, STATE + 3, 1, dY, d1, d2)
+    put_row(t, STATE + 3, 1, v, d1, d2)
     t[PAIR], t[PAIR + 1], t[PAIR + 2], t[PAIR + 3] = i11, i12, i21, i22
-    x1, x2 = (0.0, 0.0) if c.steady else (Y_T - Y, dY_T - dY)
+    x1, x2 = (0.0, 0.0) if c.steady else (y_T - y, v_T - v)
     if exponential(c):
         put_row(t, ONWARD, 1, i11 * x1 + i12 * x2, e1, 0.0)
         put_row(t, ONWARD + 3, 1, i21 * x1 + i22 * x2, 0.0, e2)

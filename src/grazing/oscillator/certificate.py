@@ -11,9 +11,11 @@ from typing import Any
 
 from grazing.kernel.primitives import behind, inlined
 from grazing.kernel.rows import all_passed, carried, failing, first_bit, first_failed, passing
-from grazing.kernel.vectors import appended, filled
+from grazing.kernel.vectors import appended, spread
 from grazing.oscillator.cells import (
+    ALPHA,
     CERTIFICATE,
+    CONSTANTS,
     COUNT,
     MARGIN,
     MAX_ROWS,
@@ -41,10 +43,12 @@ from grazing.oscillator.workspace import (
     REST,
     THEN,
     WIDER,
+    WIDTH,
     X1,
     X2,
     Z1,
     Z2,
+    A,
 )  # fmt: skip
 
 
@@ -60,25 +64,39 @@ def onward(w: Any, tables: Any, room: int, columns: int, stride: int) -> None:
 
 
 @inlined
-def certify(w: Any, tables: Any, room: int, columns: int, stride: int) -> None:
-    """Ask the certificate about all orbits: FREE gets 1 where there is provably no impact in the period, else -1."""
+def certify(w: Any, tables: Any, room: int, columns: int, stride: int, starts: int) -> None:
+    """Ask the certificate about all orbits: FREE gets 1 where there is provably no impact in the period, else -1.
+
+    It gets 1 as well where there is no orbit, and in columns that have no table.
+    """
     for q in range(columns):
-        t = behind(tables, q * room)
+        t, first = behind(tables, q * room), q * stride
         rows, upright = int(t[COUNT]), int(t[UPRIGHT])
-        all_passed(w, q * stride, (q + 1) * stride, C1, C2, NEED, FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
+        all_passed(w, first, first + stride, C1, C2, NEED, FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
+        for i in range(first + starts if t[TABLED] > 0.0 else first, first + stride):
+            w[FREE + i] = 1.0
 
 
 @inlined
 def locate(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
-    """Find the margins of the pairs at hand, and the first rows that they fail.
+    """Find the margins of the pairs at hand, and the first rows that they fail; and :func:`describe` them.
 
     DOUBT gets the margins, EVENT the places of the rows, 0 where there is none. Results of a run may be
     written over by the next.
     """
     for n in range(count):
-        t = behind(tables, int(w[COLUMN + runs[n]]) * room)
+        t = behind(tables, runs[WIDTH + n] * room)
         rows, upright = int(t[ROW_COUNT]), int(t[UPRIGHT])
         first_failed(w, runs[n], runs[n + 1], X1, X2, DOUBT, EVENT, t, MARGIN, HIGH, ROWS, MAX_ROWS, rows, upright)
+        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)
+
+
+@inlined
+def describe(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
+    """Write the constants of its column to each place."""
+    for n in range(count):
+        t = behind(tables, runs[WIDTH + n] * room)
+        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
 
 
 @inlined
@@ -104,7 +122,7 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
     """Ask the certificate about the rest of the period after each impact; list those that do not fly free in REST."""
     left = 0
     for n in range(count):
-        t = behind(tables, int(w[COLUMN + runs[n]]) * room)
+        t = behind(tables, runs[WIDTH + n] * room)
         rows = int(t[COUNT])
         for i in range(runs[n], runs[n + 1]):
             since, margin = int(w[THEN + i]), w[WIDER + i]
@@ -115,17 +133,12 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
 
 
 @inlined
-def candidates(w: Any, tables: Any, room: int, columns: int, stride: int, starts: int, runs: Any) -> tuple[int, int]:
+def candidates(w: Any, columns: int, stride: int, runs: Any) -> tuple[int, int]:
     """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs."""
     places, count = 0, 0
     for q in range(columns):
-        first, t = q * stride, behind(tables, q * room)
-        end = first + starts if t[TABLED] > 0.0 else first
-        for i in range(end, first + stride):  # nobody is there
-            w[FREE + i] = 1.0
-        runs[count] = places
-        places = appended(w, first, end, FREE, (C1, C2, NUMBER), (X1, X2, ORBIT), places)
-        filled(w, COLUMN + runs[count], COLUMN + places, float(q))
+        runs[count], runs[WIDTH + count] = places, q
+        places = appended(w, q * stride, (q + 1) * stride, FREE, (C1, C2, NUMBER), (X1, X2, ORBIT), places)
         count += 1 if places > runs[count] else 0
     runs[count] = places
     for base in range(0, places, 64):
@@ -146,10 +159,10 @@ def count_hits(w: Any, end: int) -> None:
 
 @inlined
 def runs_of(w: Any, places: int, runs: Any) -> int:
-    """Find the runs of equal columns among the impacts at hand: where each begins; return their number."""
+    """Find the runs of equal columns among the impacts at hand: where each begins, and which; return their number."""
     count, last = 0, -1.0
     for k in range(places):
-        runs[count] = k
+        runs[count], runs[WIDTH + count] = k, int(w[COLUMN + k])
         count += 1 if w[COLUMN + k] != last else 0
         last = w[COLUMN + k]
     runs[count] = places

@@ -67,21 +67,23 @@ def value(y: Derivatives, s: float) -> tuple[float, float]:
 
 
 @inlined
+def coarse(y: Derivatives, s: float) -> tuple[float, float]:
+    """Return position and velocity to about four digits, from the first five derivatives."""
+    y0, y1, y2, y3, y4 = y[:5]
+    z = s * s
+    position = (y0 + z * 0.5 * (y2 + z * (1.0 / 12.0) * y4)) + s * (y1 + z * (1.0 / 6.0) * y3)
+    return position, (y1 + z * 0.5 * y3) + s * (y2 + z * (1.0 / 6.0) * y4)
+
+
+@inlined
 def rough(y: Derivatives, s: float) -> tuple[float, float]:
     """Return position and velocity to about eight digits, from the first seven derivatives."""
     y0, y1, y2, y3, y4, y5, y6 = y[:7]
-    a2, a3, a4, a5, a6 = y2 * (1.0 / 2.0), y3 * (1.0 / 6.0), y4 * (1.0 / 24.0), y5 * (1.0 / 120.0), y6 * (1.0 / 720.0)
-    p = a6 * s + a5
-    d = a6 * s + p
-    p = p * s + a4
-    d = d * s + p
-    p = p * s + a3
-    d = d * s + p
-    p = p * s + a2
-    d = d * s + p
-    p = p * s + y1
-    d = d * s + p
-    return p * s + y0, d
+    z = s * s
+    position = y0 + z * 0.5 * (y2 + z * (1.0 / 12.0) * (y4 + z * (1.0 / 30.0) * y6))
+    position += s * (y1 + z * (1.0 / 6.0) * (y3 + z * (1.0 / 20.0) * y5))
+    velocity = y1 + z * 0.5 * (y3 + z * (1.0 / 12.0) * y5)
+    return position, velocity + s * (y2 + z * (1.0 / 6.0) * (y4 + z * (1.0 / 20.0) * y6))
 
 
 @inlined
