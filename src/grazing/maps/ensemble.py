@@ -150,7 +150,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         """Fill the tables of a block's columns, and take the states."""
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
-            t[LAW], t[HOLDING] = c.p.row, 1.0
+            t[LAW], t[HOLDING], t[NEEDY] = c.p.row, 1.0, 0.0
             t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, Y0), c, c.p.ratio) else 0.0
             t[WHICH] = float(q)
             for j in range(stride):
@@ -177,19 +177,53 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
                 slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
 
+    @inlined
+    def want_all(w: Any, tables: Any, columns: int, stride: int, starts: int) -> None:
+        """Give the orbits of columns without a table to the scalar routine."""
+        for q in range(columns):
+            t, first = behind(tables, q * room), q * stride
+            if t[TABLED] == 0.0:
+                t[NEEDY] = float(starts)
+                for i in range(first, first + starts):
+                    w[WANTED + i] = 1.0
+
+    @inlined
+    def back_to_states(w: Any, tables: Any, columns: int, stride: int, starts: int) -> None:
+        """Find the states of the orbits that the scalar routine gets from the block."""
+        for q in range(columns):
+            t, first = behind(tables, q * room), q * stride
+            for i in range(first, first + starts if t[NEEDY] > 0.0 else first):
+                if w[WANTED + i] > 0.0 and w[WHERE + i] == FLOWN:
+                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
+
     def fly(
-        w: Any, t: Any, start: int, end: int, c: Any, row: int, record: int, left: int, outcomes: Any, undecided: Any
-    ) -> None:
-        """Take the wanted orbits of a column through one period by the scalar routine; states are in U and V."""
-        for i in range(start, end):
-            if w[WANTED + i] > 0.0:
-                state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
-                w[U + i], w[V + i] = state
-                w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
-                w[HITS + i] = float(letter)
-                outcomes[row, record, left + i - start] |= outcome
-                undecided[row, left + i - start] += 1 if outcome & AMBIGUOUS else 0
-                w[WHERE + i], w[WANTED + i] = held_back(w, i, t), 0.0
+        w: Any, tables: Any, rows: Any, top: int, columns: int, stride: int, starts: int, record: int, left: int,
+        outcomes: Any, undecided: Any,
+    ) -> int:  # fmt: skip
+        """Take the wanted orbits through one period by the scalar routine; return how many columns now hold states."""
+        holding = 0
+        for q in range(columns):
+            t, first = behind(tables, q * room), q * stride
+            if t[HOLDING] > 0.0:
+                for i in range(first, first + starts):
+                    w[WHERE + i] = w[WHERE + i] if w[WANTED + i] > 0.0 else FLOWN
+                t[HOLDING] = 0.0
+            if t[NEEDY] == 0.0:
+                continue
+            c = constants_at(rows, top + q)
+            for i in range(first, first + starts):
+                if w[WANTED + i] > 0.0:
+                    state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
+                    w[U + i], w[V + i] = state
+                    w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
+                    w[HITS + i] = float(letter)
+                    outcomes[top + q, record, left + i - first] |= outcome
+                    undecided[top + q, left + i - first] += 1 if outcome & AMBIGUOUS else 0
+                    w[WHERE + i], w[WANTED + i] = held_back(w, i, t), 0.0
+                t[HOLDING] += w[WHERE + i]
+            t[NEEDY] = 0.0
+            holding += 1 if t[HOLDING] > 0.0 else 0
+        return holding
 
     @inlined
     def impacts(w: Any, tables: Any, runs: Any, columns: int, stride: int, strike: float, counted: bool) -> None:
@@ -198,7 +232,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         if counted:
             count_hits(w, columns * stride)
         locate(w, tables, room, runs, several)
-        first = True
+        first, needy = True, 0
         while places > 0:
             look_up(w, tables, room, places, harmonics)
             solve(w, places)
@@ -234,6 +268,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 if not clear:
                     w[WANTED + i] = 1.0
                     t[NEEDY] += 1.0
+                    needy += 1
                     continue
                 x, y, doubt = w[X1 + k], w[X2 + k], w[DOUBT + k]
                 event = next_event(t, w[EVENT + k] + 1.0, x, y, doubt)
@@ -244,6 +279,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     w[C1 + i], w[C2 + i], w[HITS + i] = x, y, met
             several = runs_of(w, places, runs)
             describe(w, tables, room, runs, several)
+        return needy
 
     @inlined
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
@@ -264,41 +300,28 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         starts: int, transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
-        last = outcomes.shape[1] - 1
+        last, bare, holding = outcomes.shape[1] - 1, 0, columns
+        for q in range(columns):
+            bare += 1 if tables[q * room + TABLED] == 0.0 else 0
         for n in range(transient + stop - start):
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
             certify(w, tables, room, columns, stride, starts)
-            for q in range(columns):
-                t = behind(tables, q * room)
-                t[NEEDY] = 0.0 if t[TABLED] > 0.0 else float(starts)
-                for i in range(q * stride, q * stride if t[TABLED] > 0.0 else q * stride + starts):
-                    w[WANTED + i] = 1.0
-            impacts(w, tables, runs, columns, stride, strike, kept >= 0)
-            for q in range(columns):
-                t = behind(tables, q * room)
-                if t[NEEDY] > 0.0:
-                    for i in range(q * stride, q * stride + starts):
-                        if w[WANTED + i] > 0.0 and w[WHERE + i] == FLOWN:
-                            w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
+            if bare > 0:
+                want_all(w, tables, columns, stride, starts)
+            needy = bare + impacts(w, tables, runs, columns, stride, strike, kept >= 0)
+            if needy > 0:
+                back_to_states(w, tables, columns, stride, starts)
             onward(w, tables, room, columns, stride)
-            for q in range(columns):
+            if needy + holding > 0:  # in most periods nobody needs the scalar routine
+                holding = fly(w, tables, rows, top, columns, stride, starts, record, left, outcomes, undecided)
+            for q in range(columns if kept >= 0 else 0):
                 first, t = q * stride, behind(tables, q * room)
-                if t[HOLDING] > 0.0:
-                    for i in range(first, first + starts):
-                        w[WHERE + i] = w[WHERE + i] if w[WANTED + i] > 0.0 else FLOWN
-                    t[HOLDING] = 0.0
-                if t[NEEDY] > 0.0:
-                    c = constants_at(rows, top + q)
-                    fly(w, t, first, first + starts, c, top + q, record, left, outcomes, undecided)
-                    for i in range(first, first + starts):
-                        t[HOLDING] += w[WHERE + i]
-                if kept >= 0:
-                    keep(w, t, first, starts, points, letters, top + q, kept, left)
-                    for j in range(starts if t[HOLDING] > 0.0 else 0):
-                        if w[WHERE + first + j] != FLOWN:
-                            points[top + q, kept, 0, left + j] = w[U + first + j]
-                            points[top + q, kept, 1, left + j] = w[V + first + j]
+                keep(w, t, first, starts, points, letters, top + q, kept, left)
+                for j in range(starts if t[HOLDING] > 0.0 else 0):
+                    if w[WHERE + first + j] != FLOWN:
+                        points[top + q, kept, 0, left + j] = w[U + first + j]
+                        points[top + q, kept, 1, left + j] = w[V + first + j]
 
     def run(
         rows: Any, strike: float, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
