@@ -10,7 +10,7 @@ from llvmlite import binding
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import numbers
-from grazing.kernel.turns import eights, fours
+from grazing.kernel.turns import abreast, eights
 
 FEATURES = binding.get_host_cpu_features()
 
@@ -22,11 +22,11 @@ def chain(x):
     return x
 
 
-def by_fours(work, n):
+def by_registers(work, n):
     w = numbers(work)
     for base in range(0, n, 16):
         for k in range(16):
-            i = base + fours(k)
+            i = base + abreast(k)
             w[i] = chain(w[i])
 
 
@@ -39,7 +39,7 @@ def by_eights(work, n):
 
 
 def within(work, n):
-    """Marks of two loops, one inside a loop that has none, behind a question."""
+    """Marks of two loops, inside a loop that has none, one of them behind a question."""
     w = numbers(work)
     for base in range(0, n, 16):
         if base != 16:
@@ -47,14 +47,14 @@ def within(work, n):
                 i = base + eights(k)
                 w[i] = chain(w[i])
         for k in range(8):
-            w[base + fours(k)] += 1.0
+            w[base + abreast(k)] += 1.0
 
 
-for sweep in (by_fours, by_eights, within):
+for sweep in (by_registers, by_eights, within):
     sweep.__module__ = "grazing.tried"  # marks count in kernels of the library
 
 
-@pytest.mark.parametrize("sweep", [by_fours, by_eights, within])
+@pytest.mark.parametrize("sweep", [by_registers, by_eights, within])
 @pytest.mark.parametrize("arithmetic", ["strict", "fast"])
 def test_the_numbers_are_those_of_one_turn_after_the_other(sweep, arithmetic):
     work = np.random.default_rng(3).uniform(-0.9, 0.9, 48)
@@ -79,17 +79,17 @@ def test_so_many_vectors_stand_side_by_side(turns, vectors):
             x = x * x - unseen
         w[i] = x
 
-    def in_fours(work, n):
+    def in_registers(work, n):
         for base in range(0, n, 16):
             for k in range(16):
-                turn(numbers(work), base + fours(k))
+                turn(numbers(work), base + abreast(k))
 
     def in_eights(work, n):
         for base in range(0, n, 16):
             for k in range(16):
                 turn(numbers(work), base + eights(k))
 
-    sweep = in_fours if turns == 4 else in_eights
+    sweep = in_registers if turns == 4 else in_eights
     sweep.__module__ = "grazing.tried"  # marks count in kernels of the library
     entry = compiled(sweep)
     entry(np.zeros(16), 16)
@@ -100,7 +100,7 @@ def test_so_many_vectors_stand_side_by_side(turns, vectors):
 
 def test_a_mark_outside_of_every_loop_is_no_matter():
     def twice(k):
-        return eights(k) + fours(k)
+        return eights(k) + abreast(k)
 
     twice.__module__ = "grazing.tried"
     assert compiled(twice)(3) == 6

@@ -14,8 +14,8 @@ from typing import Any
 from grazing.kernel.primitives import compiled_form
 
 
-def fours(index: int) -> int:
-    """Return an index; compiled code takes four turns of the loop around it at once."""
+def abreast(index: int) -> int:
+    """Return an index; compiled code takes as many turns of the loop around it at once as fill a register."""
     return index
 
 
@@ -40,7 +40,7 @@ def _register() -> None:
 
         return mark
 
-    compiled_form(fours)(marking(4))
+    compiled_form(abreast)(marking(1))
     compiled_form(eights)(marking(8))
 
 
@@ -66,7 +66,7 @@ def take_at_once(function: Any, entry: Any) -> None:
         if not around:
             continue
         loop = min(around, key=lambda each: len(each.body))
-        said = function.module.add_metadata([])
+        said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
         wishes = (
             ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
             ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors

@@ -15,7 +15,7 @@ from math import sqrt
 from typing import Any
 
 from grazing.kernel.primitives import inlined
-from grazing.kernel.turns import eights, fours
+from grazing.kernel.turns import abreast, eights
 from grazing.kernel.vectors import handed_back, transposed
 from grazing.oscillator.cells import CELLS, cell_size
 from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, value
@@ -400,7 +400,7 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable
         p = unpack(row)
         for base in range(start, end, 4):  # what runs over the end is for the next column
             for k in range(4):
-                j = base + fours(k)
+                j = base + abreast(k)
                 v = w[BEFORE + j]
                 # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
                 error = w[DOUBT + j] * (rate - force * w[INVERSE + j]) * 0.015625
