@@ -25,7 +25,6 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.pipeline import pipeline
 from grazing.kernel.primitives import forms, pointed
 from grazing.outcome import InputError, UserCodeError
 
@@ -144,6 +143,8 @@ def _first_sentence(error: Exception) -> str:
 
 def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "") -> Any:
     import numba
+
+    from grazing.kernel.pipeline import pipeline
 
     content = digest(function)
     resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic))
@@ -336,7 +337,7 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
     import numba
     from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
-    ways = _text(pipeline.__module__) + _text("grazing.kernel.simd")
+    ways = _text("grazing.kernel.pipeline") + _text("grazing.kernel.simd")
     versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__}"
     stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
 

@@ -12,9 +12,19 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from operator import ipow, pow
 from typing import Any
 
-from grazing.kernel.turns import take_at_once
+from llvmlite import ir
+from numba.core import lowering
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.controlflow import CFGraph
+from numba.core.typed_passes import NativeLowering
+from numba.core.types import Function
+
+from grazing.kernel.simd import register_bytes
 
 #: Passes of numba that find nothing to do in a kernel of the library.
 IDLE = frozenset(
@@ -26,6 +36,20 @@ IDLE = frozenset(
 )  # fmt: skip
 
 _resolved: dict[tuple[Any, tuple[Any, ...]], Any] = {}
+
+
+@cache
+def pipeline(linked: bool, own: bool) -> Any:
+    """Return the compiler for a function.
+
+    Parameters
+    ----------
+    linked : bool
+        Whether the function is only ever linked into others: it is optimised with them, not by itself.
+    own : bool
+        Whether it is one of the library's: what others wrote may need every pass.
+    """
+    return type("Pipeline", (Pipeline,), {"linked": linked, "own": own})
 
 
 @contextmanager
@@ -40,131 +64,145 @@ def uncollected() -> Iterator[None]:
             gc.enable()
 
 
-@cache
-def pipeline(linked: bool, own: bool) -> Any:
-    """Return the compiler for a function.
+def take_at_once(function: Any, entry: Any) -> None:
+    """Tell the compiler, at the loops of a function in its intermediate form, what :func:`eights` asked for."""
+    marked = [block for block in function.blocks if hasattr(block, "vectors")]
+    if not marked:
+        return
+    graph, ends = CFGraph(), {block: block.terminator for block in function.blocks if block.terminator is not None}
+    for block in function.blocks:
+        graph.add_node(block)
+    for block, end in ends.items():
+        for target in end.operands:
+            if isinstance(target, ir.Block):
+                graph.add_edge(block, target)
+    graph.set_entry_point(entry)
+    graph.process()
+    for block in marked:
+        around = [loop for loop in graph.loops().values() if block in loop.body]
+        if not around:
+            continue
+        loop = min(around, key=lambda each: len(each.body))
+        said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
+        wishes = (
+            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
+            ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
+        )
+        said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))
+        for latch in loop.body & ends.keys():
+            if loop.header in ends[latch].operands:
+                ends[latch].set_metadata("llvm.loop", said)
 
-    Parameters
-    ----------
-    linked : bool
-        Whether the function is only ever linked into others: it is optimised with them, not by itself.
-    own : bool
-        Whether it is one of the library's: what others wrote may need every pass.
-    """
-    return type("Pipeline", (_pipeline(),), {"linked": linked, "own": own})
+
+class Unnamed:
+    """What stands for the code generator where an environment is to be entered: there is no code to enter it in."""
+
+    def set_env(self, name: str, env: Any) -> None:
+        """Do nothing."""
 
 
-@cache
-def _pipeline() -> Any:
-    """Return what is common to all; importing numba here is the reason to be lazy."""
-    from operator import ipow, pow
+class Linked(JITCodeLibrary):  # type: ignore[misc]
+    """Code to be linked into other code."""
 
-    from numba.core import lowering
-    from numba.core.codegen import JITCodeLibrary
-    from numba.core.compiler import Compiler
-    from numba.core.compiler_machinery import PassManager, register_pass
-    from numba.core.typed_passes import NativeLowering
-    from numba.core.types import Function
+    @property
+    def codegen(self) -> Any:
+        """Return what takes no environment."""
+        return Unnamed()
 
-    from grazing.kernel.simd import register_bytes
+    def _optimize_final_module(self) -> None:
+        pass
 
-    class Unnamed:
-        """What stands for the code generator where an environment is to be entered: there is no code to enter it in."""
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
 
-        def set_env(self, name: str, env: Any) -> None:
-            pass
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return no address: there is no machine code."""
+        self._ensure_finalized()
+        return 0
 
-    class Linked(JITCodeLibrary):  # type: ignore[misc]
-        """Code to be linked into other code."""
 
-        @property
-        def codegen(self) -> Any:
-            return Unnamed()
+class Remembering:
+    """A typing context that asks only once what a function of numba's makes of given types."""
 
-        def _optimize_final_module(self) -> None:
-            pass
+    def __init__(self, context: Any) -> None:
+        self._context = context
 
-        def _finalize_final_module(self) -> None:
-            self._finalize_dynamic_globals()
-            self._verify_declare_only_symbols()
-            self._finalized = True
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
 
-        def get_pointer_to_function(self, name: str) -> int:
-            self._ensure_finalized()
-            return 0
+    def resolve_function_type(self, function: Any, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        """Return the signature of a call."""
+        if kws or type(function) is not Function:
+            return self._context.resolve_function_type(function, args, kws)
+        if (function, args) not in _resolved:
+            _resolved[function, args] = self._context.resolve_function_type(function, args, kws)
+        return _resolved[function, args]
 
-    class Remembering:
-        """A typing context that asks only once what a function of numba's makes of given types."""
 
-        def __init__(self, context: Any) -> None:
-            self._context = context
+class Lower(lowering.Lower):  # type: ignore[misc]
+    """Operators as numba lowers them, but not typed a second, third and fourth time."""
 
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self._context, name)
+    def lower_binop(self, result: Any, expr: Any, operator: Any) -> Any:
+        """Write the code of an operator between two values."""
+        if operator in (pow, ipow):  # whose compiled form depends on the exponent, not on its type only
+            return super().lower_binop(result, expr, operator)
+        signature, sides = self.fndesc.calltypes[expr], (expr.lhs.name, expr.rhs.name)
+        values = [
+            self.context.cast(self.builder, self.loadvar(side), self.typeof(side), kind)
+            for side, kind in zip(sides, signature.args, strict=True)
+        ]
+        function = self.context.typing_context.resolve_value_type(operator)
+        signature = Remembering(self.context.typing_context).resolve_function_type(function, signature.args, {})
+        value = self.context.get_function(function, signature)(self.builder, values)
+        return self.context.cast(self.builder, value, signature.return_type, result)
 
-        def resolve_function_type(self, function: Any, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
-            if kws or type(function) is not Function:
-                return self._context.resolve_function_type(function, args, kws)
-            if (function, args) not in _resolved:
-                _resolved[function, args] = self._context.resolve_function_type(function, args, kws)
-            return _resolved[function, args]
+    def lower_function_body(self) -> Any:
+        """Write the code of a function, and what is to be known of its loops and its stack."""
+        tail = super().lower_function_body()
+        take_at_once(self.function, self.blkmap[self.firstblk])
+        wide = register_bytes(self.context)
+        if wide > 16:  # or registers that are put on the stack lie across two lines of the cache
+            self.function.attributes.add("nounwind")
+            self.function.attributes.alignstack = wide
+        return tail
 
-    class Lower(lowering.Lower):  # type: ignore[misc]
-        """Operators as numba lowers them, but not typed a second, third and fourth time."""
 
-        def lower_binop(self, result: Any, expr: Any, operator: Any) -> Any:
-            if operator in (pow, ipow):  # whose compiled form depends on the exponent, not on its type only
-                return super().lower_binop(result, expr, operator)
-            signature, sides = self.fndesc.calltypes[expr], (expr.lhs.name, expr.rhs.name)
-            values = [
-                self.context.cast(self.builder, self.loadvar(side), self.typeof(side), kind)
-                for side, kind in zip(sides, signature.args, strict=True)
-            ]
-            function = self.context.typing_context.resolve_value_type(operator)
-            signature = Remembering(self.context.typing_context).resolve_function_type(function, signature.args, {})
-            value = self.context.get_function(function, signature)(self.builder, values)
-            return self.context.cast(self.builder, value, signature.return_type, result)
+@register_pass(mutates_CFG=True, analysis_only=False)
+class Lowering(NativeLowering):  # type: ignore[misc]
+    """The pass that writes the code of a function."""
 
-        def lower_function_body(self) -> Any:
-            tail = super().lower_function_body()
-            take_at_once(self.function, self.blkmap[self.firstblk])
-            wide = register_bytes(self.context)
-            if wide > 16:  # or registers that are put on the stack lie across two lines of the cache
-                self.function.attributes.add("nounwind")
-                self.function.attributes.alignstack = wide
-            return tail
+    _name = "kernel_lowering"
 
-    @register_pass(mutates_CFG=True, analysis_only=False)
-    class Lowering(NativeLowering):  # type: ignore[misc]
-        _name = "kernel_lowering"
+    @property
+    def lowering_class(self) -> Any:
+        """Return who does it."""
+        return Lower
 
-        @property
-        def lowering_class(self) -> Any:
-            return Lower
 
-    class Pipeline(Compiler):  # type: ignore[misc]
-        """The usual passes, or those that are needed."""
+class Pipeline(Compiler):  # type: ignore[misc]
+    """The usual passes, or those that are needed."""
 
-        linked: bool
-        own: bool
+    linked: bool
+    own: bool
 
-        def _compile_core(self) -> Any:
-            with uncollected():
-                return super()._compile_core()
+    def _compile_core(self) -> Any:
+        with uncollected():
+            return super()._compile_core()
 
-        def define_pipelines(self) -> Any:
-            self.state.typingctx = Remembering(self.state.typingctx)
-            if self.linked and self.state.library is None:
-                generator = self.state.targetctx.codegen()
-                self.state.library = Linked(generator, self.state.func_id.func_qualname)
-            usual = super().define_pipelines()
-            if not self.own:
-                return usual
-            needed = PassManager("kernel")
-            for each, description in usual[0].passes:
-                if each.name() not in IDLE:
-                    needed.add_pass(Lowering if each is NativeLowering else each, description)
-            needed.finalize()
-            return [needed]
-
-    return Pipeline
+    def define_pipelines(self) -> Any:
+        """Return the passes."""
+        self.state.typingctx = Remembering(self.state.typingctx)
+        if self.linked and self.state.library is None:
+            generator = self.state.targetctx.codegen()
+            self.state.library = Linked(generator, self.state.func_id.func_qualname)
+        usual = super().define_pipelines()
+        if not self.own:
+            return usual
+        needed = PassManager("kernel")
+        for each, description in usual[0].passes:
+            if each.name() not in IDLE:
+                needed.add_pass(Lowering if each is NativeLowering else each, description)
+        needed.finalize()
+        return [needed]

@@ -44,38 +44,5 @@ def _register() -> None:
     compiled_form(eights)(marking(8))
 
 
-def take_at_once(function: Any, entry: Any) -> None:
-    """Tell the compiler, at the loops of a function in its intermediate form, what :func:`eights` asked for."""
-    from llvmlite import ir
-    from numba.core.controlflow import CFGraph
-
-    marked = [block for block in function.blocks if hasattr(block, "vectors")]
-    if not marked:
-        return
-    graph, ends = CFGraph(), {block: block.terminator for block in function.blocks if block.terminator is not None}
-    for block in function.blocks:
-        graph.add_node(block)
-    for block, end in ends.items():
-        for target in end.operands:
-            if isinstance(target, ir.Block):
-                graph.add_edge(block, target)
-    graph.set_entry_point(entry)
-    graph.process()
-    for block in marked:
-        around = [loop for loop in graph.loops().values() if block in loop.body]
-        if not around:
-            continue
-        loop = min(around, key=lambda each: len(each.body))
-        said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
-        wishes = (
-            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
-            ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
-        )
-        said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))
-        for latch in loop.body & ends.keys():
-            if loop.header in ends[latch].operands:
-                ends[latch].set_metadata("llvm.loop", said)
-
-
 if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
     _register()

@@ -226,8 +226,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         return holding
 
     @inlined
-    def impacts(w: Any, tables: Any, runs: Any, columns: int, stride: int, strike: float, counted: bool) -> None:
-        """Take the orbits that hit to the end of the period, all their next impacts together."""
+    def impacts(w: Any, tables: Any, runs: Any, columns: int, stride: int, strike: float, counted: bool) -> int:
+        """Take the orbits that hit to the end of the period, all their next impacts together.
+
+        Return how many of them the scalar routine must fly instead.
+        """
         places, several = candidates(w, columns, stride, runs)
         if counted:
             count_hits(w, columns * stride)
