@@ -53,7 +53,7 @@ N = 32  # orbits asked: whole vectors
 def table_of(name):
     c = packed(gz.stroboscopic_map(MODELS[name]))
     t = np.zeros(table_size(len(c.cos)))
-    assert fill_table(t, np.zeros(8 * POINTS), c, 1.0)
+    assert fill_table(t, np.zeros(9 * POINTS), c, 1.0)
     return t
 
 

@@ -56,10 +56,10 @@ GO_ON = ROWS + 4 * MAX_ROWS
 CELLS = GO_ON + MAX_CELLS
 HALF, TIME_LEFT, UNMIX, THEN = 6, 7, 8, 9
 CELL = 10
-# The points of a window while a table is filled, ends and middles of its cells: Y, Y', b1, b1', b2, b2' there, and the
-# sine and cosine of the forcing's phase.
+# The points of a window while a table is filled, ends and middles of its cells: Y, Y', b1, b1', b2, b2' there, the
+# sine and cosine of the forcing's phase, and the time.
 POINTS = 2 * MAX_CELLS + 8
-Y, DY, B1, D1, B2, D2, SINE, COSINE = (i * POINTS for i in range(8))
+Y, DY, B1, D1, B2, D2, SINE, COSINE, TIME = (i * POINTS for i in range(9))
 # In the order of time the start of the period has place 0, the chord of cell i place 2 i + 1, its end place 2 i + 2.
 
 NEVER = 1e300  # as the constant of a row: holds for every orbit
@@ -83,30 +83,24 @@ def exponential(c: Constants) -> bool:
 
 def put_points(x: Any, a: float, b: float, count: int, c: Constants) -> None:
     """Write the basis at the ends and in the middles of a window's cells, one after the other, as rows of ``x``."""
-    half = 0.5 * (b - a) / count
-    if exponential(c) and c.steady:
-        for k in range(2 * count + 1):
-            time = b if k == 2 * count else a + half * k
-            sine, cosine = sincos(c.omega * time + c.theta)
-            x[SINE + k], x[COSINE + k] = sine, cosine
-            x[Y + k], x[DY + k] = summed(c.Y0, c.hc, c.hs, c.omega, sine, cosine)
-            x[B1 + k], x[B2 + k] = exp(c.l1 * time), exp(c.l2 * time)
-        for k in range(2 * count + 1):
-            x[D1 + k], x[D2 + k] = c.l1 * x[B1 + k], c.l2 * x[B2 + k]
-        return
-    for k in range(2 * count + 1):
-        time = b if k == 2 * count else a + half * k
-        sine, cosine = sincos(c.omega * time + c.theta)
-        x[SINE + k], x[COSINE + k] = sine, cosine
-        if c.steady:
-            x[Y + k], x[DY + k] = summed(c.Y0, c.hc, c.hs, c.omega, sine, cosine)
-        else:
-            x[Y + k], x[DY + k] = duhamel(time, 0.0, c)
-        if exponential(c):
-            e1, e2 = exp(c.l1 * time), exp(c.l2 * time)
+    points = 2 * count + 1
+    for k in range(points):
+        time = a + 0.5 * (b - a) / count * k if k < points - 1 else b
+        x[TIME + k] = time
+        x[SINE + k], x[COSINE + k] = sincos(c.omega * time + c.theta)
+    if c.steady:
+        for k in range(points):
+            x[Y + k], x[DY + k] = summed(c.Y0, c.hc, c.hs, c.omega, x[SINE + k], x[COSINE + k])
+    else:
+        for k in range(points):
+            x[Y + k], x[DY + k] = duhamel(x[TIME + k], 0.0, c)
+    if exponential(c):
+        for k in range(points):
+            e1, e2 = exp(c.l1 * x[TIME + k]), exp(c.l2 * x[TIME + k])
             x[B1 + k], x[D1 + k], x[B2 + k], x[D2 + k] = e1, c.l1 * e1, e2, c.l2 * e2
-        else:
-            E11, E12, E21, E22 = modes(time, c)
+    else:
+        for k in range(points):
+            E11, E12, E21, E22 = modes(x[TIME + k], c)
             damping = 0.5 * c.alpha
             x[B1 + k], x[D1 + k], x[B2 + k], x[D2 + k] = E11 - damping * E12, E21 - damping * E22, E12, E22
 
@@ -233,7 +227,7 @@ def fill_window(
         if k % 2 == 1:
             record = put_cell(t, cell + j, x, k, c)
             t[record + HALF], t[record + UNMIX] = 0.5 * length, unmix
-            t[record + TIME_LEFT] = 0.0 if positive else b - (a + 0.5 * length * k)
+            t[record + TIME_LEFT] = 0.0 if positive else b - x[TIME + k]
             t[GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
             for h in range(6):
@@ -273,7 +267,7 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
     ----------
     t : ndarray, shape (table_size(harmonics),)
         The table, or the address of its numbers.
-    x : ndarray, shape (8 * POINTS,)
+    x : ndarray, shape (9 * POINTS,)
         Room for the points of a window, or its address.
     c : Constants
     ratio : float
