@@ -36,7 +36,7 @@ def our_rows() -> list[Row]:
 
     return [
         row(MAIN),
-        row(TWO, columns=800, threads=2),  # as much for each core
+        row(TWO, threads=2),
         row(STRICT, arithmetic="strict"),
         row(PASSIVE_ROW, PASSIVE, columns=200),
         row(FEW, columns=2000, starts=10),
