@@ -165,6 +165,17 @@ def test_the_law_takes_its_parameters_with_it(shown, address):
     assert shown.problem() == ""
 
 
+def test_a_link_that_comes_while_the_address_is_written_is_followed(shown, address):
+    """The page writes its state to the address some time after a picture: also between a new link and its event."""
+    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.page.evaluate(
+        "() => { const old = location.hash; location.hash = 'version=1&view=chart&chart_columns=4&chart_rows=4';"
+        " history.replaceState(null, '', old); }"
+    )
+    shown.until("() => explorer.state().view === 'chart'")
+    assert "view=chart" in shown.link()
+
+
 def test_a_new_axis_is_seen_whole(shown, address):
     shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
     shown.page.evaluate("location.hash = 'version=1&view=chart&chart_columns=4&chart_rows=4'")

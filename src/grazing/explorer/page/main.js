@@ -301,7 +301,10 @@ function build() {
   $("settle").addEventListener("click", () => ball?.settle());
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
-  addEventListener("hashchange", () => location.hash !== toFragment(state) && read());
+  addEventListener("hashchange", (event) => {
+    const { hash } = new URL(event.newURL); // the address itself may have been written over by address() since
+    if (hash !== toFragment(state)) read(hash);
+  });
   const again = () => (failed ? refresh() : current()?.repaint());
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
@@ -329,10 +332,10 @@ function whole(name, text, least) {
   return { box: made.box, set: (/** @type {number} */ value) => (input.value = String(value)) };
 }
 
-/** Take the state from the link. */
-function read() {
+/** Take the state from the link. @param {string} hash */
+function read(hash) {
   clearTimeout(linking);
-  const { state: found, problems: wrong } = fromFragment(location.hash, fields);
+  const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
@@ -415,7 +418,7 @@ async function begin() {
   }
   if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
   build();
-  read();
+  read(location.hash);
   // for tests and for the curious: what is on screen
   Object.assign(globalThis, { explorer: { views, state: () => state, link: () => toFragment(state), texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
 }
