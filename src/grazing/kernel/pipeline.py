@@ -3,7 +3,8 @@
 numba turns each function into machine code of its own as soon as it is compiled, and then again with every caller it
 is linked into. Of a kernel only the outermost function is ever called, so the others are left as they are. It also
 asks of each operation anew which of a dozen templates it fits: here the answers are remembered. And passes that look
-for what no kernel has, closures or expressions of whole arrays, are left out for kernels of the library.
+for what no kernel has, closures or expressions of whole arrays, are left out for kernels of the library. Two things are
+added: what :mod:`grazing.kernel.turns` asks of loops, and a stack on which registers lie in one line of the cache.
 """
 
 from __future__ import annotations
