@@ -52,7 +52,7 @@ def simple_zero(
     theta: float,
 ) -> float:
     """Return the zero in [lo, hi] where F changes sign once, by Newton's method kept inside the bracket."""
-    t = 0.5 * (lo + hi)
+    t, small = 0.5 * (lo + hi), 1e-12 / omega
     for _ in range(80):
         F, dF = series(t, F0, cos, sin, omega, theta)
         if (F > 0.0) == (f_lo > 0.0):
@@ -60,9 +60,11 @@ def simple_zero(
         else:
             hi = t
         new = t - F / dF if dF != 0.0 else lo
+        if abs(new - t) <= small:  # convergence is quadratic: what is left is rounding
+            return min(max(new, lo), hi)
         if not lo < new < hi:
             new = 0.5 * (lo + hi)
-        if abs(new - t) <= 1e-16 * (abs(t) + abs(new)) or hi - lo <= 0.0:
+        if hi - lo <= small * 1e-4:
             return new
         t = new
     return t
