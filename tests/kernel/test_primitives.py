@@ -38,17 +38,19 @@ def other_law(v, row):
     return row[1] - row[0] * v
 
 
-def sweep(work, start, end, row, a, b):
-    for i in range(start, end):
-        work[i] = row[0] * work[i] + row[1] + a - b * b
+def sweep(work, tables, room, runs, count):
+    for n in range(count):
+        row = numbers_at(tables[n * room])
+        for i in range(runs[n], runs[n + 1]):
+            work[i] = row[0] * work[i] + row[1] + tables[n * room + 1]
 
 
 def calls(function, v, row):
     return called(function, v, row)
 
 
-def calls_for_all(function, work, start, end, row, a, b):
-    called_for_all(function, numbers(work), start, end, row, a, b)
+def calls_for_all(function, work, tables, room, runs, count):
+    called_for_all(function, numbers(work), numbers(tables), room, numbers(runs), count)
 
 
 def in_plain_python(monkeypatch, function, signature):
@@ -88,14 +90,16 @@ def test_an_address_is_a_whole_number_that_a_float_holds():
     assert WHERE == ROW.ctypes.data
 
 
-@pytest.mark.parametrize(("start", "end"), [(0, 7), (2, 5), (3, 3)])
-def test_a_loop_by_its_address(monkeypatch, start, end):
-    work = np.random.default_rng(1).normal(size=7)
-    expected = work.copy()
-    expected[start:end] = ROW[0] * expected[start:end] + ROW[1] + 2.5 - 0.25
+@pytest.mark.parametrize("runs", [(0, 7), (2, 5), (3, 3), (1, 3, 3, 6)])
+def test_a_loop_by_its_address(monkeypatch, runs):
+    work, tables = np.random.default_rng(1).normal(size=7), np.zeros((3, 4))
+    tables[:, 0], tables[:, 1] = WHERE, (2.5, -0.5, 0.25)
+    expected, count = work.copy(), len(runs) - 1
+    for row, start, end in zip(tables, runs, runs[1:], strict=False):
+        expected[start:end] = ROW[0] * expected[start:end] + ROW[1] + row[1]
     plain, fast = work.copy(), work.copy()
-    calls_for_all(in_plain_python(monkeypatch, sweep, "sweep"), plain, start, end, WHERE, 2.5, 0.5)
-    compiled(calls_for_all)(address(sweep, "sweep"), fast, start, end, WHERE, 2.5, 0.5)
+    calls_for_all(in_plain_python(monkeypatch, sweep, "sweep"), plain, tables, 4, np.array(runs), count)
+    compiled(calls_for_all)(address(sweep, "sweep"), fast, tables, 4, np.array(runs), count)
     assert np.array_equal(plain, expected)
     assert np.array_equal(fast, expected)
 

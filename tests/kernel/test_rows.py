@@ -186,16 +186,21 @@ for seed in range(9):
     work, _bound = test_vectors.marked(seed, 8, 40)
     plain, fast = work.copy(), work.copy()
     ran.append(test_vectors.appends(plain, 8, 40, 3) == compiled(test_vectors.appends)(fast, 8, 40, 3))
-    test_vectors.hands_back(plain, 8, 40), compiled(test_vectors.hands_back)(fast, 8, 40)
+    test_vectors.hands_back(plain, 8, 40, 3), compiled(test_vectors.hands_back)(fast, 8, 40, 3)
     ran.append(np.array_equal(plain[:180], fast[:180]))
     for kernel, arguments in (
         (test_vectors.deals, (5, 11, table, 250, 9)), (test_vectors.fills, (3, 19, 0.1)),
         (test_vectors.spreads, (0, 16, table, 7, 3)),
     ):
         plain, fast = np.zeros(300), np.zeros(300)
-        plain[250:258] = fast[250:258] = [0, 64, 8, 8, 25, 103, 3, 48]
+        plain[250:258] = fast[250:258] = test_vectors.WHOLE + np.array([0, 64, 8, 8, 25, 103, 3, 48])
         kernel(plain, *arguments), compiled(kernel)(fast, *arguments)
         ran.append(np.array_equal(plain, fast))
+    plain, fast = np.zeros((2, 60)), np.zeros((2, 60))
+    for count in test_vectors.COUNTS:
+        for form, (out, other) in ((test_vectors.writes, plain), (compiled(test_vectors.writes), fast)):
+            form(out, other.view(np.int64), 7, count, np.round(work), table[0])
+        ran.append(np.array_equal(plain.view(np.int64), fast.view(np.int64)))
     work = np.round(np.nan_to_num(test_rows.pairs(seed)))
     for kernel in (test_rows.searches, test_rows.demands):
         for upright in (0, 1):

@@ -5,7 +5,17 @@ import pytest
 
 from grazing.kernel.compile import compiled, width
 from grazing.kernel.primitives import numbers
-from grazing.kernel.vectors import appended, filled, handed_back, spread, transposed
+from grazing.kernel.vectors import (
+    WHOLE,
+    appended,
+    combined,
+    filled,
+    handed_back,
+    made_whole,
+    repeated,
+    spread,
+    transposed,
+)  # fmt: skip
 
 
 def deals(work, to, step, table, where, plus):
@@ -17,12 +27,12 @@ def test_records_are_dealt_out_to_rows():
     records = np.array([0, 64, 8, 8, 25, 103, 3, 48])
     plain, fast = np.zeros(300), np.zeros(300)
     for work in (plain, fast):
-        work[250:258] = records
+        work[250:258] = records + WHOLE
     deals(plain, 5, 11, table, 250, 9)
     compiled(deals)(fast, 5, 11, table, 250, 9)
     for h in range(4):
         assert np.array_equal(plain[5 + 11 * h : 13 + 11 * h], table.ravel()[records + 9 + h])
-    assert np.count_nonzero(plain) == 32 + np.count_nonzero(records)
+    assert np.count_nonzero(plain) == 32 + len(records)
     assert np.array_equal(fast, plain)
 
 
@@ -34,8 +44,8 @@ def appends(work, start, end, place):
     return appended(numbers(work), start, end, 0, (60, 120), (180, 240), place)
 
 
-def hands_back(work, start, end):
-    handed_back(numbers(work), start, end, 0, (180, 240), (60, 120), 300, 360)
+def hands_back(work, start, end, place):
+    handed_back(numbers(work), start, end, 0, (180, 240), (60, 120), 300, 360, place)
 
 
 def marked(seed, start, end):
@@ -65,20 +75,21 @@ def test_those_that_are_not_free_are_appended(start, end, place):
             assert np.array_equal(found[:180], work[:180])
 
 
+@pytest.mark.parametrize("place", [0, 3])
 @pytest.mark.parametrize(("start", "end"), PLACES)
-def test_what_was_appended_is_handed_back(start, end):
+def test_what_was_appended_is_handed_back(start, end, place):
     for seed in range(20):
         work, bound = marked(seed, start, end)
         plain, fast = work.copy(), work.copy()
-        hands_back(plain, start, end)
-        compiled(hands_back)(fast, start, end)
+        hands_back(plain, start, end, place)
+        compiled(hands_back)(fast, start, end, place)
         wanted = work.copy()
         for source, target in ((180, 60), (240, 120)):
-            wanted[target + bound] = work[source : source + len(bound)]
-        wanted[360 + bound] = np.minimum(work[360 + bound], work[300 : 300 + len(bound)])
+            wanted[target + bound] = work[source + place : source + place + len(bound)]
+        wanted[360 + bound] = np.minimum(work[360 + bound], work[300 + place : 300 + place + len(bound)])
         assert np.array_equal(plain, wanted)
         assert np.array_equal(fast, wanted)
-        appends(plain, start, end, 0)  # and there again
+        appends(plain, start, end, place)  # and there again
         assert np.array_equal(plain[180:300], work[180:300])
 
 
@@ -107,3 +118,52 @@ def test_places_are_filled(start, end):
             written[first + 50 * h + start : first + 50 * h + over] = True
         assert np.count_nonzero(plain) == count * (end - start)
         assert not fast[~written].any()
+
+
+# ---- results: so many places and none beyond
+
+COUNTS = [0, 1, 3, 4, 5, 7, 8, 9, 12, 31]
+
+
+def writes(out, whole, to, count, work, table):
+    combined(numbers(out), to, count, numbers(work), 2, 50, numbers(table), 1, 0.75)
+    made_whole(numbers(whole), to, count, numbers(work), 100)
+
+
+def writes_again(out, whole, to, count, start):
+    repeated(numbers(out), to, count, start)
+    repeated(numbers(whole), to, count, start)
+
+
+@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
+@pytest.mark.parametrize("count", COUNTS)
+def test_pairs_are_combined_and_counts_made_whole(count, arithmetic):
+    random = np.random.default_rng(count)
+    work, table = random.normal(size=150), random.normal(size=8)
+    work[100:140] = random.integers(-3, 4000, 40)
+    made = []
+    for form in (writes, compiled(writes, arithmetic)):
+        out, whole = np.full(60, np.nan), np.full(60, -77)
+        form(out, whole, 7, count, work, table)
+        made.append((out, whole))
+    (plain, plain_whole), (fast, fast_whole) = made
+    x, y = work[2 : 2 + count], work[50 : 50 + count]
+    assert np.array_equal(plain[7 : 7 + count], 0.75 + (table[1] + (table[2] * x + table[3] * y)))
+    assert np.array_equal(plain_whole[7 : 7 + count], work[100 : 100 + count])
+    assert np.isfinite(plain).sum() == (plain_whole != -77).sum() == count
+    assert np.array_equal(fast_whole, plain_whole)
+    if arithmetic == "strict":
+        assert np.array_equal(fast, plain, equal_nan=True)
+    assert np.allclose(fast, plain, rtol=0.0, atol=1e-15, equal_nan=True)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_what_was_written_is_written_again(count):
+    random = np.random.default_rng(count)
+    numbers_before, whole_before = random.normal(size=80), random.integers(-9, 10**15, 80)
+    for form in (writes_again, compiled(writes_again)):
+        out, whole = numbers_before.copy(), whole_before.copy()
+        form(out, whole, 41, count, 5)
+        for now, before in ((out, numbers_before), (whole, whole_before)):
+            assert np.array_equal(now[41 : 41 + count], before[5 : 5 + count])
+            assert np.array_equal(np.delete(now, np.s_[41 : 41 + count]), np.delete(before, np.s_[41 : 41 + count]))

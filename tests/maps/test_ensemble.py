@@ -370,22 +370,25 @@ from mine import law
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import called, called_for_all, numbers
 from grazing.maps.ensemble import law_addresses
-from grazing.oscillator.workspace import AFTER, BEFORE, COLUMN, workspace_size
+from grazing.oscillator.cells import LAW, table_size
+from grazing.oscillator.workspace import AFTER, BEFORE, WIDTH, workspace_size
 from grazing.oscillator.reset import difference_of
 from grazing.parameter import parameter_tuple
 
 def one(where, v, row):
     return called(where, v, row)
 
-def many(where, work, row):
-    called_for_all(where, numbers(work), 0, 1, row, 0.0, 0.0)
+def many(where, work, table, runs):
+    called_for_all(where, numbers(work), numbers(table), len(table), numbers(runs), 1)
 
 places = law_addresses(law, difference_of(law), "mine", parameter_tuple(("r",)), "strict")
 row = np.array([0.5])
 work = np.zeros(workspace_size(1))
 work[BEFORE] = -2.0
 at = float(row.ctypes.data)
-compiled(many)(places[2], work, at)
+table, runs = np.zeros(table_size(1)), np.zeros(3 * WIDTH, np.int64)
+table[LAW], runs[1] = at, 1
+compiled(many)(places[2], work, table, runs)
 print(compiled(one)(places[0], -2.0, at), compiled(one)(places[1], -2.0, at), work[AFTER])
 """
 

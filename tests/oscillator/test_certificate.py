@@ -135,7 +135,7 @@ def test_longer_chords_ask_for_more(name):
 def asks(work, table, runs, since, events):
     """Ask all questions: the answers to each are left in ``work``."""
     w, t, room = numbers(work), numbers(table), len(table)
-    certify(w, t, room, 1, N, N)
+    certify(w, t, room, numbers(runs), 1, N, N)
     locate(w, t, room, numbers(runs), 1)
     for i in range(N):
         events[i] = next_event(t, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
@@ -169,7 +169,7 @@ def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic)
     clear = ~(np.abs(lowest) < 1e-14 * np.nanmax(np.abs(heights)))
     assert set(lowest[clear] >= 0.0) == {True, False}
     for upright in {0.0, t[UPRIGHT]}:
-        w, events, runs = np.zeros(workspace_size(3)), np.zeros(N), np.zeros(2 * WIDTH, np.int64)
+        w, events, runs = np.zeros(workspace_size(3)), np.zeros(N), np.zeros(3 * WIDTH, np.int64)
         t[UPRIGHT] = upright
         for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (WIDER, wider)):
             w[start : start + N] = values

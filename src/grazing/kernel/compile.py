@@ -93,8 +93,8 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     function : callable
         A plain Python function, see :func:`compiled`.
     signature : {"value", "sweep"}
-        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, start, end, row, a, b)``. ``row`` and ``work`` are
-        addresses of numbers.
+        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, tables, room, runs, count)``. All but ``v`` and the
+        integers ``room`` and ``count`` are addresses: of numbers, ``runs`` of integers.
     arithmetic : {"strict", "fast"}
     who : str
         Who is to blame if it does not compile.
@@ -110,7 +110,7 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     from numba import types
 
     number, count, numbers = types.float64, types.int64, types.CPointer(types.float64)
-    kinds = {"value": (number, numbers), "sweep": (numbers, count, count, numbers, number, number)}
+    kinds = {"value": (number, numbers), "sweep": (numbers, numbers, count, types.CPointer(count), count)}
     wanted = kinds[signature]
     entry: Any = compiled(function, arithmetic)
     with _lock:

@@ -59,9 +59,9 @@ def called(function: float, v: float, row: float) -> float:
     return pointed[int(function)](v, numbers_at(row))  # type: ignore[no-any-return]
 
 
-def called_for_all(function: float, work: Any, start: int, end: int, row: float, a: float, b: float) -> None:
-    """Call a compiled ``f(work, start, end, row, a, b)`` by its address."""
-    pointed[int(function)](work, start, end, numbers_at(row), a, b)
+def called_for_all(function: float, work: Any, tables: Any, room: int, runs: Any, count: int) -> None:
+    """Call a compiled ``f(work, tables, room, runs, count)`` by its address: once for many numbers, and many rows."""
+    pointed[int(function)](work, tables, room, runs, count)
 
 
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
@@ -132,14 +132,20 @@ def _register() -> None:
         return types.float64(types.float64, types.float64, types.float64), code
 
     @compiled_form(called_for_all)
-    def call_all(_c: Any, function: Any, work: Any, start: Any, end: Any, row: Any, a: Any, b: Any) -> Any:
-        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(ir.VoidType(), [pointer, count, count, pointer, number, number]).as_pointer()
-            where = code_at(builder, args[4], pointer)
-            builder.call(code_at(builder, args[0], kind), [*args[1:4], where, *args[5:]])
+    def call_all(_context: Any, function: Any, work: Any, tables: Any, room: Any, runs: Any, many: Any) -> Any:
+        def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, count, count.as_pointer(), count]).as_pointer()
+            builder.call(code_at(builder, args[0], kind), args[1:])
             return ctx.get_dummy_value()
 
-        return types.void(types.float64, work, types.int64, types.int64, *(types.float64,) * 3), code
+        return types.void(types.float64, work, tables, types.int64, runs, types.int64), code
+
+    @compiled_form(numbers_at)
+    def pointer_to(_context: Any, row: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            return code_at(builder, args[0], pointer)
+
+        return types.CPointer(types.float64)(types.float64), code
 
     @compiled_form(numbers)
     def address(_context: Any, array: Any) -> Any:

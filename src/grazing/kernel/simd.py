@@ -129,6 +129,21 @@ def counted(builder: Any, start: Any, end: Any, step: int) -> Iterator[Any]:
         yield n
 
 
+def in_all(builder: Any, count: Any, width: int, body: Any) -> None:
+    """Call ``body(place, width)`` for all places below a count, and none beyond.
+
+    The last vector overlaps the one before. Where there are fewer than a vector they are taken one by one.
+    """
+    with builder.if_else(builder.icmp_signed(">=", count, whole(width))) as (many, few):
+        with many:
+            last = builder.sub(count, whole(width))
+            with counted(builder, whole(0), last, width) as n:
+                body(n, width)
+            body(last, width)
+        with few, counted(builder, whole(0), count, 1) as n:
+            body(n, 1)
+
+
 def in_groups(builder: Any, start: Any, end: Any, width: int, size: int, body: Any) -> None:
     """Call ``body(places)`` for all vectors from ``start`` to ``end``, ``size`` of them at a time, then one by one.
 

@@ -11,15 +11,18 @@ from typing import Any
 
 from grazing.kernel.primitives import compiled_form
 
+#: Added to a number it rounds it to a whole one, whose bits are then the last ones.
+WHOLE, WHOLE_BITS = 6755399441055744.0, 0x4338000000000000
+
 
 def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int) -> None:
     """Copy eight records of four numbers from a table to rows of ``work``: number h of record k to place k of row h.
 
-    The four rows begin at ``to`` and lie ``step`` apart. ``work[where + k] + plus`` is where record k begins in the
-    table.
+    The four rows begin at ``to`` and lie ``step`` apart. ``work[where + k] - WHOLE + plus`` is where record k begins in
+    the table.
     """
     for k in range(8):
-        record = int(work[where + k]) + plus
+        record = int(work[where + k] - WHOLE) + plus
         for h in range(4):
             work[to + h * step + k] = table[record + h]
 
@@ -55,14 +58,13 @@ def appended(
 
 def handed_back(
     work: Any, start: int, end: int, free: int, sources: tuple[int, ...], targets: tuple[int, ...], lower: int,
-    lowest: int,
+    lowest: int, place: int,
 ) -> None:  # fmt: skip
     """Give those that are not free their numbers back from lists.
 
     The other way of :func:`appended`: ``work[source + place]`` goes to ``work[target + i]``, and so on; and
     ``work[lower + place]`` to ``work[lowest + i]`` where it is lower.
     """
-    place = 0
     for i in range(start, end):
         if work[free + i] < 0.0:
             for source, target in zip(sources, targets, strict=True):
@@ -71,12 +73,45 @@ def handed_back(
             place += 1
 
 
+def combined(
+    out: Any, to: int, count: int, work: Any, x: int, y: int, table: Any, at: int, plus: float
+) -> None:  # fmt: skip
+    """Write ``plus + (a + (b x + c y))`` for so many pairs to ``out``; a, b, c stand at ``at`` in a table."""
+    a, b, c = table[at], table[at + 1], table[at + 2]
+    for i in range(count):
+        out[to + i] = plus + (a + (b * work[x + i] + c * work[y + i]))
+
+
+def made_whole(out: Any, to: int, count: int, work: Any, start: int) -> None:
+    """Write so many whole numbers to ``out``, which holds integers."""
+    for i in range(count):
+        out[to + i] = int(work[start + i])
+
+
+def repeated(out: Any, to: int, count: int, start: int) -> None:
+    """Write so many numbers of ``out`` once more, to another place."""
+    for i in range(count):
+        out[to + i] = out[start + i]
+
+
 def _register() -> None:
     """Write down the compiled form of each; importing numba here is the reason to be lazy."""
     from llvmlite import ir
     from numba.core import cgutils, types
 
-    from grazing.kernel.simd import Lanes, Memory, bits_of, counted, equal, features, short, whole, width_for
+    from grazing.kernel.simd import (
+        Lanes,
+        Memory,
+        bits_of,
+        constant,
+        counted,
+        equal,
+        features,
+        in_all,
+        short,
+        whole,
+        width_for,
+    )  # fmt: skip
 
     n = types.int64
 
@@ -84,10 +119,11 @@ def _register() -> None:
     def transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where: Any, plus: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             out, source = Memory(builder, args[0], 4), Memory(builder, args[3], 4)
-            starts = builder.fptosi(Memory(builder, args[0], 8).load(args[4]).value, ir.VectorType(whole, 8))
+            bits = builder.bitcast(args[0], whole.as_pointer())
             for half in (0, 4):
-                lanes = [builder.extract_element(starts, short(half + k)) for k in range(4)]
-                rows = [source.load(builder.add(lane, args[5])).value for lane in lanes]
+                lanes = [builder.load(builder.gep(bits, [builder.add(args[4], whole(half + k))])) for k in range(4)]
+                less = builder.sub(args[5], whole(WHOLE_BITS))
+                rows = [source.load(builder.add(lane, less)).value for lane in lanes]
                 for size in (1, 2):  # blocks of this size change places across the diagonal
                     for k in (0, 3 - size):
                         pair = rows[k], rows[k + size]
@@ -196,11 +232,12 @@ def _register() -> None:
 
     @compiled_form(handed_back)
     def returning(
-        _c: Any, work: Any, start: Any, end: Any, free: Any, sources: Any, targets: Any, lower: Any, lowest: Any
-    ) -> Any:
+        _c: Any, work: Any, start: Any, end: Any, free: Any, sources: Any, targets: Any, lower: Any, lowest: Any,
+        place: Any,
+    ) -> Any:  # fmt: skip
         def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            work, start, end, free, sources, targets, lower, lowest = args
-            rows, length = memory(context, builder, work), cgutils.alloca_once_value(builder, whole(0))
+            work, start, end, free, sources, targets, lower, lowest, place = args
+            rows, length = memory(context, builder, work), cgutils.alloca_once_value(builder, place)
             with counted(builder, start, end, rows.kind.count) as i:
                 mask, bits = bound(builder, rows, builder.add(free, i))
                 here = builder.load(length)
@@ -220,7 +257,58 @@ def _register() -> None:
                 builder.store(builder.add(here, builder.ctpop(bits)), length)
             return context.get_dummy_value()
 
-        return types.void(work, n, n, n, sources, targets, n, n), code
+        return types.void(work, n, n, n, sources, targets, n, n, n), code
+
+    @compiled_form(combined)
+    def combining(
+        _c: Any, out: Any, to: Any, count: Any, work: Any, x: Any, y: Any, table: Any, at: Any, plus: Any
+    ) -> Any:
+        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            out, to, count, work, x, y, table, at, plus = args
+
+            def body(i: Any, width: int) -> None:
+                pairs, numbers = Memory(builder, work, width), Memory(builder, table, width)
+                a, b, c = (numbers.everywhere(builder.add(at, whole(k))) for k in range(3))
+                u, v = (pairs.load(builder.add(row, i)) for row in (x, y))
+                value = equal(builder, plus, width) + (a + (b * u + c * v))
+                Memory(builder, out, width).store(value, builder.add(to, i))
+
+            in_all(builder, count, width_for(context), body)
+            return context.get_dummy_value()
+
+        return types.void(out, n, n, work, n, n, table, n, types.float64), code
+
+    @compiled_form(made_whole)
+    def wholes(_c: Any, out: Any, to: Any, count: Any, work: Any, start: Any) -> Any:
+        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            out, to, count, work, start = args
+
+            def body(i: Any, width: int) -> None:
+                value = Memory(builder, work, width).load(builder.add(start, i)) + constant(builder, WHOLE, width)
+                kind = ir.VectorType(whole, width)
+                bits = builder.sub(builder.bitcast(value.value, kind), ir.Constant(kind, [WHOLE_BITS] * width))
+                place = builder.bitcast(builder.gep(out, [builder.add(to, i)]), kind.as_pointer())
+                builder.store(bits, place).align = 8
+
+            in_all(builder, count, width_for(context), body)
+            return context.get_dummy_value()
+
+        return types.void(out, n, n, work, n), code
+
+    @compiled_form(repeated)
+    def repeating(_c: Any, out: Any, to: Any, count: Any, start: Any) -> Any:
+        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            out, to, count, start = args
+            address = builder.bitcast(out, ir.DoubleType().as_pointer())  # whatever the eight bytes are
+
+            def body(i: Any, width: int) -> None:
+                memory = Memory(builder, address, width)
+                memory.store(memory.load(builder.add(start, i)), builder.add(to, i))
+
+            in_all(builder, count, width_for(context), body)
+            return context.get_dummy_value()
+
+        return types.void(out, n, n, n), code
 
 
 if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):

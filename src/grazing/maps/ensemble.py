@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import compiled, width
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.pool import Task
-from grazing.kernel.primitives import at, behind, called_for_all, inlined, numbers
+from grazing.kernel.primitives import behind, called_for_all, inlined, numbers
+from grazing.kernel.vectors import combined, made_whole, repeated
 from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
 from grazing.maps.pointed import (
@@ -38,19 +39,20 @@ from grazing.oscillator.block import (
 from grazing.oscillator.cells import (
     BAND,
     CERTIFICATE,
-    FORCE,
+    CYCLE,
     GO_ON,
     HOLDING,
     LAW,
+    LOOKED_AT,
     MARGIN,
     MAX_ROWS,
     NEEDY,
     PAIR,
-    RATE,
     SIGMA,
     STATE,
     TABLED,
     UPRIGHT,
+    WAKE,
     WHICH,
     fill_table,
     table_size,
@@ -68,6 +70,8 @@ from grazing.oscillator.certificate import (
 )  # fmt: skip
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.reset import Reset
+from grazing.oscillator.still import LONGEST as LONGEST_CYCLE
+from grazing.oscillator.still import SELDOM, find_cycles, remember, stand_still
 from grazing.oscillator.workspace import (
     AFTER,
     C1,
@@ -92,7 +96,6 @@ from grazing.oscillator.workspace import (
     WHEN,
     WHERE,
     WIDER,
-    WIDTH,
     X1,
     X2,
     Y0,
@@ -151,6 +154,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
             t[LAW], t[HOLDING], t[NEEDY] = c.p.row, 1.0, 0.0
+            t[LOOKED_AT], t[CYCLE], t[WAKE] = 0.0, 0.0, 0.0
             t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, Y0), c, c.p.ratio) else 0.0
             t[WHICH] = float(q)
             for j in range(stride):
@@ -226,26 +230,24 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         return holding
 
     @inlined
-    def impacts(w: Any, tables: Any, runs: Any, columns: int, stride: int, strike: float, counted: bool) -> int:
+    def impacts(w: Any, tables: Any, runs: Any, awake: int, stride: int, strike: float, counted: bool) -> int:
         """Take the orbits that hit to the end of the period, all their next impacts together.
 
         Return how many of them the scalar routine must fly instead.
         """
-        places, several = candidates(w, columns, stride, runs)
+        places, several = candidates(w, runs, awake, stride)
         if counted:
-            count_hits(w, columns * stride)
+            count_hits(w, runs, awake, stride)
         locate(w, tables, room, runs, several)
         first, needy = True, 0
         while places > 0:
             look_up(w, tables, room, places, harmonics)
             solve(w, places)
-            for n in range(several):
-                t = behind(tables, runs[WIDTH + n] * room)
-                called_for_all(strike, w, runs[n], runs[n + 1], t[LAW], t[RATE], t[FORCE])
+            called_for_all(strike, w, tables, room, runs, several)
             kick(w, places)
             left = certify_rest(w, tables, room, runs, several)
             if first:  # most orbits hit once and are done: as if all were
-                hand_back(w, columns * stride, left)
+                hand_back(w, runs, several, stride, left)
             else:
                 hand_on(w, places, left)
             first = False
@@ -287,39 +289,52 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     @inlined
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
         """Write the states of a column's pairs, and how often each hit the wall."""
-        sigma, u0, u1, u2 = t[SIGMA], t[STATE], t[STATE + 1], t[STATE + 2]
-        v0, v1, v2 = t[STATE + 3], t[STATE + 4], t[STATE + 5]
-        for j in range(starts):
-            x, y = w[C1 + first + j], w[C2 + first + j]
-            points[at(row), at(n), 0, at(left + j)] = sigma + (u0 + (u1 * x + u2 * y))
-        for j in range(starts):
-            x, y = w[C1 + first + j], w[C2 + first + j]
-            points[at(row), at(n), 1, at(left + j)] = v0 + (v1 * x + v2 * y)
-        for j in range(starts):
-            letters[at(row), at(n), at(left + j)] = int(w[HITS + first + j])
+        u, v, hits = places(points, row, n, left)
+        combined(numbers(points), u, starts, w, C1 + first, C2 + first, t, STATE, t[SIGMA])
+        combined(numbers(points), v, starts, w, C1 + first, C2 + first, t, STATE + 3, 0.0)
+        made_whole(numbers(letters), hits, starts, w, HITS + first)
+
+    @inlined
+    def repeat(points: Any, letters: Any, row: int, n: int, before: int, left: int, starts: int) -> None:
+        """Write for a column what was written in an earlier period."""
+        here, there = places(points, row, n, left), places(points, row, before, left)
+        repeated(numbers(points), here[0], starts, there[0])
+        repeated(numbers(points), here[1], starts, there[1])
+        repeated(numbers(letters), here[2], starts, there[2])
 
     def advance(
         w: Any, tables: Any, runs: Any, rows: Any, strike: float, top: int, columns: int, stride: int, left: int,
         starts: int, transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
     ) -> None:  # fmt: skip
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
-        last, bare, holding = outcomes.shape[1] - 1, 0, columns
+        last, bare, holding, awake, again = outcomes.shape[1] - 1, 0, columns, columns, 0
         for q in range(columns):
             bare += 1 if tables[q * room + TABLED] == 0.0 else 0
-        for n in range(transient + stop - start):
+        periods = transient + stop - start
+        for n in range(periods):
             kept = n - transient + start if n >= transient else -1
             record = min(max(kept, 0), last)
-            certify(w, tables, room, columns, stride, starts)
+            if n >= again:
+                awake, again = stand_still(tables, room, columns, runs, n, transient, periods)
+            if n % SELDOM == 0:
+                remember(w, tables, room, runs, awake, stride)
+            certify(w, tables, room, runs, awake, stride, starts)
             if bare > 0:
                 want_all(w, tables, columns, stride, starts)
-            needy = bare + impacts(w, tables, runs, columns, stride, strike, kept >= 0)
+            needy = bare + impacts(w, tables, runs, awake, stride, strike, kept >= 0)
             if needy > 0:
                 back_to_states(w, tables, columns, stride, starts)
-            onward(w, tables, room, columns, stride)
+            onward(w, tables, room, runs, awake, stride)
             if needy + holding > 0:  # in most periods nobody needs the scalar routine
                 holding = fly(w, tables, rows, top, columns, stride, starts, record, left, outcomes, undecided)
+            length = n % SELDOM + 1
+            if length <= LONGEST_CYCLE and find_cycles(w, tables, room, runs, awake, stride, starts, length) > 0:
+                again = n + 1
             for q in range(columns if kept >= 0 else 0):
                 first, t = q * stride, behind(tables, q * room)
+                if float(n) < t[WAKE]:
+                    repeat(points, letters, top + q, kept, kept - int(t[CYCLE]), left, starts)
+                    continue
                 keep(w, t, first, starts, points, letters, top + q, kept, left)
                 for j in range(starts if t[HOLDING] > 0.0 else 0):
                     if w[WHERE + first + j] != FLOWN:
@@ -371,6 +386,14 @@ def state_of(x: float, y: float, t: Any) -> tuple[float, float]:
     """Return the state at the strobe of a pair (c1, c2)."""
     u = t[SIGMA] + (t[STATE] + (t[STATE + 1] * x + t[STATE + 2] * y))
     return u, t[STATE + 3] + (t[STATE + 4] * x + t[STATE + 5] * y)
+
+
+@inlined
+def places(points: Any, row: int, n: int, left: int) -> tuple[int, int, int]:
+    """Return where position, velocity and letter of a start stand in period n of a column, all numbers in one row."""
+    starts = points.shape[3]
+    first = row * points.shape[1] + n
+    return 2 * first * starts + left, (2 * first + 1) * starts + left, first * starts + left
 
 
 # ---- tasks for the driver of columns

@@ -14,10 +14,10 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any
 
-from grazing.kernel.primitives import inlined
+from grazing.kernel.primitives import behind, inlined, numbers_at
 from grazing.kernel.turns import abreast, eights
-from grazing.kernel.vectors import handed_back, transposed
-from grazing.oscillator.cells import CELLS, cell_size
+from grazing.kernel.vectors import WHOLE, handed_back, transposed
+from grazing.oscillator.cells import CELLS, FORCE, LAW, RATE, cell_size
 from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, value
 from grazing.oscillator.workspace import (
     AFTER,
@@ -60,6 +60,7 @@ from grazing.oscillator.workspace import (
     W2,
     WAVES,
     WHEN,
+    WHOSE,
     WIDER,
     WIDTH,
     WORSE,
@@ -88,8 +89,6 @@ from grazing.oscillator.workspace import (
 )  # fmt: skip
 
 INFINITY = float("inf")
-#: Added and taken off again, it rounds a number to a whole one.
-WHOLE = 6755399441055744.0
 
 
 @inlined
@@ -116,7 +115,7 @@ def look_up(w: Any, tables: Any, room: int, places: int, harmonics: int) -> None
             i = base + k
             cell = max(0.0, (0.5 * w[EVENT + i] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
             w[INSIDE + i] = cell
-            w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size)
+            w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size) + WHOLE
     for base in range(0, places, 8):
         for h in range(0, size, 4):
             transposed(w, YM + h * WIDTH + base, WIDTH, tables, RECORD + base, h)
@@ -204,13 +203,6 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
             w[Y4 + i], w[Y5 + i], w[Y6 + i], w[Y7 + i] = y[4], y[5], y[6], y[7]
             w[Y8 + i], w[Y9 + i], w[Y10 + i] = y[8], y[9], y[10]
             w[Y11 + i], w[Y12 + i], w[Y13 + i] = y[11], y[12], y[13]
-
-    @inlined
-    def begin(w: Any, base: int) -> None:
-        """Guess the impacts from position, velocity and acceleration."""
-        for k in range(SOME):
-            i = base + eights(k)
-            y = unfolded(w, i)
             w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
 
     @inlined
@@ -281,7 +273,6 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     def solve(w: Any, count: int) -> None:
         for base in range(0, count, SOME):
             unfold(w, base)
-            begin(w, base)
             improve(w, base)
             improve_again(w, base)
             arrive(w, base)
@@ -317,9 +308,11 @@ def kick(w: Any, count: int) -> None:
 
 
 @inlined
-def hand_back(w: Any, end: int, left: int) -> None:
+def hand_back(w: Any, runs: Any, count: int, stride: int, left: int) -> None:
     """Give the orbits their pairs after one impact each, but for those in REST."""
-    handed_back(w, 0, end, FREE, (Z1, Z2), (C1, C2), SPEED, SLOW)
+    for n in range(count):
+        first = runs[WHOSE + n] * stride
+        handed_back(w, first, first + stride, FREE, (Z1, Z2), (C1, C2), SPEED, SLOW, runs[n])
     for n in range(left):
         k = int(w[REST + n])
         i = int(w[ORBIT + k])
@@ -390,23 +383,25 @@ def dip(w: Any, count: int) -> None:
 
 @lru_cache(maxsize=256)
 def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable[..., None]:
-    """Return ``strike(work, start, end, row, rate, force)``: the reset law for impacts at hand of one column.
+    """Return ``strike(work, tables, room, runs, count)``: the reset law for impacts at hand, run by run.
 
     AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity makes AFTER
     NaN: that is left to the scalar routine.
     """
 
-    def strike(w: Any, start: int, end: int, row: Any, rate: float, force: float) -> None:
-        p = unpack(row)
-        for base in range(start, end, 4):  # what runs over the end is for the next column
-            for k in range(4):
-                j = base + abreast(k)
-                v = w[BEFORE + j]
-                # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                error = w[DOUBT + j] * (rate - force * w[INVERSE + j]) * 0.015625
-                h = min(max(1e-8 * -v, error), -v)
-                u, less, more = law(v, p), law(v - h, p), law(v + h, p)
-                w[STEEP + j] = abs(less - more) / h
-                w[AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
+    def strike(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
+        for n in range(count):
+            t = behind(tables, runs[WHOSE + n] * room)
+            p, rate, force = unpack(numbers_at(t[LAW])), t[RATE], t[FORCE]
+            for base in range(runs[n], runs[n + 1], 4):  # what runs over the end is for the next column
+                for k in range(4):
+                    j = base + abreast(k)
+                    v = w[BEFORE + j]
+                    # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
+                    error = w[DOUBT + j] * (rate - force * w[INVERSE + j]) * 0.015625
+                    h = min(max(1e-8 * -v, error), -v)
+                    u, less, more = law(v, p), law(v - h, p), law(v + h, p)
+                    w[STEEP + j] = abs(less - more) / h
+                    w[AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
 
     return strike

@@ -43,10 +43,12 @@ ONWARD, STATE, PAIR = 15, 21, 27
 # 1 where p = 1 in all rows;
 COUNT, ROW_COUNT, SIGMA, UPRIGHT = 31, 32, 33, 34
 # what is no matter of the table but of its column: where the numbers of its reset law are, 1 where there is a table,
-# how many orbits need the scalar routine in this period, and how many have a state from there;
+# how many orbits need the scalar routine in this period, and how many have a state from there; 1 where its pairs were
+# kept and no states came between, after how many periods they come back, if known, and until when it then stands still;
 LAW, TABLED, NEEDY, HOLDING = 35, 36, 37, 38
+LOOKED_AT, CYCLE, WAKE = 39, 40, 41
 # then the certificate and the list of all rows, both in the order of time: all p, all q, all r, all places;
-CERTIFICATE = 40
+CERTIFICATE = 44
 MAX_ROWS = 3 * MAX_CELLS + 24
 ROWS = CERTIFICATE + 4 * MAX_ROWS
 # for each cell the place from which to go on after an impact there;

@@ -27,6 +27,7 @@ from grazing.oscillator.cells import (
     row_from,
 )  # fmt: skip
 from grazing.oscillator.workspace import (
+    AWAKE,
     BACK,
     C1,
     C2,
@@ -42,6 +43,7 @@ from grazing.oscillator.workspace import (
     ORBIT,
     REST,
     THEN,
+    WHOSE,
     WIDER,
     WIDTH,
     X1,
@@ -53,23 +55,25 @@ from grazing.oscillator.workspace import (
 
 
 @inlined
-def onward(w: Any, tables: Any, room: int, columns: int, stride: int) -> None:
+def onward(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int) -> None:
     """Take all pairs over to the next period.
 
     NEED gets what all rows must reach: the margin, less c1 where that is in no row; NaN where a row could overflow.
     """
-    for q in range(columns):
+    for n in range(awake):
+        q = runs[AWAKE + n]
         t = behind(tables, q * room)
         carried(w, q * stride, (q + 1) * stride, C1, C2, NEED, t, ONWARD, MARGIN, HIGH, UPRIGHT)
 
 
 @inlined
-def certify(w: Any, tables: Any, room: int, columns: int, stride: int, starts: int) -> None:
+def certify(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int, starts: int) -> None:
     """Ask the certificate about all orbits: FREE gets 1 where there is provably no impact in the period, else -1.
 
     It gets 1 as well where there is no orbit, and in columns that have no table.
     """
-    for q in range(columns):
+    for n in range(awake):
+        q = runs[AWAKE + n]
         t, first = behind(tables, q * room), q * stride
         rows, upright = int(t[COUNT]), int(t[UPRIGHT])
         all_passed(w, first, first + stride, C1, C2, NEED, FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
@@ -85,7 +89,7 @@ def locate(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
     written over by the next.
     """
     for n in range(count):
-        t = behind(tables, runs[WIDTH + n] * room)
+        t = behind(tables, runs[WHOSE + n] * room)
         rows, upright = int(t[ROW_COUNT]), int(t[UPRIGHT])
         first_failed(w, runs[n], runs[n + 1], X1, X2, DOUBT, EVENT, t, MARGIN, HIGH, ROWS, MAX_ROWS, rows, upright)
         spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)
@@ -95,7 +99,7 @@ def locate(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
 def describe(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
     """Write the constants of its column to each place."""
     for n in range(count):
-        t = behind(tables, runs[WIDTH + n] * room)
+        t = behind(tables, runs[WHOSE + n] * room)
         spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
 
 
@@ -122,7 +126,7 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
     """Ask the certificate about the rest of the period after each impact; list those that do not fly free in REST."""
     left = 0
     for n in range(count):
-        t = behind(tables, runs[WIDTH + n] * room)
+        t = behind(tables, runs[WHOSE + n] * room)
         rows = int(t[COUNT])
         for i in range(runs[n], runs[n + 1]):
             since, margin = int(w[THEN + i]), w[WIDER + i]
@@ -133,11 +137,12 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
 
 
 @inlined
-def candidates(w: Any, columns: int, stride: int, runs: Any) -> tuple[int, int]:
+def candidates(w: Any, runs: Any, awake: int, stride: int) -> tuple[int, int]:
     """Put the orbits that the certificate did not settle to the impacts at hand; return how many, and their runs."""
     places, count = 0, 0
-    for q in range(columns):
-        runs[count], runs[WIDTH + count] = places, q
+    for n in range(awake):
+        q = runs[AWAKE + n]
+        runs[count], runs[WHOSE + count] = places, q
         places = appended(w, q * stride, (q + 1) * stride, FREE, (C1, C2, NUMBER), (X1, X2, ORBIT), places)
         count += 1 if places > runs[count] else 0
     runs[count] = places
@@ -149,11 +154,11 @@ def candidates(w: Any, columns: int, stride: int, runs: Any) -> tuple[int, int]:
 
 
 @inlined
-def count_hits(w: Any, end: int) -> None:
+def count_hits(w: Any, runs: Any, awake: int, stride: int) -> None:
     """Say of all orbits that they hit once, or, where the certificate settles it, not at all."""
-    for base in range(0, end, 64):
-        for k in range(64):
-            i = base + k
+    for n in range(awake):
+        first = runs[AWAKE + n] * stride
+        for i in range(first, first + stride):
             w[HITS + i] = 0.0 if w[FREE + i] > 0.0 else 1.0
 
 
@@ -162,7 +167,7 @@ def runs_of(w: Any, places: int, runs: Any) -> int:
     """Find the runs of equal columns among the impacts at hand: where each begins, and which; return their number."""
     count, last = 0, -1.0
     for k in range(places):
-        runs[count], runs[WIDTH + count] = k, int(w[COLUMN + k])
+        runs[count], runs[WHOSE + count] = k, int(w[COLUMN + k])
         count += 1 if w[COLUMN + k] != last else 0
         last = w[COLUMN + k]
     runs[count] = places
