@@ -111,6 +111,8 @@ from grazing.parameter import parameter_tuple
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
 ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
+#: Columns of a block at most: the tables of more no longer stay near.
+COLUMNS = 28
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
@@ -430,7 +432,7 @@ def ensemble_tasks(
     starts, keep = lanes.shape[2], found.points.shape[1]
     wide = min(starts, LANES)
     stride = padded(wide)
-    several = LANES // stride
+    several = min(LANES // stride, COLUMNS)
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
     spare: list[tuple[Any, ...]] = []  # workspaces that no task is using
