@@ -43,7 +43,7 @@ def oscillator_row(
     columns: int,
     starts: int,
     beside: tuple[str, ...],
-    periods: tuple[int, int] = (200, 50),
+    periods: tuple[int, int] = (240, 10),
     each: int = EACH,
     orbits: int = ORBITS,
     threads: int = 1,

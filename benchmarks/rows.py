@@ -30,7 +30,7 @@ def rows(other: tuple[Path, str] | None = None) -> list[Row]:
 def our_rows() -> list[Row]:
     """Return the rows of this library."""
 
-    def row(name: str, model: Model = STANDARD, columns: int = 400, starts: int = 100, **how: Any) -> Row:
+    def row(name: str, model: Model = STANDARD, columns: int = 1000, starts: int = 100, **how: Any) -> Row:
         program = partial(ours.program_of, model, **how)
         return oscillator_row(name, program, model, columns, starts, (MAIN, SCALAR), threads=how.get("threads", 1))
 
@@ -38,10 +38,10 @@ def our_rows() -> list[Row]:
         row(MAIN),
         row(TWO, threads=2),
         row(STRICT, arithmetic="strict"),
-        row(PASSIVE_ROW, PASSIVE, columns=200),
-        row(FEW, columns=2000, starts=10),
-        row(MAIN + UNDER, UNDER_DAMPED, columns=200),
-        row(MAIN + THREE, THREE_HARMONICS, columns=200),
+        row(PASSIVE_ROW, PASSIVE),
+        row(FEW, columns=10_000, starts=10),
+        row(MAIN + UNDER, UNDER_DAMPED, columns=400),
+        row(MAIN + THREE, THREE_HARMONICS, columns=400),
         row(OWN, own_law=True),
         row(SCALAR, columns=10, arithmetic="strict", algorithm="scalar"),
         row(SCALAR + ", two threads", columns=10, arithmetic="strict", algorithm="scalar", threads=2),

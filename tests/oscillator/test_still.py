@@ -98,11 +98,16 @@ def test_a_pair_that_flies_free_has_come_back_once_no_state_shows_it(form, name)
         w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = times * size * x, times * size * y
         t[0, CYCLE] = 0.0
         assert form(w, t.ravel(), t.shape[1], all_awake(1), 1, moved, 1) == t[0, CYCLE] == found
+    w, moved = pairs_of(1, 1.0), np.stack([-0.5 * size * x, -0.5 * size * y])
+    w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = 1.2 * size * x, 1.2 * size * y
+    t[0, CYCLE] = 0.0  # what was written with the pair that was kept is to be written again: no state may show it
+    assert form(w, t.ravel(), t.shape[1], all_awake(1), 1, moved, 2) == 0
     a, b = t[0, ONWARD + 1 : ONWARD + 3], t[0, ONWARD + 4 : ONWARD + 6]
     for place in (ONWARD, ONWARD + 3):
         pushed = t.copy()
         pushed[0, place] = 1e-30
         w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = 0.5 * size * x, 0.5 * size * y
+        moved = np.full((2, STRIDE), 1e-9 * size)
         assert form(w.copy(), t.copy().ravel(), t.shape[1], all_awake(1), 1, moved, 1) == 1
         assert form(w.copy(), pushed.ravel(), t.shape[1], all_awake(1), 1, moved, 1) == 0
     for _ in range(300):
@@ -204,3 +209,23 @@ def test_company_that_never_repeats_itself_changes_no_bit(name, change, repeats,
     assert np.array_equal(starts, company[..., :6])
     if keep > 2:
         assert np.array_equal(alone.points[0, -1], alone.points[0, -3]) == repeats
+
+
+@pytest.mark.parametrize("arithmetic", ["strict", "fast"])
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [("standard", {"d": 0.155}), ("standard", {"d": 2.0, "omega": 0.7}), ("three harmonics", {"offset": 4.0})],
+)
+def test_flights_that_fade_are_written_as_long_as_they_show(name, change, arithmetic):
+    """Columns of one start each, which fade out of sight in different periods, fast and slowly."""
+    P = gz.stroboscopic_map(MODELS[name])
+    params = {**P.params, **change}
+    rows = np.array([list(params.values())] * 64)
+    rest = P.replace(**params).orbit((params["sigma"] + 1.0, 0.0), 250).points[-1]
+    starts = rest[None, :, None] + np.stack([np.geomspace(0.05, 1e-9, 64), np.zeros(64)], axis=1)[:, :, None]
+    company = np.concatenate([starts, np.full((64, 2, 1), np.nan)], axis=2)
+    alone, beside = (
+        P.run_columns(rows, lanes, 0, 120, algorithm="block", arithmetic=arithmetic) for lanes in (starts, company)
+    )
+    assert not alone.letters.any()
+    assert all(np.array_equal(a, b[..., :1]) for a, b in zip(alone, beside, strict=True))

@@ -35,18 +35,18 @@ def remember(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int)
 
 @inlined
 def come_back(w: Any, t: Any, start: int, end: int) -> bool:
-    """Return whether all pairs are those that were kept, or fly free and show in no state.
+    """Return whether all pairs are those that were kept, or fly free and have shown in no state since.
 
-    The energy k^2 y^2 + v^2 of a free flight never grows: if it is too small to show now, it is so in all periods.
+    The energy k^2 y^2 + v^2 of a free flight never grows: if it was too small to show then, it is so in all periods.
     """
     steady = (t[ONWARD] == 0.0) & (t[ONWARD + 3] == 0.0)  # else what a pair is added to changes
     u, v, u1, u2, v1, v2 = t[STATE], t[STATE + 3], t[STATE + 1], t[STATE + 2], t[STATE + 4], t[STATE + 5]
     unseen = UNSEEN * UNSEEN * min(t[K2] * (u * u), v * v) if steady else 0.0
     for i in range(start, end):
-        x, y = w[C1 + i], w[C2 + i]
+        x, y = w[OLD1 + i], w[OLD2 + i]
         height, speed = u1 * x + u2 * y, v1 * x + v2 * y
         fades = (w[FREE + i] > 0.0) & (t[K2] * (height * height) + speed * speed < unseen)
-        if not fades and not (x == w[OLD1 + i] and y == w[OLD2 + i]):
+        if not fades and not (w[C1 + i] == x and w[C2 + i] == y):
             return False
     return True
 
