@@ -113,6 +113,15 @@ def test_functions_of_the_root_of_a_number_of_either_sign(z):
         assert abs(sinhc_root(z) - (mpmath.re(mpmath.sinh(root) / root) if z else 1)) <= 2.5e-16
 
 
+def test_the_polynomials_leave_out_less_than_a_rounding():
+    """In exact arithmetic, up to the rounding of the coefficients."""
+    with mpmath.workdps(40):
+        for z in mpmath.linspace(-0.09, 0.09, 61):
+            root = mpmath.sqrt(z)
+            assert abs(cosh_root(z) - mpmath.re(mpmath.cosh(root))) <= 4.5e-17
+            assert abs(sinhc_root(z) - (mpmath.re(mpmath.sinh(root) / root) if z else 1)) <= 5e-18
+
+
 def test_compiled_and_plain_agree_to_the_last_bit():
     def entry(y, v, alpha, k2, F, s):
         a = expand(y, v, alpha, k2, F)

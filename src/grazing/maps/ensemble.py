@@ -291,7 +291,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     @inlined
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
         """Write the states of a column's pairs, and how often each hit the wall."""
-        u, v, hits = places(points, row, n, left)
+        u, v, hits = written_at(points, row, n, left)
         combined(numbers(points), u, starts, w, C1 + first, C2 + first, t, STATE, t[SIGMA])
         combined(numbers(points), v, starts, w, C1 + first, C2 + first, t, STATE + 3, 0.0)
         made_whole(numbers(letters), hits, starts, w, HITS + first)
@@ -299,7 +299,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     @inlined
     def repeat(points: Any, letters: Any, row: int, n: int, before: int, left: int, starts: int) -> None:
         """Write for a column what was written in an earlier period."""
-        here, there = places(points, row, n, left), places(points, row, before, left)
+        here, there = written_at(points, row, n, left), written_at(points, row, before, left)
         repeated(numbers(points), here[0], starts, there[0])
         repeated(numbers(points), here[1], starts, there[1])
         repeated(numbers(letters), here[2], starts, there[2])
@@ -391,8 +391,8 @@ def state_of(x: float, y: float, t: Any) -> tuple[float, float]:
 
 
 @inlined
-def places(points: Any, row: int, n: int, left: int) -> tuple[int, int, int]:
-    """Return where position, velocity and letter of a start stand in period n of a column, all numbers in one row."""
+def written_at(points: Any, row: int, n: int, left: int) -> tuple[int, int, int]:
+    """Return where position, velocity and letter of a start are written for period n of a column."""
     starts = points.shape[3]
     first = row * points.shape[1] + n
     return 2 * first * starts + left, (2 * first + 1) * starts + left, first * starts + left

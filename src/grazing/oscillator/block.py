@@ -195,88 +195,94 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
     """
 
     @inlined
-    def unfold(w: Any, base: int) -> None:
+    def unfold(w: Any, start: int, end: int) -> None:
         """Find the derivatives of the flights in the middles of their cells."""
-        for k in range(SOME):
-            i, y = base + k, series_at(w, base + k, harmonics)
-            w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i] = y[0], y[1], y[2], y[3]
-            w[Y4 + i], w[Y5 + i], w[Y6 + i], w[Y7 + i] = y[4], y[5], y[6], y[7]
-            w[Y8 + i], w[Y9 + i], w[Y10 + i] = y[8], y[9], y[10]
-            w[Y11 + i], w[Y12 + i], w[Y13 + i] = y[11], y[12], y[13]
-            w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
+        for base in range(start, end, 8):
+            for k in range(8):
+                i, y = base + k, series_at(w, base + k, harmonics)
+                w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i] = y[0], y[1], y[2], y[3]
+                w[Y4 + i], w[Y5 + i], w[Y6 + i], w[Y7 + i] = y[4], y[5], y[6], y[7]
+                w[Y8 + i], w[Y9 + i], w[Y10 + i] = y[8], y[9], y[10]
+                w[Y11 + i], w[Y12 + i], w[Y13 + i] = y[11], y[12], y[13]
+                w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
 
     @inlined
-    def improve(w: Any, base: int) -> None:
+    def improve(w: Any, start: int, end: int) -> None:
         """Take a step of Newton's method on the first five derivatives, to about four digits."""
-        for k in range(SOME):
-            i = base + eights(k)
-            s = w[WHEN + i]
-            y, v = coarse(unfolded(w, i), s)
-            inverse = 1.0 / v
-            w[INVERSE + i] = inverse
-            w[WHEN + i] = clamped(s - y * inverse, w[SINCE + i], w[UNTIL + i])
+        for base in range(start, end, 8):
+            for k in range(8):
+                i = base + eights(k)
+                s = w[WHEN + i]
+                y, v = coarse(unfolded(w, i), s)
+                inverse = 1.0 / v
+                w[INVERSE + i] = inverse
+                w[WHEN + i] = clamped(s - y * inverse, w[SINCE + i], w[UNTIL + i])
 
     @inlined
-    def improve_again(w: Any, base: int) -> None:
+    def improve_again(w: Any, start: int, end: int) -> None:
         """Take another one, to about eight digits; the inverse of the velocity needs no division any more."""
-        for k in range(SOME):
-            i = base + eights(k)
-            s, inverse = w[WHEN + i], w[INVERSE + i]
-            y, v = rough(unfolded(w, i), s)
-            inverse = inverse * (2.0 - v * inverse)
-            w[INVERSE + i] = inverse
-            w[WHEN + i] = s - y * inverse
+        for base in range(start, end, 8):
+            for k in range(8):
+                i = base + eights(k)
+                s, inverse = w[WHEN + i], w[INVERSE + i]
+                y, v = rough(unfolded(w, i), s)
+                inverse = inverse * (2.0 - v * inverse)
+                w[INVERSE + i] = inverse
+                w[WHEN + i] = s - y * inverse
 
     @inlined
-    def arrive(w: Any, base: int) -> None:
+    def arrive(w: Any, start: int, end: int) -> None:
         """Find position, velocity, acceleration and jerk there; the first two go to AFTER and BEFORE."""
-        for k in range(SOME):
-            i, y = base + k, unfolded(w, base + k)
-            s = w[WHEN + i]
-            w[AFTER + i], w[BEFORE + i] = value(y, s)
-            w[PULL + i], w[STEEP + i] = bends(y, s)
+        for base in range(start, end, 8):
+            for k in range(8):
+                i, y = base + k, unfolded(w, base + k)
+                s = w[WHEN + i]
+                w[AFTER + i], w[BEFORE + i] = value(y, s)
+                w[PULL + i], w[STEEP + i] = bends(y, s)
 
     @inlined
-    def accept(w: Any, base: int) -> None:
+    def accept(w: Any, start: int, end: int) -> None:
         """Find the impacts, where the series fall through zero, by one step of third order.
 
         A cell holds at most one such point (the lemma), so a point where the series falls through zero, inside the
         cell and fast enough for rounding, is the impact.
         """
-        for k in range(SOME):
-            i = base + eights(k)
-            y, v, acceleration, jerk = w[AFTER + i], w[BEFORE + i], w[PULL + i], w[STEEP + i]
-            s, inverse = w[WHEN + i], w[INVERSE + i]
-            low, high = w[SINCE + i], w[UNTIL + i]
-            inverse = inverse * (2.0 - v * inverse)
-            wrong = 1.0 - v * inverse
-            inverse = inverse + inverse * wrong
-            step = -y * inverse
-            bent = acceleration * step * inverse
-            step = step * (1.0 - 0.5 * bent)
-            v = v + step * (acceleration + 0.5 * step * jerk)
-            s = s + step
-            w[WHEN + i] = s
-            sure = (
-                (s > low)
-                & (s < high * (1.0 - 1e-7))
-                & (v < -w[SLOWEST_ALLOWED + i])
-                & (abs(bent) < 1e-5)
-                & (abs(step) < 1e-5 * high)
-                & (abs(wrong) < 1e-5)
-            )
-            w[BEFORE + i] = v if sure else -1.0  # no law is asked about nonsense
-            w[INVERSE + i] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
-            w[PROVEN + i] = 1.0 if sure else 0.0
+        for base in range(start, end, 8):
+            for k in range(8):
+                i = base + eights(k)
+                y, v, acceleration, jerk = w[AFTER + i], w[BEFORE + i], w[PULL + i], w[STEEP + i]
+                s, inverse = w[WHEN + i], w[INVERSE + i]
+                low, high = w[SINCE + i], w[UNTIL + i]
+                inverse = inverse * (2.0 - v * inverse)
+                wrong = 1.0 - v * inverse
+                inverse = inverse + inverse * wrong
+                step = -y * inverse
+                bent = acceleration * step * inverse
+                step = step * (1.0 - 0.5 * bent)
+                v = v + step * (acceleration + 0.5 * step * jerk)
+                s = s + step
+                w[WHEN + i] = s
+                sure = (
+                    (s > low)
+                    & (s < high * (1.0 - 1e-7))
+                    & (v < -w[SLOWEST_ALLOWED + i])
+                    & (abs(bent) < 1e-5)
+                    & (abs(step) < 1e-5 * high)
+                    & (abs(wrong) < 1e-5)
+                )
+                w[BEFORE + i] = v if sure else -1.0  # no law is asked about nonsense
+                w[INVERSE + i] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
+                w[PROVEN + i] = 1.0 if sure else 0.0
 
     @inlined
     def solve(w: Any, count: int) -> None:
-        for base in range(0, count, SOME):
-            unfold(w, base)
-            improve(w, base)
-            improve_again(w, base)
-            arrive(w, base)
-            accept(w, base)
+        for start in range(0, count, SOME):
+            end = min(start + SOME, count)
+            unfold(w, start, end)
+            improve(w, start, end)
+            improve_again(w, start, end)
+            arrive(w, start, end)
+            accept(w, start, end)
 
     return solve
 

@@ -7,6 +7,8 @@ is evaluated, so one loop serves every damping.
 
 from __future__ import annotations
 
+from math import sqrt
+
 from grazing.kernel.primitives import inlined
 
 #: (fastest rate) * (length of a cell) is at most this.
@@ -97,24 +99,27 @@ def bends(y: Derivatives, s: float) -> tuple[float, float]:
     return acceleration, jerk
 
 
+#: For |z| <= 0.09, z^6 is within 0.0385 * 0.09^6 of FOURTH z^4 - SECOND z^2: what is left is the Chebyshev polynomial
+#: T3 of m z^2/0.09^2 - m + 1 with m = 1 + sqrt(3)/2, which is 0 for z = 0.
+FOURTH, SECOND = (6.0 * sqrt(3.0) - 9.0) * 0.09**2, 6.0 * (7.0 - 4.0 * sqrt(3.0)) * 0.09**4
+
+
 @inlined
 def cosh_root(z: float) -> float:
-    """Return cosh(sqrt(z)) = 1 + z/2! + z^2/4! + ...; for |z| <= 0.09 what is left out is below 1e-18."""
-    p = (1.0 / 479001600.0) * z + 1.0 / 3628800.0
-    p = p * z + 1.0 / 40320.0
+    """Return cosh(sqrt(z)) = 1 + z/2! + z^2/4! + ...; for |z| <= 0.09 what is left out is below 4.5e-17."""
+    p = (1.0 / 3628800.0) * z + (1.0 / 40320.0 + FOURTH / 479001600.0)
     p = p * z + 1.0 / 720.0
-    p = p * z + 1.0 / 24.0
+    p = p * z + (1.0 / 24.0 - SECOND / 479001600.0)
     p = p * z + 0.5
     return p * z + 1.0
 
 
 @inlined
 def sinhc_root(z: float) -> float:
-    """Return sinh(sqrt(z))/sqrt(z) = 1 + z/3! + z^2/5! + ...; for |z| <= 0.09 what is left out is below 1e-18."""
-    p = (1.0 / 6227020800.0) * z + 1.0 / 39916800.0
-    p = p * z + 1.0 / 362880.0
+    """Return sinh(sqrt(z))/sqrt(z) = 1 + z/3! + z^2/5! + ...; for |z| <= 0.09 what is left out is below 5e-18."""
+    p = (1.0 / 39916800.0) * z + (1.0 / 362880.0 + FOURTH / 6227020800.0)
     p = p * z + 1.0 / 5040.0
-    p = p * z + 1.0 / 120.0
+    p = p * z + (1.0 / 120.0 - SECOND / 6227020800.0)
     p = p * z + 1.0 / 6.0
     return p * z + 1.0
 

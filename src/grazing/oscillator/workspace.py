@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 LANES = 512
 WIDTH = LANES + 72
 #: Impacts that are solved together, step by step.
-SOME = 24
+SOME = 48
 
 # Arrays over the orbits of a block: the pair (c1, c2), what all rows must reach, 1 where they do and -1 where not, the
 # narrowest miss, the slowest impact, the state where the scalar routine is needed, the number of the orbit, how often
