@@ -30,7 +30,7 @@ def rows(other: tuple[Path, str] | None = None) -> list[Row]:
 def our_rows() -> list[Row]:
     """Return the rows of this library."""
 
-    def row(name: str, model: Model = STANDARD, columns: int = 1000, starts: int = 100, **how: Any) -> Row:
+    def row(name: str, model: Model = STANDARD, columns: int = 1600, starts: int = 100, **how: Any) -> Row:
         program = partial(ours.program_of, model, **how)
         return oscillator_row(name, program, model, columns, starts, (MAIN, SCALAR), threads=how.get("threads", 1))
 
@@ -39,7 +39,7 @@ def our_rows() -> list[Row]:
         row(TWO, threads=2),
         row(STRICT, arithmetic="strict"),
         row(PASSIVE_ROW, PASSIVE),
-        row(FEW, columns=10_000, starts=10),
+        row(FEW, columns=16_000, starts=10),
         row(MAIN + UNDER, UNDER_DAMPED, columns=400),
         row(MAIN + THREE, THREE_HARMONICS, columns=400),
         row(OWN, own_law=True),
