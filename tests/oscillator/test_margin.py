@@ -1,8 +1,8 @@
 """The rounding budget of the block kernel, held against ball arithmetic: no row of a table is off by its margin.
 
 A row is affine in the pair (c1, c2), and so is the margin, in absolute values. So a table whose three numbers a row are
-right to their parts of the margin is right for *every* pair: of a table, the whole range is covered. Models are drawn from
-all that get a table; over these it is a sample.
+right to their parts of the margin is right for *every* pair: of a table, the whole range is covered. Models are drawn
+from all that get a table; over these it is a sample.
 """
 
 from math import pi
@@ -170,7 +170,8 @@ def test_rows_of_ten_thousand_tables(seed, monkeypatch):
 def test_nobody_who_climbs_leaves_the_margin(seed, monkeypatch):
     """From the worst of some models uphill, one change of the parameters after the other."""
     random = np.random.default_rng([30, seed])
-    worst, model = max(((max(shares(m, monkeypatch), default=0.0), m) for m in (drawn(random) for _ in range(300))), key=first)
+    begun = (drawn(random) for _ in range(300))
+    worst, model = max(((max(shares(m, monkeypatch), default=0.0), m) for m in begun), key=first)
     for _ in range(1000):
         moved = {
             name: abs(x) * (1.0 + random.normal() * 10.0 ** random.uniform(-12.0, 0.0)) * (1.0 if x >= 0.0 else -1.0)
@@ -190,7 +191,7 @@ def first(pair):
 
 @pytest.mark.parametrize(("function", "first_factorial", "said"), [(cosh_root, 0, 4.5e-17), (sinhc_root, 1, 5e-18)])
 def test_what_a_polynomial_of_an_impact_leaves_out_on_its_whole_range(function, first_factorial, said):
-    """The polynomial less the series is a polynomial itself, but for a tail: it is evaluated on balls that cover all."""
+    """The polynomial less the series is a polynomial itself, but for a tail: it is taken on balls that cover all."""
     with ctx.workprec(200):
         series = arb_poly([1 / arb(2 * n + first_factorial + 1).gamma() for n in range(14)])
         tail = 2 * arb(0.09) ** 14 / arb(29 + first_factorial).gamma()
