@@ -17,7 +17,6 @@ from grazing.maps.gap import gap_step
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import LOCK
 from grazing.outcome import InputError
-from grazing.proof.envelope import seal, write_envelope
 from grazing.proof.gap_checker import (
     EDGE,
     MEANING,
@@ -32,7 +31,9 @@ from grazing.proof.gap_checker import (
     with_bits,
     written,
 )
+from grazing.proof.text import write_certificate
 from grazing.theory import WordOrbit, word_edges, word_orbits
+from grazing_checker.envelope import seal
 
 Floats = NDArray[np.floating[Any]]
 #: Radii are powers of 2, the first tried and the last.
@@ -77,7 +78,7 @@ class GapProof:
         """Write the certificate as JSON and return the path; InputError if nothing is proven."""
         if self.document is None:
             raise InputError(f"there is nothing to save: {self.statement}")
-        return write_envelope(self.document, path)
+        return write_certificate(self.document, path)
 
 
 def certify_gap_orbit(

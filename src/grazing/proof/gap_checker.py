@@ -167,8 +167,8 @@ def _opened(document: Any) -> Any:
     names = {"format", "version", "kind", "statement", "trusted_base", "data", "inequalities", "sha256"}
     if not isinstance(document, dict) or set(document) != names:
         raise Rejected(f"this is no certificate; its fields must be {', '.join(sorted(names))}")
-    if document["format"] != "grazing certificate" or document["version"] != 1:
-        raise Rejected("the format must be 'grazing certificate', version 1")
+    if document["format"] != "grazing certificate" or document["version"] != 2:
+        raise Rejected("the format must be 'grazing certificate', version 2")
     body = {name: document[name] for name in names - {"sha256"}}
     canonical = json.dumps(body, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     if document["sha256"] != sha256(canonical.encode("ascii")).hexdigest():
