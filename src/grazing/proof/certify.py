@@ -16,7 +16,6 @@ from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
 from grazing.outcome import InputError
 from grazing.proof.clearance import Clear, Through, clear
-from grazing.proof.envelope import seal, write_envelope
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.flow import Flow, TooLong
 from grazing.proof.gap import GapProof, certify_gap_orbit
@@ -34,8 +33,10 @@ from grazing.proof.report import (
     stability_of,
     stability_rows,
 )
-from grazing.proof.sentence import TRUSTED_BASE, orbit_sentence, signature
-from grazing.proof.text import below, enclosed, exact_text, short
+from grazing.proof.text import below, enclosed, exact_text, short, write_certificate
+from grazing_checker.check import trusted_base
+from grazing_checker.envelope import seal
+from grazing_checker.sentence import orbit_sentence, signature
 
 if TYPE_CHECKING:
     from flint import arb
@@ -90,7 +91,7 @@ class Certificate:
         """
         if self.document is None:
             raise InputError(f"there is nothing to save: {self.reason}")
-        return write_envelope(self.document, path)
+        return write_certificate(self.document, path)
 
     @property
     def claims(self) -> dict[str, Any]:
@@ -162,7 +163,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
         return not_proven(name, error)
     stability = data["claims"]["stability"]
     statement = orbit_sentence(data)
-    document = seal("periodic orbit", statement, TRUSTED_BASE, data, inequalities)
+    document = seal("periodic orbit", statement, trusted_base("periodic orbit"), data, inequalities)
     missing = "" if stability != "undecided" else _undecided_stability(data)
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")

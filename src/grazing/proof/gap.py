@@ -17,9 +17,8 @@ from grazing.maps.gap import gap_step
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import LOCK
 from grazing.outcome import InputError
-from grazing.proof.envelope import write_envelope
 from grazing.proof.report import bound, loose
-from grazing.proof.text import below, enclosed, exact_text
+from grazing.proof.text import below, enclosed, exact_text, write_certificate
 from grazing.theory import WordOrbit, word_edges, word_orbits
 from grazing_checker.balls import around, precision
 from grazing_checker.check import trusted_base
@@ -93,7 +92,7 @@ class GapProof:
         """Write the certificate as JSON and return the path; InputError if nothing is proven."""
         if self.document is None:
             raise InputError(f"there is nothing to save: {self.statement}")
-        return write_envelope(self.document, path)
+        return write_certificate(self.document, path)
 
 
 def certify_gap_orbit(

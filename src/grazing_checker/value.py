@@ -1,29 +1,27 @@
-"""Check the certificate of a bifurcation value anew, without the code that found it."""
+"""Check the certificate of a bifurcation value of the oscillator."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from grazing.proof.checker_orbit import (
+from grazing_checker.balls import Ball, precision
+from grazing_checker.flight import exceeds
+from grazing_checker.oscillator import (
     Leg,
+    Point,
     Problem,
     applied,
     box_of,
     check_flights,
     inside,
+    margins,
     precision_of,
     preconditioner,
     spread,
 )
-from grazing.proof.checker_reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
-from grazing.proof.orbit_checker import margins
-from grazing.proof.sentence import EVENTS, value_sentence
-
-if TYPE_CHECKING:
-    from flint import arb
-
-    Point = list[arb]
+from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
+from grazing_checker.sentence import EVENTS, value_sentence
 
 KEYS = (
     "model", "law", "impacts", "periods", "precision", "parameter", "type", "pinned", "centre", "radius",
@@ -34,16 +32,16 @@ CLAIMS = ("value", "box", "ends")
 TESTED = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}
 
 
-def check_value(data: Mapping[str, Any], inequalities: Any, law: Any) -> str:
+def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     """Verify a certificate of a bifurcation value and return the sentence that it proves, or raise Rejected."""
-    from flint import ctx
-
     keys(data, KEYS, "the data")
     keys(data["claims"], CLAIMS, "the claims")
     demand(data["type"] in EVENTS, f"the type of bifurcation is {data['type']!r}")
-    demand(isinstance(data["parameter"], str) and data["parameter"], "no parameter is unknown")
-    with ctx.workprec(precision_of(data)):
-        problem = Problem(data, law)
+    keys(data["parameter"], ("of", "name"), "the parameter")
+    unknown = data["parameter"]["of"], data["parameter"]["name"]
+    demand(all(isinstance(one, str) for one in unknown), "no parameter is unknown")
+    with precision(precision_of(data)):
+        problem = Problem(data, unknown)
         demand(problem.n > 0 or data["type"] == "gr", "an orbit without impacts has a graze only")
         rows = Inequalities(inequalities)
         curve = Curve(problem, data, rows)
@@ -132,13 +130,11 @@ def _change_of_sign(
 
 def _heights(
     curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Mapping[str, Any], rows: Inequalities
-) -> list[arb]:
+) -> list[Ball]:
     """Return bounds on the least height of the dip at both ends, from below where it is positive.
 
     With y'' > b on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it.
     """
-    from grazing.proof.checker_flight import exceeds
-
     start, stop, time = (exact(dip[name]) for name in ("from", "to", "time"))
     demand(start < time and time < stop, "the dip is not looked at where it is")
     b = rows.left("acceleration in the dip", ">")
