@@ -30,7 +30,7 @@ MULTIPLIERS = "Jury's criterion, and that the multipliers of a map that is smoot
 BETWEEN = "the intermediate value theorem, on the curve of orbits that depends continuously on one coordinate"
 
 CYCLES = "that the equations of a word are those of its cycles, as derived in grazing_checker/gap.py"
-STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map stretch the length sqrt(s) ds, s = sqrt(x)"
+STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map stretch sqrt(s) ds, s = sqrt(x)"
 
 
 class Kind(NamedTuple):

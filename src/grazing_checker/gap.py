@@ -2,8 +2,8 @@
 
 The gap map is ``x -> lam x + mu`` for x < 0 (letter L) and ``x -> mu - l - sqrt(x)`` for x >= 0 (letter R). Let s_i be
 the roots of the points with letter R, in the order of the word. A point that comes q letters L after the image of
-s_(i-1)^2 is ``K_q mu - lam^q (l + s_(i-1))`` with ``K_q = 1 + lam + ... + lam^q``. For a point with letter R it is s_i^2,
-and these equations for all i are those of a periodic orbit of the word, for any real lam, mu and l.
+s_(i-1)^2 is ``K_q mu - lam^q (l + s_(i-1))`` with ``K_q = 1 + lam + ... + lam^q``. One with letter R is also s_i^2, and
+these equations for all i are those of a periodic orbit of the word, for any real lam, mu and l.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ EVENTS = {
     "lp": "its multiplier is +1 (as at a fold)",
 }
 MAP = "the gap map, x -> lam x + mu for x < 0 (letter L) and x -> mu - l - sqrt(x) for x >= 0 (letter R),"
-EXACTLY = "all taken as these exact doubles,"
+EXACTLY = "taken as these exact doubles,"
 
 Row = dict[int, Ball]
 
@@ -250,13 +250,13 @@ def _claimed(boxes: Boxes, s: list[Ball], claims: Mapping[str, Any]) -> None:
 def _sides(word: Word, powers: Powers, s: list[Ball], mu: Ball, l: Ball, at: int, rows: Any) -> None:
     """Verify that every point but that of number ``at`` is strictly on the side of its letter."""
     i = 0
-    for number, (letter, place) in enumerate(zip(word.letters, word.places, strict=True), start=1):
+    for j, (letter, place) in enumerate(zip(word.letters, word.places, strict=True), start=1):
         if letter == "R":
-            if number != at:
-                rows.more(f"root of point {number}", s[i])
+            if j != at:
+                rows.more(f"root of point {j}", s[i])
             i += 1
-        elif number != at:
-            rows.less(f"point {number}", powers.point(place, s, mu, l))
+        elif j != at:
+            rows.less(f"point {j}", powers.point(place, s, mu, l))
 
 
 def orbit_rows(data: Mapping[str, Any], rows: Any) -> None:
@@ -306,9 +306,7 @@ def edge_rows(data: Mapping[str, Any], rows: Any) -> None:
     _claimed(boxes, box[:k], claims)
 
 
-def event(
-    word: Word, powers: Powers, kind: str, at: int, z: list[Ball], wide: list[Ball], l: Ball
-) -> tuple[Ball, Row]:
+def event(word: Word, powers: Powers, kind: str, at: int, z: list[Ball], wide: list[Ball], l: Ball) -> tuple[Ball, Row]:
     """Return the last equation of an edge at a point z, and its derivative over a box."""
     k = word.k
     if kind == "gr":
@@ -381,15 +379,14 @@ def orbit_sentence(data: Mapping[str, Any]) -> str:
 def edge_sentence(data: Mapping[str, Any]) -> str:
     """Return what a certificate of an edge proves."""
     lam, l = (text_of_double(data[name]) for name in ("lam", "l"))
-    word, claims = data["word"], data["claims"]
+    word, claims, event = data["word"], data["claims"], EVENTS[data["edge"]].format(at=data["at"])
     low, high = claims["value"]
-    rest = "all its other points" if data["edge"] in ("gr", "bc") else "all its points"
+    other = "other " if data["at"] else ""
     return (
         f"For lam = {lam!r}, l = {l!r}, {EXACTLY} there is a mu in [{low}, {high}] at which a cycle of word {word} and "
-        f"least period {len(word)} under the branches of {MAP} is such that {EVENTS[data['edge']].format(at=data['at'])};"
-        f" {rest} lie strictly on the side of their letter; the roots of its points with letter R, in the order of the "
-        f"word, are {_roots(claims)}; no other mu with such a cycle has mu and all roots within {claims['apart']} of "
-        "these."
+        f"least period {len(word)} under the branches of {MAP} is such that {event}; all its {other}points lie "
+        "strictly on the side of their letter; the roots of its points with letter R, in the order of the word, are "
+        f"{_roots(claims)}; no other mu with such a cycle has mu and all roots within {claims['apart']} of these."
     )
 
 
@@ -398,7 +395,7 @@ def no_attractor_sentence(data: Mapping[str, Any]) -> str:
     lam, l, low, high = (text_of_double(data[name]) for name in ("lam", "l", "low", "high"))
     start = "(" if low == 0.0 else "["
     return (
-        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], {EXACTLY} {MAP} has no attracting "
+        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no attracting "
         "periodic orbit: every periodic orbit has a multiplier of modulus above 1."
     )
 

@@ -10,16 +10,15 @@ from contextlib import contextmanager
 from types import ModuleType
 
 from mpmath.libmp import (
-    fzero,
     from_float,
     from_int,
     from_man_exp,
+    fzero,
     mpf_add,
     mpf_cmp,
     mpf_gt,
     mpf_le,
     mpf_lt,
-    mpf_neg,
     mpf_sub,
     round_ceiling,
     round_floor,
@@ -58,7 +57,7 @@ def finite(ends):
     return all(one == fzero or one[1] for one in ends)
 
 
-class arb:  # noqa: N801, as flint calls it
+class arb:
     """An interval that surely holds the number that is meant."""
 
     __hash__ = None
@@ -252,7 +251,7 @@ def divided(one, two, prec):
 
 @contextmanager
 def checker_on_intervals():
-    """Yield a fresh import of grazing_checker.check that computes with these intervals in the place of flint's balls."""
+    """Yield a fresh import of grazing_checker.check that computes with these intervals, not with flint."""
     flint = ModuleType("flint")
     flint.arb, flint.ctx = arb, ctx
     kept = {name: module for name, module in sys.modules.items() if name.split(".")[0] in ("flint", "grazing_checker")}
