@@ -19,7 +19,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 #: Names that mean something of the model, or of its law.
 TAKEN = re.compile(r"alpha|k|omega|t0|offset|d|sigma|v|(cos|sin)[0-9]+")
 #: Most nodes and levels of a tree, most parameters, and the largest whole exponent.
-NODES, LEVELS, PARAMETERS, EXPONENT = 2000, 60, 50, 100
+NODES, LEVELS, PARAMETERS, EXPONENT = 2000, 200, 50, 100
 COMPARISONS = ("<", "<=", ">", ">=", "==")
 
 

@@ -10,7 +10,7 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown
 from grazing.orbits.windows import windows
 from grazing.proof.certify import certify
-from grazing.proof.checker import check_certificate
+from grazing.proof.check import check_certificate
 from tests.models import MODELS, THREE, cubic
 from tests.proof.orbits import attractor, closed, doubled, without_impacts
 

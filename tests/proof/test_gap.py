@@ -13,7 +13,7 @@ import grazing as gz
 from grazing import theory
 from grazing.orbits.gap_orbits import gap_orbits
 from grazing.outcome import InputError
-from grazing.proof.checker import check_certificate
+from grazing.proof.check import check_certificate
 from grazing.proof.envelope import open_envelope
 from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
 from grazing.proof.gap_checker import check_gap_certificate, exact
