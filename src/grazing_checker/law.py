@@ -131,8 +131,9 @@ def _power(a: Jet, b: Jet, whole: int | None) -> Jet:
         value, slope = number(1), number(0)
         for _ in range(abs(whole)):
             value, slope = value * a.x, slope * a.x + value
-        power = Jet(value, slope * a.by_v, slope * a.by_p)
-        return power if whole >= 0 else _scaled(Jet(value, -power.by_v / value, -power.by_p / value), 1 / value)
+        if whole < 0:
+            value, slope = 1 / value, -slope / (value * value)
+        return Jet(value, slope * a.by_v, slope * a.by_p)
     demand(a.x > 0, "the reset law has a power of what is not surely > 0")
     log = a.x.log()
     value = (b.x * log).exp()
