@@ -19,7 +19,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 #: Names that mean something of the model, or of its law.
 TAKEN = re.compile(r"alpha|k|omega|t0|offset|d|sigma|v|(cos|sin)[0-9]+")
 #: Most nodes and levels of a tree, most parameters, and the largest whole exponent.
-NODES, LEVELS, PARAMETERS, EXPONENT = 2000, 60, 50, 100
+NODES, LEVELS, PARAMETERS, EXPONENT = 2000, 200, 50, 100
 COMPARISONS = ("<", "<=", ">", ">=", "==")
 
 
@@ -131,8 +131,9 @@ def _power(a: Jet, b: Jet, whole: int | None) -> Jet:
         value, slope = number(1), number(0)
         for _ in range(abs(whole)):
             value, slope = value * a.x, slope * a.x + value
-        power = Jet(value, slope * a.by_v, slope * a.by_p)
-        return power if whole >= 0 else _scaled(Jet(value, -power.by_v / value, -power.by_p / value), 1 / value)
+        if whole < 0:
+            value, slope = 1 / value, -slope / (value * value)
+        return Jet(value, slope * a.by_v, slope * a.by_p)
     demand(a.x > 0, "the reset law has a power of what is not surely > 0")
     log = a.x.log()
     value = (b.x * log).exp()

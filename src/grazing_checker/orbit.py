@@ -27,7 +27,18 @@ CLAIMS = ("box", "apart", "least_period", "incoming", "trace", "det", "multiplie
 
 
 def check_orbit(data: Mapping[str, Any], inequalities: list[Any]) -> str:
-    """Verify a certificate of a periodic orbit and return the sentence that it proves, or raise Rejected."""
+    """Verify a certificate of a periodic orbit and return the sentence that it proves, or raise Rejected.
+
+    What is proven, and where each hypothesis is demanded:
+
+    1. One solution of the equations within ``radius`` of ``centre``, and no other within ``unique``
+       (:func:`_existence`).
+    2. It is a motion: impacts in the order of time, with v < 0 and w >= 0, and no other contact
+       (:func:`grazing_checker.oscillator.check_flights`).
+    3. Its multipliers (:func:`_stability`). The map from impact to impact is smooth there, as v < 0 and the law is
+       smooth over the box.
+    4. Its least period (:func:`_least_period`).
+    """
     keys(data, KEYS, "the data")
     keys(data["claims"], CLAIMS, "the claims")
     with precision(precision_of(data)):
@@ -35,19 +46,26 @@ def check_orbit(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         rows = Inequalities(inequalities)
         box = _existence(problem, data, rows)
         legs = problem.legs(box)
-        check_flights(problem, box, legs, data["cuts"], rows)
+        check_flights(problem, legs, data["cuts"], rows)
         _stability(problem, box, legs, data["claims"], rows)
         _least_period(problem, box, data, rows)
         rows.finish()
-        if problem.n:
-            _incoming(legs, data["claims"])
-        else:
-            demand(data["claims"]["incoming"] == [], "an orbit without impacts has no incoming velocities")
+        _incoming(problem.n, legs, data["claims"])
     return orbit_sentence(data)
 
 
 def _existence(problem: Problem, data: Mapping[str, Any], rows: Inequalities) -> list[Ball]:
-    """Verify that the box holds exactly one orbit and return it."""
+    """Verify that the box holds exactly one solution and return it.
+
+    Krawczyk's theorem: let F be smooth on the box X of half-widths u about c, D hold its derivative on all of X, C be
+    any matrix and 0 < r < u. If |I - C D| u < u in every row, x -> x - C F(x) contracts X in the norm with weights u,
+    so X holds one fixed point at most; and C D, hence C, is regular (its distance from I is below 1), so that fixed
+    points are zeros of F. If |C F(c)| + |I - C D| r < r, the map takes the box of half-widths r into itself and has one
+    there.
+
+    Demanded: 0 < r < u, both inequalities strictly, D over X with the reset law smooth and the impacts in order on X
+    (:class:`Problem` rejects others). A singular C cannot pass: |I - C D| has then the eigenvalue 1, at least.
+    """
     size = problem.size
     centre, r, u = (numbers(data[name], size, name) for name in ("centre", "radius", "unique"))
     demand(all(a > 0 and b > a for a, b in zip(r, u, strict=True)), "the boxes are not one inside the other")
@@ -73,17 +91,22 @@ def _existence(problem: Problem, data: Mapping[str, Any], rows: Inequalities) ->
     return box
 
 
-def _incoming(legs: list[Leg], claims: Mapping[str, Any]) -> None:
+def _incoming(n: int, legs: list[Leg], claims: Mapping[str, Any]) -> None:
     found = claims["incoming"]
-    demand(isinstance(found, list) and len(found) == len(legs), "the incoming velocities are not complete")
-    for i, leg in enumerate(legs):
-        within(leg.v, found[i], f"incoming velocity {i + 1}")
+    demand(isinstance(found, list) and len(found) == n, "the incoming velocities are not complete")
+    for i, text in enumerate(found):
+        within(legs[i].v, text, f"incoming velocity {i + 1}")
 
 
 def _stability(
     problem: Problem, box: list[Ball], legs: list[Leg], claims: Mapping[str, Any], rows: Inequalities
 ) -> None:
-    """Verify trace, determinant, multipliers and what is claimed of the stability."""
+    """Verify trace, determinant, multipliers and what is claimed of the stability.
+
+    Jury: both eigenvalues of a real 2 x 2 matrix are inside the unit circle exactly if 1 + tr + det, 1 - tr + det and
+    1 - det are > 0; if one of these is < 0, an eigenvalue is outside. A fixed point of a smooth map is asymptotically
+    stable in the first case and unstable in the second. Nothing else is claimed.
+    """
     trace, det = problem.trace_and_det(box, legs)
     within(trace, claims["trace"], "the trace")
     within(det, claims["det"], "the determinant")
@@ -125,7 +148,18 @@ def _multipliers(trace: Ball, det: Ball, claimed: Any) -> None:
 
 
 def _least_period(problem: Problem, box: list[Ball], data: Mapping[str, Any], rows: Inequalities) -> None:
-    """Verify that the motion has no shorter period, as far as that is claimed."""
+    """Verify that the motion has no shorter period, as far as that is claimed.
+
+    The periods of a motion that is not at rest are the multiples of the least one. So if N T is not the least period, N
+    T/q is a period for a prime q. It shifts the impacts, all of which are known, by n/q places: q divides n, t_(i +
+    n/q) = t_i + N T/q and w_(i + n/q) = w_i for all i. For every prime q that divides n one of these 2n equations must
+    fail over all of the box. Whether q divides N is no matter, as the forcing may have a shorter period itself. With n
+    = 1 nothing is left to show.
+
+    Without impacts y'' + alpha y' + k^2 y = F has one solution of period N T, as D is regular. F has the least period
+    T/g (:func:`grazing_checker.sentence.active_harmonics`), so y, shifted by T/g, is the same solution. And F, made of
+    y and its derivatives, has every period that y has: T/g is the least one, whatever N is.
+    """
     claimed = data["claims"]["least_period"]
     demand(claimed is True or claimed is False, "it is not clear whether a least period is claimed")
     if not claimed:

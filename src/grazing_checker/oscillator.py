@@ -234,12 +234,22 @@ def margins(trace: Ball, det: Ball) -> dict[str, Ball]:
     return {"1 + trace + det": 1 + trace + det, "1 - trace + det": 1 - trace + det, "1 - det": 1 - det}
 
 
-def check_flights(problem: Problem, x: Point, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Any = None) -> None:
-    """Verify that impacts come with v < 0, and that no flight meets the wall between its ends."""
+def check_flights(problem: Problem, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Any = None) -> None:
+    """Verify that all solutions in a box are motions: what happens at impacts, and no contact between them.
+
+    An impact comes with v < 0 and leaves with w > 0, or with w = 0 exactly. Then flight i, from y = 0, back at y = 0
+    after a time L that is in a ball, is above the wall between if, with 0 < start < end < L for all of that ball,
+
+    - v > 0 on [0, start]; if it leaves with w = 0, y'' > 0 there, so that v > 0 on (0, start];
+    - y > 0 on [start, end], but for a dip in its inside;
+    - v < 0 on [end, L], so that y > y(L) = 0 before L.
+
+    Without impacts y > 0 must hold on the whole of [0, N T]. Every bound holds for all solutions in the box at once.
+    """
     n = problem.n
     if n == 0:
         demand(cuts == [], "an orbit without impacts has no cuts")
-        _check_height(legs[0].path, "height of the orbit", 0 * x[0], legs[0].end - legs[0].t, rows, dip)
+        _check_height(legs[0].path, "height of the orbit", number(0), legs[0].end - legs[0].t, rows, dip)
         return
     for i, leg in enumerate(legs):
         rows.less(f"velocity before impact {(i + 1) % n + 1}", leg.v)
@@ -250,19 +260,21 @@ def check_flights(problem: Problem, x: Point, legs: list[Leg], cuts: Any, rows: 
         L = leg.end - leg.t
         demand(start > 0 and end > start and L > end, f"the cuts of flight {i + 1} are not in order")
         resting = legs[i - 1].after.x.is_zero()
-        path = leg.path if not resting else Path(leg.path.flights, leg.t, 0 * start, 0 * start, L)
+        path = leg.path if not resting else Path(leg.path.flights, leg.t, number(0), number(0), L)
         first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
-        demand(exceeds(path, 0 * start, start, 2 if resting else 1, rows.left(first, ">")), f"{first} is not proven")
-        one = dip if dip and dip["flight"] == i + 1 else None
-        _check_height(path, f"height of flight {i + 1} between its cuts", start, end, rows, one)
+        shown = exceeds(path, number(0), start, 2 if resting else 1, rows.left(first, ">"))
+        demand(shown, f"{first} is not proven")
+        _check_height(path, f"height of flight {i + 1} between its cuts", start, end, rows, dip, i + 1)
         last = f"velocity of flight {i + 1} after its last cut"
         demand(exceeds(path, end, L.upper(), 1, -rows.left(last, "<"), sign=-1), f"{last} is not proven")
 
 
-def _check_height(path: Path, name: str, low: Ball, high: Ball, rows: Inequalities, dip: Any) -> None:
-    """Verify y > left on a stretch, but for a dip."""
+def _check_height(
+    path: Path, name: str, low: Ball, high: Ball, rows: Inequalities, dip: Any, flight: int = 1
+) -> None:  # fmt: skip
+    """Verify y > left >= 0 on a stretch, but for a dip of this flight, which must lie inside."""
     floor = rows.left(name, ">")
-    if not dip:
+    if dip is None or dip["flight"] != flight:
         demand(exceeds(path, low, high, 0, floor), f"{name} is not proven")
         return
     one, two = numbers([dip["from"], dip["to"]], 2, "the dip")

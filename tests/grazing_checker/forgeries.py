@@ -10,12 +10,15 @@ from contextlib import contextmanager
 from copy import deepcopy
 from math import inf, isfinite, nextafter, ulp
 
+import numpy as np
+
 from grazing.proof.report import bound
 from grazing.proof.text import below, enclosed
 from grazing_checker import gap, orbit, value
-from grazing_checker.balls import LOCK, number
+from grazing_checker.balls import LOCK, double, number, pi, precision
 from grazing_checker.check import KINDS, trusted_base
 from grazing_checker.envelope import seal
+from grazing_checker.oscillator import Problem
 from grazing_checker.reading import exact
 from grazing_checker.sentence import orbit_sentence, value_sentence
 
@@ -369,17 +372,14 @@ def edge(rng, data, _others):
     data["at"] = rng.choice((0, 1, 2, 3, -1, 9, True, data["at"]))
 
 
-def from_nothing(rng, data, _others):
-    """A centre, a matrix of low rank and radii made up: as a negative radius once proved anything."""
-    n = len(data["centre"])
-    centre = [rng.uniform(-0.2, 1.2) for _ in range(n)]
-    data["centre"] = [f"{int(x * 2**60):#x}p-60" for x in centre]
-    line = [rng.choice((0.0, 1.0, 5.0, -3.0)) for _ in range(n)]
-    data["preconditioner"] = [[x.hex() for x in line] for _ in range(n)]
-    sign = rng.choice(("", "-"))
-    e = rng.randint(1, 90)
-    data["radius"], data["unique"] = f"{sign}0x1p-{e}", f"{rng.choice(('', '-'))}0x1p-{rng.randint(0, e)}"
-    data["lam"] = rng.choice((data["lam"], (0.9).hex(), (0.0).hex(), (-0.5).hex(), (1.2).hex()))
+def again(rng, data, _others):
+    """The cycle gone round twice or three times, said to be one of that least period."""
+    times = rng.choice((2, 2, 3))
+    k = data["word"].count("R")
+    data["word"] *= times
+    data["centre"] = [*data["centre"][:k] * times, *data["centre"][k:]]
+    data["claims"]["roots"] = data["claims"]["roots"] * times
+    fitting_matrix(rng, data, _others)
 
 
 def turns(rng, data, _others):
@@ -424,28 +424,26 @@ def signature(rng, data, _others):
     data[name] = rng.choice((data[name] + 1, data[name] * 2, data[name] - 1, 0, -1, 512, 1024, 53, True))
 
 
-def twice(rng, data, _others):
+def twice(rng, data, others):
     """The orbit gone round twice, or begun at another impact, said to be of that least period."""
     n = data["impacts"]
     if n == 0 or "unique" not in data:
         data["periods"] *= 2
         return
-    turn = 2 * 3.141592653589793 * data["periods"] / float.fromhex(data["model"]["omega"])
+    with precision(256):
+        turn = 2 * pi() * data["periods"] / double(float.fromhex(data["model"]["omega"]))
     for name in ("centre", "radius", "unique"):
         t, w = data[name][:n], data[name][n:]
-        shift = number(0) if name != "centre" else number(int(turn * 2**60), -60)
-        later = [x if name != "centre" else text_of(exact(x) + shift) for x in t]
+        with precision(256):
+            later = [x if name != "centre" else text_of(exact(x) + turn) for x in t]
         data[name] = [*t, *later, *w, *w]
     data["impacts"], data["periods"] = 2 * n, 2 * data["periods"]
     data["cuts"] = [*data["cuts"], *data["cuts"]]
     size = 4 * n
-    block = [[0.0] * size for _ in range(size)]
-    for i in range(size):
-        block[i][i] = rng.choice((1.0, 0.5))
-    data["preconditioner"] = [[x.hex() for x in one] for one in block]
     claims = data["claims"]
     claims["box"], claims["apart"] = [["0", "0"] for _ in range(size)], [claims["apart"][0]] * size
     claims["incoming"], claims["least_period"] = [["0", "0"] for _ in range(2 * n)], True
+    fitting_matrix(rng, data, others)
 
 
 def text_of(x):
@@ -530,13 +528,95 @@ def later(rng, data, _others):
         data["centre"][i] = text_of(exact(data["centre"][i]) + number(int(turn * 2**60), -60))
 
 
+# What he does with the equations themselves
+
+
+def system(data):
+    """The equations at the centre, and their derivatives by all unknowns but the pinned one."""
+    if "word" in data:
+        letters = gap.Word(data["word"])
+        k, edged = letters.k, "edge" in data
+        lam, l = (double(float.fromhex(data[name])) for name in ("lam", "l"))
+        z = [exact(text) for text in data["centre"]]
+        powers = gap.Powers(letters, lam)
+        F = gap.equations(letters, powers, z[:k], z[k] if edged else double(float.fromhex(data["mu"])), l)
+        D = gap.slopes(letters, powers, z[:k])
+        if edged:
+            last, slope = gap.event(letters, powers, data["edge"], data["at"], z, z, l)
+            F, D = [*F, last], [*D, slope]
+        return F, [[row_.get(j, number(0)) for j in range(k + edged)] for row_ in D]
+    unknown = (data["parameter"]["of"], data["parameter"]["name"]) if "parameter" in data else None
+    problem = Problem(data, unknown)
+    x = [exact(text) for text in data["centre"]]
+    legs = problem.legs(x, sensitive=unknown is not None)
+    pinned = data.get("pinned", len(x))
+    return problem.defect(x, legs), [one[:pinned] + one[pinned + 1 :] for one in problem.derivative(x, legs)]
+
+
+def floats(rows):
+    return np.array([[float(x) for x in one] for one in rows])
+
+
+def fitting_matrix(_rng, data, _others):
+    """The preconditioner that the equations at the centre ask for."""
+    with precision(256):
+        inverse = np.linalg.inv(floats(system(data)[1]))
+    data["preconditioner"] = [[x.hex() for x in one] for one in inverse.tolist()]
+
+
+def solved_again(rng, data, others):
+    """A parameter is changed a little, and the equations are solved again: all fits, and may even be true."""
+    if "model" in data:
+        places = [(data["model"], "alpha"), (data["model"], "offset"), *((data["law"]["parameters"], p) for p in "rV")]
+    else:
+        places = [(data, name) for name in ("lam", "mu", "l") if name in data]
+    where, name = rng.choice(places)
+    if where[name] is not None:
+        where[name] = (float.fromhex(where[name]) * (1 + rng.choice((1e-3, 1e-2, 0.1, 0.5)) * rng.uniform(-1, 1))).hex()
+    pinned = data.get("pinned", -1)
+    with precision(256):
+        for _ in range(6):
+            F, D = system(data)
+            Y = np.linalg.inv(floats(D))
+            step = Y @ np.array([float(x) for x in F])
+            free = [i for i in range(len(data["centre"])) if i != pinned]
+            for i, by in zip(free, step.tolist(), strict=True):
+                data["centre"][i] = text_of(exact(data["centre"][i]) - double(by))
+    fitting_matrix(rng, data, others)
+
+
+def orthogonal(rng, data, _others):
+    """A matrix of low rank whose rows are orthogonal to what the equations leave, and radii of the wrong sign.
+
+    Then Y F = 0 wherever the centre lies, and |Y F| + |I - Y D| r < r says for r < 0 that |I - Y D| is large.
+    """
+    some = {"lam", "mu", "l"} & set(data)
+    if some and rng.random() < 0.7:
+        name = rng.choice(sorted(some))
+        data[name] = (float.fromhex(data[name]) * rng.uniform(0.8, 1.2)).hex()
+    i = rng.randrange(len(data["centre"]))
+    data["centre"][i] = text_of(exact(data["centre"][i]) * number(1000 + rng.randint(-200, 200)) / 1000)
+    with precision(256):
+        F = np.array([float(x) for x in system(data)[0]])
+    if len(F) == 1 or not F.any():
+        raise ValueError("nothing is orthogonal to it")
+    line = np.array([rng.uniform(-1, 1) for _ in F])
+    line = (line - line @ F / (F @ F) * F) * rng.choice((5.0, 40.0, 1000.0))
+    data["preconditioner"] = [[x.hex() for x in line.tolist()] for _ in F]
+    e = rng.choice((20, 36, 44))
+    for name, text in (("radius", f"-0x1p-{e}"), ("unique", f"{rng.choice(('', '-'))}0x1p-{e - 10}")):
+        if name in data:
+            data[name] = [text] * len(data[name]) if isinstance(data[name], list) else text
+
+
 COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
-OSCILLATOR = (*COMMON, radii, matrix, signature, law, cuts, later)
+SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
+OSCILLATOR = (*SOLVED, signature, law, cuts, later)
 WAYS = {
     "periodic orbit": (*OSCILLATOR, twice),
     "bifurcation value": (*OSCILLATOR, unknown, event),
-    "gap map orbit": (*COMMON, radii, matrix, word, from_nothing),
-    "gap map edge": (*COMMON, radii, matrix, word, edge, from_nothing),
+    "gap map orbit": (*SOLVED, word, again),
+    "gap map edge": (*SOLVED, word, edge, again),
     "gap map without attracting orbits": (*COMMON, turns, turns, interval),
 }
 
@@ -553,7 +633,7 @@ def forgeries(kind, documents, count, seed):
         try:
             for way in ways:
                 way(rng, data, others)
-        except (KeyError, IndexError, TypeError, ValueError, AttributeError):
+        except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError):
             continue  # an earlier change has left nothing of what this one would change
         if data == base["data"]:
             continue

@@ -8,7 +8,10 @@ from typing import Any
 
 from grazing.oscillator.exact import LOCK  # the precision that the finder works with is the process's too
 from grazing.outcome import InputError
+from grazing.proof.expression import NotAnExpression, expression
 from grazing_checker import Rejected, check
+from grazing_checker.envelope import opened
+from grazing_checker.law import law_text
 
 
 def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Callable[..., Any] | None = None) -> str:
@@ -49,6 +52,33 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
     """
     try:
         with LOCK:
-            return check(certificate)
+            said = check(certificate)
+        if law is not None:
+            _compare(opened(certificate)["data"], law)
     except Rejected as error:
         raise InputError(f"the certificate is rejected: {error}") from None
+    return said
+
+
+def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
+    """Raise InputError unless a law in Python is the one of a certificate."""
+    if "law" not in data:
+        raise InputError("this certificate is about a map without a reset law; leave law away")
+    params = {name: 0.5 if x is None else float.fromhex(x) for name, x in data["law"]["parameters"].items()}
+    try:
+        tree = expression(law, params, tuple(params))
+    except NotAnExpression as error:
+        raise InputError(f"law = {law!r} is no expression to hold against the certificate's: {error}") from None
+    if tree != data["law"]["after"]:
+        raise InputError(
+            f"the certificate is right, but about another law: v+ = {law_text(data['law']['after'])}; "
+            f"the one given is v+ = {law_text(tree)}"
+        )
+
+
+def opened_certificate(certificate: str | Path | Mapping[str, Any]) -> dict[str, Any]:
+    """Return a certificate that was not changed since it was sealed, or raise InputError; it is not checked."""
+    try:
+        return opened(certificate)
+    except Rejected as error:
+        raise InputError(str(error)) from None

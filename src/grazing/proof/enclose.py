@@ -162,7 +162,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
             if not trace**2 / 4 - det < 0:
                 raise Undecided
     data = {
-        **unknown_parameter(described(model, n, N, bits), name, model.offset_name),
+        **described(equations, bits),
         "type": kind,
         "pinned": pinned,
         "centre": [exact_text(x) for x in centre],
@@ -325,17 +325,3 @@ def dip_text(dip: int, cleared: list[Clear], time: arb | None) -> dict[str, Any]
     one = cleared[dip].dip
     assert one is not None
     return {"flight": dip + 1, "from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
-
-
-def unknown_parameter(data: dict[str, Any], name: str, offset_name: str) -> dict[str, Any]:
-    """Return the description of a model without the value of the parameter that is unknown."""
-    model, law = dict(data["model"]), dict(data["law"])
-    known = "offset" if name == offset_name else name
-    if known in model:
-        model[known] = ""
-    elif known in law["params"]:
-        law["params"] = {**law["params"], known: ""}
-    else:
-        row, j = known[:3], int(known[3:]) - 1
-        model[row] = [*model[row][:j], "", *model[row][j + 1 :]]
-    return {**data, "model": model, "law": law, "parameter": known}
