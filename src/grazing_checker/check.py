@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from grazing_checker.envelope import VERSION, opened
+from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
 from grazing_checker.orbit import check_orbit
 from grazing_checker.reading import Rejected, demand
 from grazing_checker.value import check_value
@@ -28,6 +29,9 @@ FLIGHTS = "the Taylor series of a flight and the bound of its rest, as derived i
 MULTIPLIERS = "Jury's criterion, and that the multipliers of a map that is smooth at a fixed point decide its stability"
 BETWEEN = "the intermediate value theorem, on the curve of orbits that depends continuously on one coordinate"
 
+CYCLES = "that the equations of a word are those of its cycles, as derived in grazing_checker/gap.py"
+STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map stretch sqrt(s) ds, s = sqrt(x)"
+
 
 class Kind(NamedTuple):
     """What checks a kind of certificate, ``check(data, inequalities) -> statement``, and the theorems that it uses."""
@@ -39,6 +43,9 @@ class Kind(NamedTuple):
 KINDS = {
     "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
     "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
+    "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
+    "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
+    "gap map without attracting orbits": Kind(check_no_attractor, (STRETCHING,)),
 }
 
 
