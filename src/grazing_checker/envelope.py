@@ -69,16 +69,20 @@ def opened(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
 
     A document is written and read once, so that what is checked is what a file could hold: JSON and nothing else.
     """
-    try:
-        text = json.dumps(dict(source), allow_nan=False) if isinstance(source, Mapping) else _read(source)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise Rejected(f"the certificate holds what JSON cannot: {error}; make it anew") from None
+    text = _written(source) if isinstance(source, Mapping) else _read(source)
     try:
         document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
         raise Rejected(f"this is not the JSON of a certificate: {error}; get it again from where it was made") from None
     _check_envelope(document)
     return dict(document)
+
+
+def _written(document: Mapping[str, Any]) -> str:
+    try:
+        return json.dumps(dict(document), allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise Rejected(f"the certificate holds what JSON cannot: {error}; make it anew") from None
 
 
 def _read(source: str | Path) -> str:
