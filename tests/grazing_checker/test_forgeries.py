@@ -1,8 +1,11 @@
 """No forged certificate is accepted that says anything false."""
 
+import json
 from collections import Counter
+from importlib.resources import files
 
 import pytest
+from jsonschema import Draft202012Validator
 
 from grazing_checker import Rejected, check
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, bases
@@ -10,13 +13,14 @@ from tests.grazing_checker.documents import NAMES
 from tests.grazing_checker.forgeries import forgeries
 from tests.grazing_checker.truth import is_true
 
+WHOLE = Draft202012Validator(json.loads((files("grazing_checker") / "schema.json").read_text()))
 #: Forgeries of each kind in a short run and in a long one.
 SHORT = dict(zip(KINDS, (40, 30, 170, 160, 100), strict=True))
 LONG = dict(zip(KINDS, (900, 700, 3200, 3200, 2000), strict=True))
 
 
 def attack(kind, count, seed):
-    """Return how many forgeries were refused, and how many accepted because they are true."""
+    """Return how many forgeries were refused, and how many accepted because they are true, and fit the schema."""
     known = {one["statement"] for one in bases().values()}
     found = Counter()
     for ways, document in forgeries(kind, list(bases().values()), count, seed):
@@ -25,7 +29,7 @@ def attack(kind, count, seed):
         except Rejected:
             found["refused"] += 1
             continue
-        assert said == document["statement"]
+        assert said == document["statement"] and WHOLE.is_valid(document)
         if said not in known:
             true, why = is_true(kind, document["data"])
             assert true, f"{ways}: accepted, but {why}: {said}"
