@@ -51,6 +51,7 @@ OWNERS = {
     "dask": {"sweep"},
     "distributed": {"sweep"},
     "pydantic": {"config"},
+    "grazing_checker": {"proof", "config"},
 }
 # The command line parses, calls and saves: no mathematics.
 FORBIDDEN = {"cli": {"numpy", "scipy"}}
@@ -150,6 +151,15 @@ def test_imports_go_down_only():
     assert violations(SOURCE) == []
 
 
+def test_the_checker_of_certificates_knows_nothing_of_the_rest():
+    """It may be imported from the layers above, and imports itself, python-flint and the standard library only."""
+    found = set()
+    for file in (SOURCE / "grazing_checker").rglob("*.py"):
+        for node in imports(ast.parse(file.read_text(encoding="utf-8"))):
+            found |= {target.split(".")[0] for target, _binds in targets(node, "grazing_checker", set())}
+    assert found - set(sys.stdlib_module_names) == {"grazing_checker", "flint"}
+
+
 def plant(source, texts):
     for name, text in {"__init__": "", **texts}.items():
         file = source / "grazing" / f"{name}.py"
@@ -182,6 +192,7 @@ def plant(source, texts):
         ("compare/scan", "from grazing.plot import axes", "compare may not import plot"),
         ("plot/chart", "from grazing.paper.claims import CLAIMS", "plot may not import paper"),
         ("paper/figure", "from grazing.cli import main", "paper may not import cli"),
+        ("studies/chart", "from grazing_checker import check", "only config and proof may import"),
         ("io", "from grazing.testing import check_map", "io may not import testing"),
         ("cli/main", "import numpy as np", "cli may not import numpy"),
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),

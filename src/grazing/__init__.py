@@ -47,7 +47,7 @@ _PUBLIC = {
     "ladder": "compare.ladder",
     "Certificate": "proof.certify",
     "certify": "proof.certify",
-    "check_certificate": "proof.checker",
+    "check_certificate": "proof.check",
     "enclose": "proof.enclose",
     "linearised_map": "maps.linearised",
     "Locus": "orbits.locus",
@@ -142,7 +142,7 @@ if TYPE_CHECKING:
     from grazing.outcome import describe as describe
     from grazing.proof.certify import Certificate as Certificate
     from grazing.proof.certify import certify as certify
-    from grazing.proof.checker import check_certificate as check_certificate
+    from grazing.proof.check import check_certificate as check_certificate
     from grazing.proof.enclose import enclose as enclose
     from grazing.studies.attractors import Attractor as Attractor
     from grazing.studies.attractors import attractors as attractors

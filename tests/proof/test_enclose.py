@@ -4,7 +4,7 @@ import pytest
 
 import grazing as gz
 from grazing.orbits.windows import windows
-from grazing.proof.checker import check_certificate
+from grazing.proof.check import check_certificate
 from grazing.proof.enclose import enclose
 from tests.models import THREE
 from tests.proof.orbits import without_impacts

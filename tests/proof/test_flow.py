@@ -6,8 +6,8 @@ import pytest
 from flint import arb, ctx
 
 import grazing as gz
-from grazing.proof.checker_flight import Checked, Motion, Path, exceeds, transition
 from grazing.proof.flow import MOST_STEPS, Flow, TooLong
+from grazing_checker.flight import Checked, Motion, Path, exceeds, transition
 from tests.models import MODELS, THREE
 
 NAMES = ("critical", "under-damped", "undamped, no stiffness", "near resonance", "stiff", "three harmonics", "soft")

@@ -5,8 +5,8 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grazing.proof.checker_reading import Rejected, decimal, double, exact
 from grazing.proof.text import above, below, enclosed, exact_text, short
+from grazing_checker.reading import Rejected, decimal, exact, text_of_double
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e100, max_value=1e100)
 
@@ -57,4 +57,4 @@ def test_what_is_no_decimal_is_rejected(text):
 @pytest.mark.parametrize("text", ["0x1p0", "inf", "nan", "1.5", "0x1.0p+0", None, 3])
 def test_what_is_no_double_as_python_writes_it_is_rejected(text):
     with pytest.raises(Rejected):
-        double(text)
+        text_of_double(text)

@@ -92,9 +92,9 @@ def described(path: Path) -> dict[str, Any]:
 
 def certificate(path: Path) -> dict[str, Any]:
     """Return what a certificate says of itself; whether it proves that is for the checker to say."""
-    from grazing.proof.envelope import read_envelope
+    from grazing.proof.check import opened_certificate
 
-    document = read_envelope(path)
+    document = opened_certificate(path)
     why = f"a certificate is checked, not made again: grazing orbit check {path}"
     return {
         "kind": "certificate, not checked here",

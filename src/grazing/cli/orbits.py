@@ -43,7 +43,7 @@ def check(
 
     Prints the sentence that is proven; exit code 1 if it is not.
     """
-    from grazing.proof.checker import check_certificate
+    from grazing.proof.check import check_certificate
 
     if not Path(file).is_file():
         raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")

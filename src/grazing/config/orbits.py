@@ -132,7 +132,7 @@ def edge_proofs(model: Oscillator, table: xr.Dataset) -> Iterator[tuple[int, str
     >>> [(side, proof.proven) for _w, side, proof in edge_proofs(model, gz.windows(model, "d", N=3))]
     [('low', True), ('high', True)]
     """
-    from grazing.proof.sentence import EVENTS
+    from grazing_checker.sentence import EVENTS
 
     name = str(table.attrs["parameter"])
     for w in range(table.sizes["window"]):

@@ -27,6 +27,10 @@ PARAMETERS = {
 }
 
 
+#: What is known of any other name.
+LAWS_OWN = "parameter of the reset law"
+
+
 def describe_parameter(name: str) -> Parameter:
     """Return what is known of a parameter of the oscillator or of a reset law."""
     if name in PARAMETERS:
@@ -35,7 +39,12 @@ def describe_parameter(name: str) -> Parameter:
         if name.startswith(kind) and name[3:].isdigit():
             j = int(name[3:])
             return Parameter(name, rf"{kind[0]}_{{{j}}}", f"{word} amplitude of harmonic {j} of the forcing")
-    return Parameter(name, rf"\mathrm{{{name}}}", "parameter of the reset law")
+    return Parameter(name, rf"\mathrm{{{name}}}", LAWS_OWN)
+
+
+def means_model(name: str) -> bool:
+    """Return whether a name means something of the oscillator, whatever its forcing: no law may give it another."""
+    return name not in KNOWN and describe_parameter(name).meaning != LAWS_OWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +147,7 @@ class Oscillator:
             raise InputError(f"forcing is {self.forcing!r}; give a gz.Forcing(omega=..., ...)")
         if not isinstance(self.reset, Reset):
             raise InputError(f"reset is {self.reset!r}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
-        clash = self.reset.params.keys() & self._flight_params().keys()
+        clash = [name for name in self.reset.params if means_model(name)]
         if clash:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
 

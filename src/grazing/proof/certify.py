@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd, inf, nextafter
+from math import inf, nextafter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +16,11 @@ from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
 from grazing.outcome import InputError
 from grazing.proof.clearance import Clear, Through, clear
-from grazing.proof.envelope import seal, write_envelope
 from grazing.proof.equations import Equations, Flight, Matrix
+from grazing.proof.expression import NotAnExpression
 from grazing.proof.flow import Flow, TooLong
 from grazing.proof.gap import GapProof, certify_gap_orbit
 from grazing.proof.krawczyk import NoConvergence, contraction, inverse, newton, remainder, residual_of
-from grazing.proof.law import BreaksPromise, NotInBalls
 from grazing.proof.report import (
     bound,
     clear_rows,
@@ -34,8 +33,10 @@ from grazing.proof.report import (
     stability_of,
     stability_rows,
 )
-from grazing.proof.sentence import TRUSTED_BASE, orbit_sentence, signature
-from grazing.proof.text import below, enclosed, exact_text, short
+from grazing.proof.text import below, enclosed, exact_text, short, write_certificate
+from grazing_checker.check import trusted_base
+from grazing_checker.envelope import seal
+from grazing_checker.sentence import active_harmonics, orbit_sentence, signature
 
 if TYPE_CHECKING:
     from flint import arb
@@ -90,7 +91,7 @@ class Certificate:
         """
         if self.document is None:
             raise InputError(f"there is nothing to save: {self.reason}")
-        return write_envelope(self.document, path)
+        return write_certificate(self.document, path)
 
     @property
     def claims(self) -> dict[str, Any]:
@@ -162,7 +163,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
         return not_proven(name, error)
     stability = data["claims"]["stability"]
     statement = orbit_sentence(data)
-    document = seal("periodic orbit", statement, TRUSTED_BASE, data, inequalities)
+    document = seal("periodic orbit", statement, trusted_base("periodic orbit"), data, inequalities)
     missing = "" if stability != "undecided" else _undecided_stability(data)
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")
@@ -202,13 +203,11 @@ def at_some_precision(prove: Callable[[int], tuple[dict[str, Any], list[dict[str
                 "a flight has too many time scales to be enclosed step by step; raise omega, lower alpha or k, or "
                 "prove an orbit of fewer periods"
             ) from None
-        except NotInBalls as error:
+        except NotAnExpression as error:
             raise NotProven(
-                f"the reset law cannot be evaluated in ball arithmetic ({error}); write it with arithmetic, "
-                "comparisons and abs only"
+                f"the reset law cannot be written as an expression ({error}); write it with arithmetic, comparisons "
+                "and abs of its arguments only"
             ) from None
-        except BreaksPromise:
-            raise NotProven("the reset law returns a velocity that is not finite or into the wall") from None
     raise NotProven(f"{said}, to {PRECISIONS[-1]} bits")
 
 
@@ -250,8 +249,8 @@ def guess_of(orbit: ImpactOrbit) -> list[arb]:
 
 def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
-    model, n, N = orbit.model, orbit.impacts, orbit.period
-    equations = Equations(model, n, N)
+    n, N = orbit.impacts, orbit.period
+    equations = Equations(orbit.model, n, N)
     guess = guess_of(orbit)
     with Stage("the equations of the orbit are singular: two orbits meet, or it is one of a family"):
         try:
@@ -276,8 +275,10 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
     margins = jury(trace, det)
     stability = stability_of(margins)
     apart = shift_margins(box, n, N, flow.T)
+    model = described(equations, bits)
+    least = all(margin > 0 for margin in apart.values()) if n else active_harmonics(model["model"]) > 0
     data = {
-        **described(model, n, N, bits),
+        **model,
         "centre": [exact_text(x) for x in centre],
         "radius": [exact_text(x) for x in radius],
         "unique": [exact_text(x) for x in unique],
@@ -286,7 +287,7 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
         "claims": {
             "box": [enclosed(x) for x in box],
             "apart": [below(u - r, 3) for u, r in zip(unique, radius, strict=True)],
-            "least_period": n > 0 and all(margin > 0 for margin in apart.values()),
+            "least_period": least,
             "incoming": [loose(f.v) for f in flights] if n else [],
             "trace": loose(trace),
             "det": loose(det),
@@ -299,7 +300,7 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
         *impact_rows(flights, n),
         *clear_rows(cleared, n, flights),
         *stability_rows(margins, stability),
-        *[bound(f"least period, divisor {q}", margin, ">", 0) for q, margin in apart.items() if margin > 0],
+        *[bound(f"least period, divisor {q}", margin, ">", 0) for q, margin in apart.items() if least],
     ]
     return data, inequalities
 
@@ -358,7 +359,7 @@ def existence(residual: list[arb], rows: Matrix, C: list[list[float]], unique: l
     radius = [short(factor.upper() * u, 24) for u in unique]
     if not all(a + b < r for a, b, r in zip(residual, remainder(C, rows, radius), radius, strict=True)):
         raise Undecided
-    if not all(r <= u for r, u in zip(radius, unique, strict=True)):
+    if not all(r < u for r, u in zip(radius, unique, strict=True)):
         raise Undecided
     return radius
 
@@ -401,14 +402,15 @@ class Virtual(NotProven):
 
 
 def shift_margins(box: list[arb], n: int, N: int, T: arb) -> dict[int, arb]:
-    """Return for every prime q that divides n and N how far the orbit is from one of period N T/q."""
-    common = gcd(n, N)
+    """Return for every prime q that divides n how far the orbit is from one of period N T/q.
+
+    A period N T/q takes n/q impacts. Whether q divides N is no matter: the forcing may itself have a period T/g.
+    """
     found: dict[int, arb] = {}
-    for q in range(2, common + 1):
-        if common % q or any(q % p == 0 for p in found):
-            continue
-        m = n // q
-        apart = [abs(box[(i + m) % n] + (i + m) // n * N * T - box[i] - N * T / q) for i in range(n)]
-        apart += [abs(box[n + (i + m) % n] - box[n + i]) for i in range(n)]
+    for q in (q for q in range(2, n + 1) if n % q == 0 and all(q % p for p in range(2, q))):
+        apart = []
+        for i in range(n):
+            laps, j = divmod(i + n // q, n)
+            apart += [abs(box[j] + laps * N * T - box[i] - N * T / q), abs(box[n + j] - box[n + i])]
         found[q] = max((x.lower() for x in apart), key=float)
     return found

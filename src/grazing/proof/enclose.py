@@ -23,14 +23,15 @@ from grazing.proof.certify import (
     with_impacts,
 )
 from grazing.proof.clearance import Clear
-from grazing.proof.envelope import seal
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.gap import GapProof, certify_gap_edge
 from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
 from grazing.proof.search import Search, dips_of
-from grazing.proof.sentence import EVENTS, TRUSTED_BASE, parameter_name, signature, value_sentence
 from grazing.proof.text import enclosed, exact_text, short
+from grazing_checker.check import trusted_base
+from grazing_checker.envelope import seal
+from grazing_checker.sentence import EVENTS, signature, value_sentence
 
 if TYPE_CHECKING:
     from flint import arb
@@ -110,9 +111,9 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     except NotProven as error:
         return not_proven(title, error)
     statement = value_sentence(data)
-    document = seal("bifurcation value", statement, TRUSTED_BASE, data, inequalities)
+    document = seal("bifurcation value", statement, trusted_base("bifurcation value"), data, inequalities)
     low, high = (float(x) for x in data["claims"]["value"])
-    said = f"{parameter_name(data)} = {(low + high) / 2:.15g} to within {(high - low) / 2:.1e}"
+    said = f"{name} = {(low + high) / 2:.15g} to within {(high - low) / 2:.1e}"
     return Certificate(True, statement, "", document, f"{title}, {said}")
 
 
@@ -161,7 +162,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
             if not trace**2 / 4 - det < 0:
                 raise Undecided
     data = {
-        **unknown_parameter(described(model, n, N, bits), name, model.offset_name),
+        **described(equations, bits),
         "type": kind,
         "pinned": pinned,
         "centre": [exact_text(x) for x in centre],
@@ -324,17 +325,3 @@ def dip_text(dip: int, cleared: list[Clear], time: arb | None) -> dict[str, Any]
     one = cleared[dip].dip
     assert one is not None
     return {"flight": dip + 1, "from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
-
-
-def unknown_parameter(data: dict[str, Any], name: str, offset_name: str) -> dict[str, Any]:
-    """Return the description of a model without the value of the parameter that is unknown."""
-    model, law = dict(data["model"]), dict(data["law"])
-    known = "offset" if name == offset_name else name
-    if known in model:
-        model[known] = ""
-    elif known in law["params"]:
-        law["params"] = {**law["params"], known: ""}
-    else:
-        row, j = known[:3], int(known[3:]) - 1
-        model[row] = [*model[row][:j], "", *model[row][j + 1 :]]
-    return {**data, "model": model, "law": law, "parameter": known}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.proof.expression import expression
 from grazing.proof.flow import Flow, Moment
 from grazing.proof.law import Law
 
@@ -66,6 +67,7 @@ class Equations:
     def __init__(self, model: Oscillator, n: int, N: int, name: str | None = None) -> None:
         self.model, self.n, self.N, self.name = model, n, N, name
         self.size = 2 * n if n else 2
+        self.law_tree = expression(model.reset.law, model.reset.params, tuple(model.params))
         self._fixed: Flow | None = None
 
     def flow(self, x: list[arb], derivative: bool = False) -> Flow:
@@ -78,7 +80,7 @@ class Equations:
 
     def law(self, flow: Flow) -> Law:
         """Return the reset law at the parameters of a flow."""
-        return Law(self.model.reset, flow.params, self.name)
+        return Law(self.law_tree, flow.params, self.name)
 
     def flights(self, x: list[arb], derivative: bool = False) -> list[Flight]:
         """Return the flights of all points in a small box, each coordinate a ball."""

@@ -17,23 +17,38 @@ from grazing.maps.gap import gap_step
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import LOCK
 from grazing.outcome import InputError
-from grazing.proof.envelope import seal, write_envelope
-from grazing.proof.gap_checker import (
-    EDGE,
-    MEANING,
-    ORBIT,
-    TRUSTED,
-    Inequality,
-    Rejected,
-    ball,
-    exact,
-    inequalities_of,
-    statement_of,
-    with_bits,
-    written,
-)
+from grazing.proof.report import bound, loose
+from grazing.proof.text import below, enclosed, exact_text, write_certificate
 from grazing.theory import WordOrbit, word_edges, word_orbits
+from grazing_checker.balls import around, precision
+from grazing_checker.check import trusted_base
+from grazing_checker.envelope import seal
+from grazing_checker.gap import (
+    BITS,
+    EVENTS,
+    Powers,
+    Word,
+    edge_rows,
+    edge_sentence,
+    equations,
+    event,
+    no_attractor_rows,
+    no_attractor_sentence,
+    orbit_rows,
+    orbit_sentence,
+    slopes,
+    spreads,
+    without_mu,
+)
+from grazing_checker.reading import Inequalities, Rejected, demand, exact
 
+ORBIT, EDGE, NO_ATTRACTOR = "gap map orbit", "gap map edge", "gap map without attracting orbits"
+#: What verifies the data of a kind, and what words the statement.
+PROOFS = {
+    ORBIT: (orbit_rows, orbit_sentence),
+    EDGE: (edge_rows, edge_sentence),
+    NO_ATTRACTOR: (no_attractor_rows, no_attractor_sentence),
+}
 Floats = NDArray[np.floating[Any]]
 #: Radii are powers of 2, the first tried and the last.
 LARGEST, SMALLEST = 2, 140
@@ -51,7 +66,7 @@ class GapProof:
     statement : str
         One sentence: what is proven, or why nothing is.
     document : dict or None
-        The certificate, a JSON document that :func:`grazing.proof.gap_checker.check_gap_certificate` checks anew.
+        The certificate, a JSON document that :func:`grazing_checker.check` checks anew.
     """
 
     proven: bool
@@ -77,7 +92,7 @@ class GapProof:
         """Write the certificate as JSON and return the path; InputError if nothing is proven."""
         if self.document is None:
             raise InputError(f"there is nothing to save: {self.statement}")
-        return write_envelope(self.document, path)
+        return write_certificate(self.document, path)
 
 
 def certify_gap_orbit(
@@ -162,8 +177,8 @@ def certify_gap_edge(word: str, edge: str, lam: float, l: float) -> tuple[GapPro
     >>> low < 0.18157749077490773 < high, high - low < 1e-12
     (True, True)
     """
-    if edge not in MEANING:
-        raise InputError(f"edge = {edge!r}; allowed are {', '.join(MEANING)}")
+    if edge not in EVENTS:
+        raise InputError(f"edge = {edge!r}; allowed are {', '.join(EVENTS)}")
     if isinstance(word, str) and word and set(word) <= {"L", "R"}:
         if "R" not in word or (word + word).index(word, 1) < len(word):
             raise InputError(f"word = {word!r}; edges are proven for primitive words with an R, such as 'LLR'")
@@ -173,19 +188,40 @@ def certify_gap_edge(word: str, edge: str, lam: float, l: float) -> tuple[GapPro
 
 def in_balls(call: Callable[[], Any]) -> Any:
     """Call a function with the bits of the checker; they belong to the process, so one proof at a time."""
-    with LOCK:
-        return with_bits(call)
+    with LOCK, precision(BITS):
+        return call()
+
+
+class Writer:
+    """Writes down the inequalities that the checker will verify, half way to their limits."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, str]] = []
+
+    def more(self, name: str, x: arb) -> None:
+        """Write x > left >= 0, or raise Rejected."""
+        demand(x > 0, f"{name} is not surely above 0: {x.str(10)}")
+        self.rows.append(bound(name, x, ">", 0))
+        Inequalities(self.rows[-1:]).more(name, x)
+
+    def less(self, name: str, x: arb, right: str = "0") -> None:
+        """Write x < left <= right, or raise Rejected."""
+        limit = exact(right) if "x" in right else arb(int(right))
+        demand(x < limit, f"{name} is not surely below {limit.str(10)}: {x.str(10)}")
+        self.rows.append(bound(name, x, "<", limit if "x" in right else int(right)))
+        Inequalities(self.rows[-1:]).less(name, x, right)
 
 
 def sealed(kind: str, data: dict[str, Any]) -> GapProof:
     """Return the certificate of data whose inequalities all hold, or the first that does not."""
+    verify, sentence = PROOFS[kind]
+    writer = Writer()
     try:
-        found: list[Inequality] = inequalities_of(kind, data)
+        verify(data, writer)
     except Rejected as error:
         return _nothing(str(error))
-    said = statement_of(kind, data)
-    listed = [{"name": name, "left": ball(a), "relation": "<", "right": ball(b)} for name, a, b in found]
-    return GapProof(True, said, seal(kind, said, TRUSTED[kind], data, listed))
+    said = sentence(data)
+    return GapProof(True, said, seal(kind, said, trusted_base(kind), data, writer.rows))
 
 
 def _nothing(why: str) -> GapProof:
@@ -212,18 +248,6 @@ def _given(
     return (admissible[0] if admissible else None), {"lam": float(lam), "mu": float(mu), "l": float(l)}
 
 
-def _counts(word: str) -> tuple[int, ...]:
-    last = word.rindex("R") + 1
-    return tuple(len(run) for run in (word[last:] + word[:last])[:-1].split("R"))
-
-
-def _coefficients(word: str, lam: float) -> tuple[list[Any], list[Any]]:
-    """Return c = lam^m and K = 1 + ... + lam^m of every block as balls."""
-    a = arb(lam)
-    counts = _counts(word)
-    return [a**m for m in counts], [sum((a**i for i in range(m + 1)), arb(0)) for m in counts]
-
-
 def _newton(f: Callable[[list[Any]], list[Any]], inverse: Floats, start: Floats) -> list[Any]:
     """Return the middle of a zero, by steps with one approximate inverse: each gains about 50 bits."""
     z = [arb(value) for value in start.tolist()]
@@ -234,152 +258,121 @@ def _newton(f: Callable[[list[Any]], list[Any]], inverse: Floats, start: Floats)
     return z
 
 
-def _hex(matrix: Floats) -> list[list[str]]:
-    return [[float(entry).hex() for entry in row] for row in matrix]
+def _matrix(rows: list[dict[int, Any]], size: int) -> Floats:
+    """Return sparse rows as a matrix of doubles."""
+    return np.array([[float(row.get(j, 0.0)) for j in range(size)] for row in rows])
 
 
-def _power(e: int) -> str:
-    return f"1p{-e}"
+def _widest(inverse: Floats, derivative: Callable[[Any], list[dict[int, Any]]]) -> int:
+    """Return e for the widest box, of half-width 2^-e, over which steps with the inverse contract to a half."""
+    Y = [[arb(entry) for entry in row] for row in inverse.tolist()]
+    fits = (e for e in range(LARGEST, SMALLEST) if all(x < 0.5 for x in spreads(Y, derivative(arb(2) ** -e))))
+    return next(fits, SMALLEST)
+
+
+def _boxes(centre: list[Any], inverse: Floats, e: int, unique: int) -> dict[str, Any]:
+    """Return what a certificate says of its boxes, of half-widths 2^-e and 2^-unique."""
+    return {
+        "centre": [exact_text(z) for z in centre],
+        "radius": f"0x1p{-e}",
+        "unique": f"0x1p{-unique}",
+        "preconditioner": [[float(entry).hex() for entry in row] for row in inverse],
+    }
+
+
+def _claims(roots: list[Any], e: int, unique: int, **more: Any) -> dict[str, Any]:
+    """Return what a certificate claims of the roots, and more."""
+    apart = arb(2) ** -unique - arb(2) ** -e
+    return {"roots": [enclosed(s) for s in roots], "apart": below(apart, 3), **more}
 
 
 def _prove_orbit(solution: WordOrbit, params: dict[str, float], where: str) -> GapProof:
-    word, k = solution.word, len(solution.roots)
-    c, K = _coefficients(word, params["lam"])
+    word = Word(solution.word)
     mu, l = arb(params["mu"]), arb(params["l"])
-
-    def f(s: list[Any]) -> list[Any]:
-        return [s[i] ** 2 + c[i] * s[i - 1] - K[i] * mu + c[i] * l for i in range(k)]
-
-    J = np.diag(2.0 * np.array(solution.roots))
-    J[np.arange(k), np.arange(k) - 1] += [float(one) for one in c]
+    powers = Powers(word, arb(params["lam"]))
+    start = np.array(solution.roots)
     try:
-        inverse = np.linalg.inv(J)
+        inverse = np.linalg.inv(_matrix(without_mu(slopes(word, powers, [arb(s) for s in solution.roots])), word.k))
     except np.linalg.LinAlgError:
-        return _nothing(f"the multiplier of {word} at {where} is 1 to double precision, where two orbits meet")
-    roots = _newton(f, inverse, np.array(solution.roots))
-    data: dict[str, Any] = {name: value.hex() for name, value in params.items()}
-    data |= {"word": word, "roots": [written(s) for s in roots], "inverse": _hex(inverse)}
-    proof = _nothing(f"no radius from 2^-{ORBIT_RADIUS} to 2^-{SMALLEST} works for {word} at {where}")
-    for e in range(ORBIT_RADIUS, SMALLEST, 10):
-        box = [arb(s, arb(2) ** -e) for s in roots]
-        turn = arb(1)
-        for i in range(k):
-            turn *= -c[i] / (2 * box[i])
-        slack = arb(2) ** -(e // 2) * (1 + abs(turn))
-        low, high = (turn - slack).lower(), (turn + slack).upper()
-        if not (bool(low > -1) and bool(high < 1)) and not (bool(low > 1) or bool(high < -1)):
-            proof = _nothing(f"the multiplier of {word} at {where} cannot be told from 1 in modulus: {ball(turn)}")
+        return _nothing(f"the multiplier of {word.letters} at {where} is 1 to double precision, where two orbits meet")
+    roots = _newton(lambda s: equations(word, powers, s, mu, l), inverse, start)
+    data: dict[str, Any] = {**{name: value.hex() for name, value in params.items()}, "word": word.letters}
+    proof = _nothing(f"no radius from 2^-{ORBIT_RADIUS} to 2^-{SMALLEST} works for {word.letters} at {where}")
+    unique = _widest(inverse, lambda half: without_mu(slopes(word, powers, [around(s, half) for s in roots])))
+    for e in range(max(ORBIT_RADIUS, unique + 1), SMALLEST, 10):
+        box = [around(s, arb(2) ** -e) for s in roots]
+        turn = powers.product(word)
+        for s in box:
+            turn /= 2 * s
+        stable = bool(turn > -1 and turn < 1)
+        if not stable and not abs(turn) > 1:
+            proof = _nothing(
+                f"the multiplier of {word.letters} at {where} cannot be told from 1 in modulus: {turn.str(25)}"
+            )
             continue
-        data |= {
-            "radius": _power(e),
-            "multiplier": [written(low), written(high)],
-            "stable": bool(high < 1 and low > -1),
-        }
-        for unique in range(LARGEST, e):
-            proof = sealed(ORBIT, {**data, "unique": _power(unique)})
-            if proof.proven:
-                return proof
-    return proof
-
-
-def _prove_edge(word: str, edge: str, lam: float, l: float, mu: float) -> GapProof:
-    """Prove an edge near a value of mu, trying every point that may be the one on the border."""
-    counts = _counts(word)
-    solutions = _near(word, edge, lam, l, mu)
-    if not solutions:
-        return _nothing(f"{word} has no orbit near mu = {mu!r} to begin with")
-    proof = _nothing("")
-    for roots in solutions:
-        places = range(1) if edge in ("pd", "lp") else _border(edge, counts, roots, lam, mu, l)
-        for at in places:
-            proof = _prove_at(word, edge, at, lam, l, np.append(roots, mu))
-            if proof.proven:
-                return proof
-    return proof
-
-
-def _near(word: str, edge: str, lam: float, l: float, mu: float) -> list[Floats]:
-    """Return the roots of orbits of a word just beside an edge."""
-    found = []
-    for shift in (0.0, 1e-13, -1e-13, 1e-10, -1e-10, 1e-7, -1e-7):
-        for one in word_orbits(word, lam, mu * (1.0 + shift), l):
-            off = abs(abs(one.multiplier) - 1.0) if edge in ("pd", "lp") else float(np.abs(one.points).min())
-            found.append((off, np.array(one.roots)))
-    found.sort(key=lambda pair: pair[0])
-    return [roots for _off, roots in found[:4]]
-
-
-def _border(edge: str, counts: tuple[int, ...], roots: Floats, lam: float, mu: float, l: float) -> list[int]:
-    """Return the number of the root, or of the point with letter L, that is nearest to the border."""
-    if edge == "gr":
-        return [int(np.argmin(roots))]
-    points = []
-    for i, m in enumerate(counts):
-        x = mu - l - float(roots[i - 1])
-        for _ in range(m):
-            points.append(x)
-            x = lam * x + mu
-    return [int(np.argmin(np.abs(points)))] if points else []
-
-
-def _prove_at(word: str, edge: str, at: int, lam: float, l: float, start: Floats) -> GapProof:
-    """Solve for all roots and mu, and prove the solution."""
-    counts, k = _counts(word), len(start) - 1
-    c, K = _coefficients(word, lam)
-    gap, sign = arb(l), (-1) ** k if edge == "pd" else -((-1) ** k)
-
-    def last(z: list[Any]) -> Any:
-        if edge == "gr":
-            return z[at]
-        if edge == "bc":
-            return _left(counts, z, lam, gap)[at]
-        product, limit = arb(1), arb(sign)
-        for s, one in zip(z[:k], c, strict=True):
-            product, limit = product * 2 * s, limit * one
-        return product + limit
-
-    def f(z: list[Any]) -> list[Any]:
-        return [*(z[i] ** 2 + c[i] * z[(i - 1) % k] - K[i] * z[k] + c[i] * gap for i in range(k)), last(z)]
-
-    point = start
-    for _ in range(12):  # Newton's method from a start beside the edge
-        value = np.array([float(one) for one in f([arb(v) for v in point.tolist()])])
-        J = _slopes(f, point)
-        try:
-            inverse = np.linalg.inv(J)
-        except np.linalg.LinAlgError:
-            return _nothing(f"the equations of this edge of {word} are singular at lam = {lam!r}, l = {l!r}")
-        point = point - inverse @ value
-    if not np.isfinite(point).all() or np.abs(point - start).max() > 1e-2 * np.abs(start).max():
-        return _nothing(f"Newton's method left the edge of {word} at mu = {float(start[-1])!r}")
-    inverse = np.linalg.inv(_slopes(f, point))
-    centre = _newton(f, inverse, point)
-    data: dict[str, Any] = {"lam": lam.hex(), "l": l.hex(), "word": word, "edge": edge, "at": at}
-    data |= {"centre": [written(z) for z in centre], "inverse": _hex(inverse)}
-    proof = _nothing(f"no radius from 2^-{EDGE_RADIUS} to 2^-{SMALLEST} works for {word}")
-    for e in range(EDGE_RADIUS, SMALLEST):
-        proof = sealed(EDGE, {**data, "radius": _power(e)})
+        claims = _claims(box, e, unique, multiplier=loose(turn), stable=stable)
+        proof = sealed(ORBIT, {**data, **_boxes(roots, inverse, e, unique), "claims": claims})
         if proof.proven:
             break
     return proof
 
 
-def _left(counts: tuple[int, ...], z: list[Any], lam: float, gap: Any) -> list[Any]:
-    """Return the points with letter L of the orbit with roots z[:-1] at mu = z[-1]."""
-    found, mu = [], z[-1]
-    for i, m in enumerate(counts):
-        x = mu - gap - z[(i - 1) % len(counts)]
-        for _ in range(m):
-            found.append(x)
-            x = arb(lam) * x + mu
-    return found
+def _prove_edge(word: str, edge: str, lam: float, l: float, mu: float) -> GapProof:
+    """Prove an edge near a value of mu, from each of the orbits just beside it."""
+    proof = _nothing(f"{word} has no orbit near mu = {mu!r} to begin with")
+    for one in _near(word, edge, lam, l, mu):
+        letter = {"gr": "R", "bc": "L"}.get(edge)
+        sizes = [abs(x) if on == letter else inf for on, x in zip(word, one.points.tolist(), strict=True)]
+        at = 1 + int(np.argmin(sizes)) if letter else 0
+        proof = _prove_at(Word(word), edge, at, lam, l, np.array([*one.roots, mu]))
+        if proof.proven:
+            break
+    return proof
 
 
-def _slopes(f: Callable[[list[Any]], list[Any]], at: Floats) -> Floats:
-    """Return the derivative of polynomial equations by central differences in balls, exact to double precision."""
-    h = arb(2) ** -60
-    columns = []
-    for j in range(len(at)):
-        ahead, behind = ([arb(v) + (step if i == j else 0) for i, v in enumerate(at.tolist())] for step in (h, -h))
-        columns.append([float((p - q) / (2 * h)) for p, q in zip(f(ahead), f(behind), strict=True)])
-    return np.array(columns).T
+def _near(word: str, edge: str, lam: float, l: float, mu: float) -> list[WordOrbit]:
+    """Return orbits of a word just beside an edge."""
+    found = []
+    for shift in (0.0, 1e-13, -1e-13, 1e-10, -1e-10, 1e-7, -1e-7):
+        for one in word_orbits(word, lam, mu * (1.0 + shift), l):
+            off = abs(abs(one.multiplier) - 1.0) if edge in ("pd", "lp") else float(np.abs(one.points).min())
+            found.append((off, one))
+    found.sort(key=lambda pair: pair[0])
+    return [one for _off, one in found[:4]]
+
+
+def _prove_at(word: Word, edge: str, at: int, lam: float, l: float, start: Floats) -> GapProof:
+    """Solve for all roots and mu, and prove the solution."""
+    k, gap, powers = word.k, arb(l), Powers(word, arb(lam))
+
+    def f(z: list[Any]) -> list[Any]:
+        value, _row = event(word, powers, edge, at, z, z, gap)
+        return [*equations(word, powers, z[:k], z[k], gap), value]
+
+    def derivative(z: list[Any]) -> list[dict[int, Any]]:
+        _value, row = event(word, powers, edge, at, z, z, gap)
+        return [*slopes(word, powers, z[:k]), row]
+
+    def inverse_at(point: Floats) -> Floats:
+        return np.linalg.inv(_matrix(derivative([arb(v) for v in point.tolist()]), k + 1))
+
+    point = start
+    try:
+        for _ in range(12):  # Newton's method from a start beside the edge
+            point = point - inverse_at(point) @ np.array([float(one) for one in f([arb(v) for v in point.tolist()])])
+        if not np.isfinite(point).all() or np.abs(point - start).max() > 1e-2 * np.abs(start).max():
+            return _nothing(f"Newton's method left the edge of {word.letters} at mu = {float(start[-1])!r}")
+        inverse = inverse_at(point)
+    except np.linalg.LinAlgError:
+        return _nothing(f"the equations of this edge of {word.letters} are singular at lam = {lam!r}, l = {l!r}")
+    centre = _newton(f, inverse, point)
+    data: dict[str, Any] = {"lam": lam.hex(), "l": l.hex(), "word": word.letters, "edge": edge, "at": at}
+    proof = _nothing(f"no radius from 2^-{EDGE_RADIUS} to 2^-{SMALLEST} works for {word.letters}")
+    unique = _widest(inverse, lambda half: derivative([around(z, half) for z in centre]))
+    for e in range(max(EDGE_RADIUS, unique + 1), SMALLEST):
+        box = [around(z, arb(2) ** -e) for z in centre]
+        claims = _claims(box[:k], e, unique, value=enclosed(box[k], 24))
+        proof = sealed(EDGE, {**data, **_boxes(centre, inverse, e, unique), "claims": claims})
+        if proof.proven:
+            break
+    return proof

@@ -4,43 +4,32 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.reset import Reset, active_law, fingerprint, newton_law, triggered_law
 from grazing.proof.clearance import Clear
-from grazing.proof.equations import Flight, Matrix
+from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.krawczyk import contraction, remainder
 from grazing.proof.text import above, below, enclosed, exact_text
 
 if TYPE_CHECKING:
     from flint import arb
 
-BUILT_IN = {newton_law: "newton", active_law: "active", triggered_law: "triggered"}
 
-
-def described(model: Oscillator, n: int, N: int, bits: int) -> dict[str, Any]:
-    """Return what every certificate of the oscillator says of its model."""
-    forcing, reset = model.forcing, model.reset
-    return {
-        "model": {
-            "alpha": model.alpha.hex(), "k": model.k.hex(), "omega": forcing.omega.hex(), "t0": forcing.t0.hex(),
-            "offset": forcing.offset.hex(), "sigma": model.sigma.hex(),
-            "cos": [x.hex() for x in forcing.cos], "sin": [x.hex() for x in forcing.sin],
-            "offset_name": model.offset_name,
-        },
-        "law": law_of(reset),
-        "impacts": n, "periods": N, "precision": bits,
+def described(equations: Equations, bits: int) -> dict[str, Any]:
+    """Return what every certificate of the oscillator says of its model; the unknown parameter has no value."""
+    model, name = equations.model, equations.name
+    text = {key: None if key == name else float(x).hex() for key, x in model.params.items()}
+    js = range(1, model.harmonics + 1)
+    known: dict[str, Any] = {key: text[key] for key in ("alpha", "k", "omega", "t0")}
+    known |= {"offset": text[model.offset_name], "sigma": text["sigma"], "offset_name": model.offset_name}
+    known |= {row: [text[f"{row}{j}"] for j in js] for row in ("cos", "sin")}
+    own = {key: text[key] for key in model.reset.params}
+    said = {
+        "model": known, "law": {"parameters": own, "after": equations.law_tree},
+        "impacts": equations.n, "periods": equations.N, "precision": bits,
     }  # fmt: skip
-
-
-def law_of(reset: Reset) -> dict[str, Any]:
-    """Return name, parameters and, for a law of the user's, the fingerprint of its code."""
-    name = BUILT_IN.get(reset.law)
-    code = "" if name else fingerprint(reset)
-    return {
-        "name": name or reset.name,
-        "params": {key: float(x).hex() for key, x in reset.params.items()},
-        "code": code,
-    }
+    if name is None:
+        return said
+    of, name = "law" if name in own else "model", "offset" if name == model.offset_name else name
+    return {**said, "parameter": {"of": of, "name": name}}
 
 
 def jury(trace: arb, det: arb) -> dict[str, arb]:

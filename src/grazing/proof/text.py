@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flint import arb
@@ -62,3 +65,10 @@ def _decimal(x: arb, rounding: str, digits: int) -> str:
     if exponent < 0:
         return str(context.divide(number, scale))
     return str(context.plus(Decimal(mantissa * 2**exponent)))
+
+
+def write_certificate(document: Mapping[str, Any], path: str | Path) -> Path:
+    """Write a certificate to a file, readable by eye, and return the path."""
+    target = Path(path)
+    target.write_text(json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n", encoding="ascii")
+    return target

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from flint import arb
+from grazing_checker.balls import Ball, number
 
 EXACT = re.compile(r"(-?)0x([0-9a-f]{1,2000})p(-?[0-9]{1,6})")
 DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,5})?")
@@ -28,35 +27,30 @@ def demand(holds: object, said: str) -> None:
         raise Rejected(said)
 
 
-def exact(text: Any) -> arb:
+def exact(text: Any) -> Ball:
     """Return the number that an exact text such as ``-0x2bp-7`` means."""
-    from flint import arb, fmpz
-
     found = EXACT.fullmatch(text) if isinstance(text, str) else None
     if found is None:
         raise Rejected(f"{text!r} is no exact number")
-    mantissa = int(found[2], 16) * (-1 if found[1] else 1)
-    return arb((fmpz(mantissa), fmpz(int(found[3]))))
+    return number(int(found[2], 16) * (-1 if found[1] else 1), int(found[3]))
 
 
-def double(text: Any) -> float:
+def text_of_double(text: Any) -> float:
     """Return the double that a text as of ``float.hex`` means."""
     try:
-        number = float.fromhex(text)
+        x = float.fromhex(text)
     except (TypeError, ValueError, OverflowError):
         raise Rejected(f"{text!r} is no double in hexadecimal") from None
-    demand(number.hex() == text and abs(number) < float("inf"), f"{text!r} is no finite double as float.hex writes it")
-    return number
+    demand(x.hex() == text and abs(x) < float("inf"), f"{text!r} is no finite double as float.hex writes it")
+    return x
 
 
-def decimal(text: Any) -> arb:
+def decimal(text: Any) -> Ball:
     """Return a ball around the number that a decimal means."""
-    from flint import arb, fmpq
-
     if not (isinstance(text, str) and DECIMAL.fullmatch(text)):
         raise Rejected(f"{text!r} is no decimal number")
-    number = Fraction(text)
-    return arb(fmpq(number.numerator, number.denominator))
+    fraction = Fraction(text)
+    return number(fraction.numerator) / fraction.denominator
 
 
 def keys(document: Any, names: Sequence[str], where: str) -> None:
@@ -66,7 +60,7 @@ def keys(document: Any, names: Sequence[str], where: str) -> None:
     demand(not wrong, f"{where} lacks or adds {', '.join(map(str, wrong))}")
 
 
-def numbers(texts: Any, count: int, where: str) -> list[arb]:
+def numbers(texts: Any, count: int, where: str) -> list[Ball]:
     """Return a list of exact numbers of the right length."""
     demand(isinstance(texts, list) and len(texts) == count, f"{where} is no list of {count} numbers")
     return [exact(text) for text in texts]
@@ -78,14 +72,12 @@ def whole(number: Any, low: int, where: str) -> int:
     return int(number)
 
 
-def within(x: arb, texts: Any, where: str) -> None:
+def within(x: Ball, texts: Any, where: str) -> None:
     """Demand that a ball lies between two decimals, which are close to it."""
-    from flint import arb
-
     demand(isinstance(texts, list) and len(texts) == 2, f"{where} is no pair of decimals")
     low, high = (decimal(text) for text in texts)
     demand(low <= x and x <= high, f"{where} is claimed to lie in [{texts[0]}, {texts[1]}], which does not hold")
-    room = abs(x).upper() * arb(2) ** BLUNT + 2**16 * x.rad()
+    room = abs(x).upper() * number(1, BLUNT) + 2**16 * x.rad()
     demand(high - low <= room, f"{where} is claimed with far too wide an interval")
 
 
@@ -104,7 +96,7 @@ class Inequalities:
         row = self.rows[self.at] if self.at < len(self.rows) else {}
         return str(row.get("name", "")) if isinstance(row, Mapping) else ""
 
-    def left(self, name: str, relation: str, right: str = "0") -> arb:
+    def left(self, name: str, relation: str, right: str = "0") -> Ball:
         """Return the left side of the next inequality, which must have this name and be true as it stands."""
         demand(self.at < len(self.rows), f"the inequality {name!r} is missing")
         row = self.rows[self.at]
@@ -121,11 +113,11 @@ class Inequalities:
         demand(held, f"the inequality {name!r} is false: {row['left']} {relation} {right}")
         return left
 
-    def more(self, name: str, x: arb) -> None:
+    def more(self, name: str, x: Ball) -> None:
         """Verify x > left >= 0."""
         demand(x > self.left(name, ">"), f"the inequality {name!r} does not hold")
 
-    def less(self, name: str, x: arb, right: str = "0") -> None:
+    def less(self, name: str, x: Ball, right: str = "0") -> None:
         """Verify x < left <= right."""
         demand(x < self.left(name, "<", right), f"the inequality {name!r} does not hold")
 

@@ -8,11 +8,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing_checker.reading import Rejected
 
-FORMAT, VERSION = "grazing certificate", 1
+FORMAT, VERSION = "grazing certificate", 2
 #: The fields of an envelope, all of them hashed but the last.
 FIELDS = ("format", "version", "kind", "statement", "trusted_base", "data", "inequalities", "sha256")
+#: Most bytes of a file that is read.
+LARGEST = 2**26
 
 
 def seal(
@@ -27,7 +29,7 @@ def seal(
     Parameters
     ----------
     kind : str
-        What it certifies, such as ``"periodic orbit"``; each kind has its checker.
+        What it certifies, such as ``"periodic orbit"``.
     statement : str
         One sentence: exactly what is proven.
     trusted_base : sequence of str
@@ -47,8 +49,8 @@ def seal(
     Examples
     --------
     >>> document = seal("sum", "1 + 1 = 2.", ["addition"], {"terms": ["1", "1"]}, [])
-    >>> document["version"], open_envelope(document)["statement"]
-    (1, '1 + 1 = 2.')
+    >>> document["version"], opened(document)["statement"]
+    (2, '1 + 1 = 2.')
     """
     body = {
         "format": FORMAT,
@@ -62,77 +64,67 @@ def seal(
     return {**body, "sha256": digest_of(body)}
 
 
-def open_envelope(document: Any) -> dict[str, Any]:
-    """Return a certificate whose format, version, fields and hash are right.
+def opened(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
+    """Return the certificate in a file, or a document, whose format, version, fields and hash are right.
 
-    Parameters
-    ----------
-    document : dict
-        As :func:`seal` made it, or as read from its file.
-
-    Raises
-    ------
-    InputError
-        If it is no certificate, or of another version, or was changed after it was sealed.
+    A document is written and read once, so that what is checked is what a file could hold: JSON and nothing else.
     """
+    text = _written(source) if isinstance(source, Mapping) else _read(source)
+    try:
+        document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
+        raise Rejected(f"this is not the JSON of a certificate: {error}; get it again from where it was made") from None
+    _check_envelope(document)
+    return dict(document)
+
+
+def _written(document: Mapping[str, Any]) -> str:
+    try:
+        return json.dumps(dict(document), allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise Rejected(f"the certificate holds what JSON cannot: {error}; make it anew") from None
+
+
+def _read(source: str | Path) -> str:
+    try:
+        path = Path(source)
+        if path.is_file() and path.stat().st_size > LARGEST:
+            raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
+        return path.read_text(encoding="utf-8")
+    except (OSError, TypeError, UnicodeDecodeError) as error:
+        raise Rejected(f"no certificate can be read from {source!r}: {error}; give its path or the document") from None
+
+
+def _check_envelope(document: Any) -> None:
+    """Raise Rejected if this is no certificate, or of another version, or was changed after it was sealed."""
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         got = document.get("format") if isinstance(document, dict) else type(document).__name__
-        raise InputError(f"this is no certificate: its format is {got!r}; allowed is {FORMAT!r}")
+        raise Rejected(f"this is no certificate: its format is {got!r}; allowed is {FORMAT!r}")
     version = document.get("version")
     if type(version) is not int or version != VERSION:
-        raise InputError(
-            f"the certificate has version {version!r} of the format, this program reads {VERSION}; "
-            "make it anew with this version of grazing"
+        raise Rejected(
+            f"the certificate has version {version!r} of the format, this program reads {VERSION}; prove it again with "
+            "this version of grazing: gz.certify(orbit).save(file), or gz.enclose(orbit, kind, name).save(file)"
         )
     if set(document) != set(FIELDS):
         wrong = sorted(set(document) ^ set(FIELDS))
-        raise InputError(f"the certificate lacks or adds fields: {', '.join(wrong)}; allowed are {', '.join(FIELDS)}")
+        raise Rejected(f"the certificate lacks or adds fields: {', '.join(wrong)}; allowed are {', '.join(FIELDS)}")
     types = {"kind": str, "statement": str, "trusted_base": list, "data": dict, "inequalities": list, "sha256": str}
     for name, kind in types.items():
         if not isinstance(document[name], kind):
-            raise InputError(f"{name} of the certificate is {document[name]!r}; allowed is a {kind.__name__}")
-    try:
-        expected = digest_of({name: value for name, value in document.items() if name != "sha256"})
-    except (TypeError, ValueError) as error:
-        raise InputError(f"the certificate holds what JSON cannot: {error}; make it anew") from None
+            raise Rejected(f"{name} of the certificate is {document[name]!r}; allowed is a {kind.__name__}")
+    expected = digest_of({name: value for name, value in document.items() if name != "sha256"})
     if document["sha256"] != expected:
-        raise InputError(
+        raise Rejected(
             f"the certificate was changed after it was sealed: its contents have the SHA-256 {expected[:12]}..., "
             f"but it says {document['sha256'][:12]}...; get it again from where it was made"
         )
-    return document
 
 
 def digest_of(body: Mapping[str, Any]) -> str:
     """Return the SHA-256 of the canonical JSON of a document: sorted keys, no blanks, ASCII."""
     canonical = json.dumps(body, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return sha256(canonical.encode("ascii")).hexdigest()
-
-
-def write_envelope(document: Mapping[str, Any], path: str | Path) -> Path:
-    """Write a certificate to a file, readable by eye, and return the path."""
-    target = Path(path)
-    target.write_text(json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n", encoding="ascii")
-    return target
-
-
-def read_envelope(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
-    """Return the certificate in a file, or a document itself, opened; see :func:`open_envelope`."""
-    if isinstance(source, Mapping):
-        return open_envelope(dict(source))
-    try:
-        text = Path(source).read_text(encoding="utf-8")
-    except (OSError, TypeError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"no certificate can be read from {source!r}: {error}; give its path or the document"
-        ) from None
-    try:
-        document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
-    except ValueError as error:
-        raise InputError(
-            f"{source} is not the JSON of a certificate: {error}; get it again from where it was made"
-        ) from None
-    return open_envelope(document)
 
 
 def _no_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

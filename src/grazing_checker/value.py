@@ -1,29 +1,27 @@
-"""Check the certificate of a bifurcation value anew, without the code that found it."""
+"""Check the certificate of a bifurcation value of the oscillator."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from grazing.proof.checker_orbit import (
+from grazing_checker.balls import Ball, precision
+from grazing_checker.flight import exceeds
+from grazing_checker.oscillator import (
     Leg,
+    Point,
     Problem,
     applied,
     box_of,
     check_flights,
     inside,
+    margins,
     precision_of,
     preconditioner,
     spread,
 )
-from grazing.proof.checker_reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
-from grazing.proof.orbit_checker import margins
-from grazing.proof.sentence import EVENTS, value_sentence
-
-if TYPE_CHECKING:
-    from flint import arb
-
-    Point = list[arb]
+from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
+from grazing_checker.sentence import EVENTS, value_sentence
 
 KEYS = (
     "model", "law", "impacts", "periods", "precision", "parameter", "type", "pinned", "centre", "radius",
@@ -34,21 +32,31 @@ CLAIMS = ("value", "box", "ends")
 TESTED = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}
 
 
-def check_value(data: Mapping[str, Any], inequalities: Any, law: Any) -> str:
-    """Verify a certificate of a bifurcation value and return the sentence that it proves, or raise Rejected."""
-    from flint import ctx
+def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
+    """Verify a certificate of a bifurcation value and return the sentence that it proves, or raise Rejected.
 
+    What is proven, and where each hypothesis is demanded:
+
+    1. A curve of solutions, one for each value of the pinned coordinate, that depends continuously on it
+       (:class:`Curve`), and two small boxes that hold its ends (:meth:`Curve.end`).
+    2. All of the curve are motions, but for the dip of a graze (:func:`grazing_checker.oscillator.check_flights`);
+       every parameter is in its range over the box (:class:`Problem`).
+    3. A quantity that is continuous along the curve has opposite signs at its ends, so it is 0 between
+       (:func:`_change_of_sign`). That it is 0 once only is not claimed.
+    """
     keys(data, KEYS, "the data")
     keys(data["claims"], CLAIMS, "the claims")
-    demand(data["type"] in EVENTS, f"the type of bifurcation is {data['type']!r}")
-    demand(isinstance(data["parameter"], str) and data["parameter"], "no parameter is unknown")
-    with ctx.workprec(precision_of(data)):
-        problem = Problem(data, law)
+    demand(isinstance(data["type"], str) and data["type"] in EVENTS, f"the type of bifurcation is {data['type']!r}")
+    keys(data["parameter"], ("of", "name"), "the parameter")
+    unknown = data["parameter"]["of"], data["parameter"]["name"]
+    demand(all(isinstance(one, str) for one in unknown), "no parameter is unknown")
+    with precision(precision_of(data)):
+        problem = Problem(data, unknown)
         demand(problem.n > 0 or data["type"] == "gr", "an orbit without impacts has a graze only")
         rows = Inequalities(inequalities)
         curve = Curve(problem, data, rows)
-        dip = _dip(data)
-        check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
+        dip = _dip(data, max(problem.n, 1))
+        check_flights(problem, curve.legs, data["cuts"], rows, dip)
         ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
         _change_of_sign(problem, data, curve, ends, dip, rows)
         rows.finish()
@@ -57,7 +65,16 @@ def check_value(data: Mapping[str, Any], inequalities: Any, law: Any) -> str:
 
 
 class Curve:
-    """The curve of orbits through a box, one for every value of the pinned coordinate, verified when made."""
+    """The curve of solutions through a box, one for every value of the pinned coordinate, verified when made.
+
+    Krawczyk's theorem with a parameter s, the pinned coordinate, in [c_s - r_s, c_s + r_s]: let D and d hold the
+    derivatives of F by the free coordinates x and by s over the whole box, u the half-widths of x, C any matrix. By the
+    mean value theorem |C F(c_x, s)| <= |C F(c)| + |C d| r_s. If |C F(c)| + |C d| r_s + |I - C D| u < u in every row, x
+    -> x - C F(x, s) takes the box into itself and contracts it by one factor for all s: it has exactly one fixed point
+    for each s, which depends continuously on s; and C is regular, so that fixed points are zeros of F.
+
+    Demanded: u > 0, r_s > 0, the inequalities strictly, the law smooth and the impacts in order on the box.
+    """
 
     def __init__(self, problem: Problem, data: Mapping[str, Any], rows: Inequalities) -> None:
         size = problem.size
@@ -84,7 +101,11 @@ class Curve:
         return row[: self.pinned] + row[self.pinned + 1 :]
 
     def end(self, described: Any, i: int, rows: Inequalities) -> tuple[Point, list[Leg]]:
-        """Verify where the curve ends: a small box in the other that holds its orbit at that end."""
+        """Verify where the curve ends: a small box in the other that holds its solution at that end.
+
+        With s at its end and 0 < r, |C F(c')| + |I - C D| r < r proves a solution in the box of half-widths r about c',
+        if that box lies in the large one, where D holds. The large one has one solution at this s: it is the curve's.
+        """
         problem = self.problem
         keys(described, ("centre", "radius"), f"end {i + 1}")
         centre, radius = (numbers(described[name], problem.size + 1, f"end {i + 1}") for name in ("centre", "radius"))
@@ -101,13 +122,13 @@ class Curve:
         return box, problem.legs(box)
 
 
-def _dip(data: Mapping[str, Any]) -> Any:
+def _dip(data: Mapping[str, Any], flights: int) -> Any:
     """Return the dip that touches the wall; None where none should."""
     if data["type"] != "gr":
         demand(data["dip"] == {}, "there is a dip in a certificate that needs none")
         return None
     keys(data["dip"], ("flight", "from", "to", "time"), "the dip")
-    demand(1 <= whole(data["dip"]["flight"], 1, "the flight of the dip") <= max(data["impacts"], 1), "no such flight")
+    demand(whole(data["dip"]["flight"], 1, "the flight of the dip") <= flights, "no such flight")
     return data["dip"]
 
 
@@ -115,7 +136,15 @@ def _change_of_sign(
     problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Any,
     rows: Inequalities,
 ) -> None:  # fmt: skip
-    """Verify that the test function has opposite signs at the ends of the curve."""
+    """Verify that the test function has opposite signs at the ends of the curve.
+
+    1 + tr + det = 0 is a multiplier -1 and 1 - tr + det = 0 a multiplier +1. 1 - det = 0 is a pair on the unit circle
+    if it is complex: tr^2/4 < det is demanded of the whole curve. The lowest height of a dip (:func:`_heights`) is 0
+    where the dip touches the wall: not at an end of its stretch, as y > 0 there, but inside, with v = 0.
+
+    At a fold the derivative by the orbit's own coordinates is singular, so the parameter cannot be the pinned one.
+    """
+    demand(data["type"] != "lp" or curve.pinned < problem.size, "a fold is no curve over its parameter")
     if dip is not None:
         values, name = _heights(curve, ends, dip, rows), "height of the dip"
     else:
@@ -132,13 +161,13 @@ def _change_of_sign(
 
 def _heights(
     curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Mapping[str, Any], rows: Inequalities
-) -> list[arb]:
-    """Return bounds on the least height of the dip at both ends, from below where it is positive.
+) -> list[Ball]:
+    """Return bounds on the least height of the dip at both ends, from below where it is positive, else from above.
 
-    With y'' > b on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it.
+    With y'' > b > 0 on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it, and at most y(s) at its
+    lowest. Demanded: s inside the stretch, the stretch inside its flight (``check_flights``), y'' > b over the whole
+    curve, so that there is one lowest point, which depends continuously on the orbit.
     """
-    from grazing.proof.checker_flight import exceeds
-
     start, stop, time = (exact(dip[name]) for name in ("from", "to", "time"))
     demand(start < time and time < stop, "the dip is not looked at where it is")
     b = rows.left("acceleration in the dip", ">")

@@ -1,0 +1,84 @@
+"""Check a certificate with ``grazing_checker``, a package of its own that uses nothing of this one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from grazing.oscillator.exact import LOCK  # the precision that the finder works with is the process's too
+from grazing.outcome import InputError
+from grazing.proof.expression import NotAnExpression, expression
+from grazing_checker import Rejected, check
+from grazing_checker.envelope import opened
+from grazing_checker.law import law_text
+
+
+def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Callable[..., Any] | None = None) -> str:
+    """Verify a certificate anew and return the sentence that it proves.
+
+    Parameters
+    ----------
+    certificate : path or dict
+        A file that ``save`` wrote, or its document.
+    law : callable, optional
+        A reset law ``law(v, p)`` to hold against the one in the certificate, which is an expression.
+
+    Returns
+    -------
+    str
+        The statement: it holds if the trusted base does.
+
+    Raises
+    ------
+    InputError
+        If it is no certificate, was changed, or does not prove its statement: says what is wrong first.
+
+    Notes
+    -----
+    This calls :func:`grazing_checker.check`, which uses none of the code that found the proof: its flights are Taylor
+    series with a bound on what is cut off, where the finder uses matrix exponentials; multipliers come from the map of
+    (time, velocity) from impact to impact, where the finder multiplies saltation matrices. Every inequality is
+    evaluated anew, every claim compared, and the statement derived anew from the data. So even a certificate that was
+    changed and sealed again is rejected if what it then says does not hold. ``python -m grazing_checker FILE`` does the
+    same from a copy of the package's folder, with python-flint and nothing else.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> proof = gz.certify(gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1])
+    >>> gz.check_certificate(proof.document) == proof.statement
+    True
+    """
+    try:
+        with LOCK:
+            said = check(certificate)
+        if law is not None:
+            _compare(opened(certificate)["data"], law)
+    except Rejected as error:
+        raise InputError(f"the certificate is rejected: {error}") from None
+    return said
+
+
+def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
+    """Raise InputError unless a law in Python is the one of a certificate."""
+    if "law" not in data:
+        raise InputError("this certificate is about a map without a reset law; leave law away")
+    params = {name: 0.5 if x is None else float.fromhex(x) for name, x in data["law"]["parameters"].items()}
+    try:
+        tree = expression(law, params, tuple(params))
+    except NotAnExpression as error:
+        raise InputError(f"law = {law!r} is no expression to hold against the certificate's: {error}") from None
+    if tree != data["law"]["after"]:
+        raise InputError(
+            f"the certificate is right, but about another law: v+ = {law_text(data['law']['after'])}; "
+            f"the one given is v+ = {law_text(tree)}"
+        )
+
+
+def opened_certificate(certificate: str | Path | Mapping[str, Any]) -> dict[str, Any]:
+    """Return a certificate that was not changed since it was sealed, or raise InputError; it is not checked."""
+    try:
+        return opened(certificate)
+    except Rejected as error:
+        raise InputError(str(error)) from None

@@ -1,0 +1,24 @@
+"""``python -m grazing_checker FILE...``: print what each certificate proves; exit 1 if one proves nothing."""
+
+import sys
+
+from grazing_checker import Rejected, check
+
+
+def main(files: list[str]) -> int:
+    """Check certificates; 0 if all are right, 1 if one is rejected, 2 if none is named."""
+    if not files or any(name.startswith("-") for name in files):
+        print("usage: python -m grazing_checker FILE...", file=sys.stderr)
+        return 2
+    wrong = 0
+    for name in files:
+        try:
+            print(f"{name}: {check(name)}")
+        except Rejected as error:
+            wrong = 1
+            print(f"{name}: rejected: {error}", file=sys.stderr)
+    return wrong
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,86 @@
+"""Check any certificate: what it proves follows from its data alone, by what is listed in its trusted base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from grazing_checker.envelope import VERSION, opened
+from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
+from grazing_checker.orbit import check_orbit
+from grazing_checker.reading import Rejected, demand
+from grazing_checker.value import check_value
+
+#: All that is imported from the standard library.
+STANDARD_LIBRARY = (
+    "__future__", "collections.abc", "contextlib", "fractions", "hashlib", "itertools", "json", "math", "pathlib", "re",
+    "sys", "threading", "typing",
+)  # fmt: skip
+#: What every certificate rests on.
+TRUSTED_BASE = (
+    "Arb, the ball arithmetic of FLINT, called through python-flint",
+    f"Python, 3.11 or later, with these modules of its standard library: {', '.join(STANDARD_LIBRARY)}",
+    f"the source of grazing_checker for version {VERSION} of certificates",
+    "the model as written in the statement, with its parameters the exact doubles given",
+)
+KRAWCZYK = "the theorems of Brouwer and Banach, as used by Krawczyk's test"
+FLIGHTS = "the Taylor series of a flight and the bound of its rest, as derived in grazing_checker/flight.py"
+MULTIPLIERS = "Jury's criterion, and that the multipliers of a map that is smooth at a fixed point decide its stability"
+BETWEEN = "the intermediate value theorem, on the curve of orbits that depends continuously on one coordinate"
+
+CYCLES = "that the equations of a word are those of its cycles, as derived in grazing_checker/gap.py"
+STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map stretch sqrt(s) ds, s = sqrt(x)"
+
+
+class Kind(NamedTuple):
+    """What checks a kind of certificate, ``check(data, inequalities) -> statement``, and the theorems that it uses."""
+
+    check: Callable[[Mapping[str, Any], list[Any]], str]
+    theorems: tuple[str, ...]
+
+
+KINDS = {
+    "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
+    "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
+    "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
+    "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
+    "gap map without attracting orbits": Kind(check_no_attractor, (STRETCHING,)),
+}
+
+
+def trusted_base(kind: str) -> list[str]:
+    """Return what a certificate of a kind rests on."""
+    return [*TRUSTED_BASE, *KINDS[kind].theorems]
+
+
+def check(certificate: str | Path | Mapping[str, Any]) -> str:
+    """Verify a certificate and return the sentence that it proves.
+
+    Parameters
+    ----------
+    certificate : path or dict
+        A file, or its document.
+
+    Returns
+    -------
+    str
+        The statement, derived anew from the data: it holds if the trusted base does.
+
+    Raises
+    ------
+    Rejected
+        If it is no certificate, was changed, or does not prove its statement: says what is wrong first.
+    """
+    document = opened(certificate)
+    kind = document["kind"]
+    demand(kind in KINDS, f"its kind is {kind!r}; allowed are {', '.join(KINDS)}")
+    try:
+        said = KINDS[kind].check(document["data"], document["inequalities"])
+    except Rejected:
+        raise
+    except Exception as error:  # the data are not ours: whatever they break, they prove nothing
+        raise Rejected(f"its data cannot be used ({type(error).__name__}: {error})") from None
+    demand(document["trusted_base"] == trusted_base(kind), "the trusted base is not that of this checker")
+    demand(document["statement"] == said, f"the statement does not follow from the data; what follows is: {said}")
+    return said

@@ -1,0 +1,117 @@
+"""The sentences of certificates of the oscillator, made from their data: what is claimed, neither more nor less.
+
+Text only: the checker writes the sentence after it has verified the data; the finder writes it with the same words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import gcd
+from typing import Any
+
+from grazing_checker.law import law_text
+
+STABILITY = {
+    "stable": "it is asymptotically stable: both multipliers are inside the unit circle",
+    "unstable": "it is unstable: a multiplier is outside the unit circle",
+    "undecided": "nothing is claimed of its stability",
+}
+EVENTS = {
+    "pd": "a multiplier is -1 (period doubling), and 1 + trace + det has opposite signs at the ends of the curve",
+    "lp": "a multiplier is +1 (fold), and 1 - trace + det has opposite signs at the ends of the curve",
+    "ns": "a pair of complex multipliers is on the unit circle (Neimark-Sacker), and 1 - det has opposite signs at the "
+    "ends of the curve",
+    "gr": "a dip touches the wall (graze), which is above it at one end of the curve and below it at the other",
+}
+
+
+def model_text(data: Mapping[str, Any]) -> str:
+    """Return the model in words; a parameter without a value is left out."""
+    model, law = data["model"], data["law"]
+    constant = model["offset_name"]
+    flat = {name: model[name] for name in ("alpha", "k", "omega", "t0")}
+    flat |= {constant: model["offset"], "sigma": model["sigma"]}
+    for j, (c, s) in enumerate(zip(model["cos"], model["sin"], strict=True), start=1):
+        flat |= {f"cos_{j}": c, f"sin_{j}": s}
+    said = [f"{name} = {float.fromhex(x)!r}" for name, x in flat.items() if x is not None]
+    inside = [f"p.{name} = {float.fromhex(x)!r}" for name, x in law["parameters"].items() if x is not None]
+    return (
+        f"the oscillator u'' + alpha u' + k^2 u = {constant} + sum over j of cos_j cos(j omega (t + t0)) + "
+        f"sin_j sin(j omega (t + t0)), u > sigma, with {', '.join(said)} and T = 2 pi/omega, where an impact with "
+        f"u' = v < 0 makes u' = {law_text(law['after'])}{' with ' if inside else ''}{', '.join(inside)}"
+    )
+
+
+def parameter_text(data: Mapping[str, Any]) -> str:
+    """Return the name of the parameter that is unknown, as the sentence calls it."""
+    of, name = data["parameter"]["of"], data["parameter"]["name"]
+    if of == "law":
+        return f"p.{name}"
+    if name == "offset":
+        return str(data["model"]["offset_name"])
+    return f"{name[:3]}_{name[3:]}" if name[:3] in ("cos", "sin") else str(name)
+
+
+def signature(n: int, N: int) -> str:
+    """Return impacts and periods in words."""
+    return f"with {n or 'no'} {'impact' if n == 1 else 'impacts'} in {N} {'period' if N == 1 else 'periods'}"
+
+
+def coordinates(n: int) -> list[str]:
+    """Return the names of the coordinates of an orbit."""
+    if n == 0:
+        return ["u - sigma at t = 0", "u' at t = 0"]
+    return [f"t_{i + 1}" for i in range(n)] + [f"w_{i + 1}" for i in range(n)]
+
+
+def box_text(n: int, box: list[list[str]]) -> str:
+    """Return a box in words."""
+    return ", ".join(f"{name} in [{lo}, {hi}]" for name, (lo, hi) in zip(coordinates(n), box, strict=True))
+
+
+def active_harmonics(model: Mapping[str, Any]) -> int:
+    """Return the greatest common divisor of the harmonics with an amplitude, 0 if there are none.
+
+    The forcing has then the least period T/g: a trigonometric polynomial of period T q/m in lowest terms needs m to
+    divide every harmonic that it has.
+    """
+    rows = zip(model["cos"], model["sin"], strict=True)
+    return gcd(*(j for j, row in enumerate(rows, start=1) if any(float.fromhex(x) for x in row)))
+
+
+def least_text(data: Mapping[str, Any]) -> str:
+    """Return the least period in words, where it is claimed."""
+    if not data["claims"]["least_period"]:
+        return ""
+    if data["impacts"]:
+        return f", of least period {data['periods']} T,"
+    g = active_harmonics(data["model"])
+    return f", of least period {'T' if g == 1 else f'T/{g}'},"
+
+
+def orbit_sentence(data: Mapping[str, Any]) -> str:
+    """Return the sentence of a certificate of a periodic orbit."""
+    claims, n = data["claims"], data["impacts"]
+    names = "" if n == 0 else "; t_i are the times of its impacts and w_i the velocities after them"
+    met = "stays off the wall" if n == 0 else "meets the wall at no other time, and at each impact with a velocity < 0"
+    return (
+        f"For {model_text(data)}, all parameters taken as these exact doubles, there is a periodic orbit "
+        f"{signature(n, data['periods'])} T{least_text(data)} that {met}, with {box_text(n, claims['box'])}{names}; no "
+        f"other solution of the equations of such an orbit is within ({', '.join(claims['apart'])}) of it in these "
+        f"coordinates; {STABILITY[claims['stability']]}."
+    )
+
+
+def value_sentence(data: Mapping[str, Any]) -> str:
+    """Return the sentence of a certificate of a bifurcation value."""
+    claims, n, name = data["claims"], data["impacts"], parameter_text(data)
+    low, high = claims["value"]
+    ends = [STABILITY[one].partition(":")[0] for one in claims["ends"]]
+    grazes = data["type"] == "gr"
+    beside = "" if grazes else f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
+    return (
+        f"For {model_text(data)}, all parameters taken as these exact doubles, there is a value of {name} in "
+        f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T with "
+        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; such orbits are a curve through that box, are alone in "
+        f"it and stay off the wall between their impacts{' but for that dip' if grazes else ''}{beside}."
+    )

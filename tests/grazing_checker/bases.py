@@ -1,0 +1,51 @@
+"""True certificates of every kind, cheap to make, from which others are forged."""
+
+from functools import cache
+
+from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
+from grazing.proof.gap_chaos import prove_no_attractor
+from tests.grazing_checker.documents import documents
+
+KINDS = (
+    "periodic orbit",
+    "bifurcation value",
+    "gap map orbit",
+    "gap map edge",
+    "gap map without attracting orbits",
+)
+
+GAP_NAMES = (
+    "R", "LLR", "LLRLR", "LLRLLR", "LLRR", "gap pd", "gap bc", "gap gr", "gap lp", "gap bc of two", "gap pd of R",
+    "small", "between", "narrow",
+)  # fmt: skip
+
+
+@cache
+def bases():
+    """Return documents by name."""
+    return {**documents(), **gap_bases()}
+
+
+@cache
+def gap_bases():
+    """Return documents about the gap map by name."""
+    proofs = {
+        "R": certify_gap_orbit("R", 0.5, 0.9, 0.0),
+        "LLR": certify_gap_orbit("LLR", 0.8, 0.5, 1.0),
+        "LLRLR": certify_gap_orbit("LLRLR", 0.9, 0.1, 0.05),
+        "LLRLLR": certify_gap_orbit("LLRLLR", 0.8, 0.4, 1.0),
+        "LLRR": certify_gap_orbit("LLRR", 0.5, 0.0235, -0.6),
+        "gap pd": certify_gap_edge("LLLR", "pd", 0.9, 0.4)[0],
+        "gap bc": certify_gap_edge("LLR", "bc", 0.9, 0.4)[0],
+        "gap gr": certify_gap_edge("LLR", "gr", 0.9, 0.4)[0],
+        "gap lp": certify_gap_edge("LLRR", "lp", 0.5, -0.6)[0],
+        "gap bc of two": certify_gap_edge("LLRR", "bc", 0.5, -0.6)[0],
+        "gap pd of R": certify_gap_edge("R", "pd", 0.9, 0.0)[0],
+        "small": prove_no_attractor(0.9, 0.0, 0.0, 0.18),
+        "between": prove_no_attractor(0.9, 0.4, 0.28, 0.3),
+        "narrow": prove_no_attractor(0.75, 0.0, 0.0, 0.02),
+    }
+    assert tuple(proofs) == GAP_NAMES
+    for name, one in proofs.items():
+        assert one.document is not None, f"{name}: {one.statement}"
+    return {name: one.document for name, one in proofs.items()}

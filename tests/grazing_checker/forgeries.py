@@ -1,0 +1,665 @@
+"""Forged certificates: false data, with everything that the checker can make from them made to fit.
+
+A forger changes the data by algebra (signs, ranks, roles, indices, moduli, a neighbour's numbers), then lets the
+checker's own code write the inequalities, the claims and the statement, and seals the whole anew. So nothing but the
+mathematics stands against him.
+"""
+
+import random
+from contextlib import contextmanager
+from copy import deepcopy
+from math import inf, isfinite, nextafter, ulp
+
+import numpy as np
+
+from grazing.proof.report import bound
+from grazing.proof.text import below, enclosed
+from grazing_checker import gap, orbit, value
+from grazing_checker.balls import LOCK, double, number, pi, precision
+from grazing_checker.check import KINDS, trusted_base
+from grazing_checker.envelope import seal
+from grazing_checker.oscillator import Problem
+from grazing_checker.reading import exact
+from grazing_checker.sentence import orbit_sentence, value_sentence
+
+SENTENCES = {
+    "periodic orbit": orbit_sentence,
+    "bifurcation value": value_sentence,
+    "gap map orbit": gap.orbit_sentence,
+    "gap map edge": gap.edge_sentence,
+    "gap map without attracting orbits": gap.no_attractor_sentence,
+}
+
+
+class Pen:
+    """Stands in the place of the checker's Inequalities, and writes down what would hold, if anything does."""
+
+    script = ()
+
+    def __init__(self, _rows):
+        self.rows = []
+
+    @property
+    def name(self):
+        """What the true certificate says here: the forger follows it where the checker asks what comes next."""
+        return self.script[len(self.rows)]["name"] if len(self.rows) < len(self.script) else ""
+
+    def more(self, name, x):
+        self.rows.append(bound(name, x, ">", 0) if x.is_finite() else row(name, ">", "0"))
+
+    def less(self, name, x, right="0"):
+        limit = exact(right) if "x" in right else int(right)
+        self.rows.append(bound(name, x, "<", limit) if x.is_finite() else row(name, "<", right))
+
+    def left(self, name, relation, right="0"):
+        """A limit that something is held against: that of the true certificate, or hardly any."""
+        least = {">": "1E-90", "<": "-1E-90" if right == "0" else "0.99999999"}[relation]
+        known = [one["left"] for one in self.script if one["name"] == name]
+        self.rows.append(row(name, relation, right, known[0] if known else least))
+        return number(0) if right == "0" else number(1)
+
+    def finish(self):
+        raise Written(self.rows)
+
+
+class Written(Exception):
+    """The checker's own code has come to its last inequality."""
+
+
+def row(name, relation, right, left="0"):
+    return {"name": name, "left": left, "relation": relation, "right": right}
+
+
+@contextmanager
+def forging(script, honest):
+    """Let the checker write inequalities, and claims as well if they are to fit."""
+
+    def write(x, texts, _where):
+        if x.is_finite():
+            texts[:] = enclosed(x)
+
+    kept = {
+        (module, name): getattr(module, name) for module in (gap, orbit, value) for name in ("Inequalities", "within")
+    }
+    pen = type("Pen", (Pen,), {"script": script})
+    try:
+        for module, name in kept:
+            if name == "Inequalities":
+                setattr(module, name, pen)
+            elif honest:
+                setattr(module, name, write)
+        yield
+    finally:
+        for (module, name), thing in kept.items():
+            setattr(module, name, thing)
+
+
+def sealed(kind, data, script, honest=True):
+    """Return data as a certificate, with the inequalities, claims and sentence that the checker makes of them."""
+    data = deepcopy(data)
+    rows = list(script)
+    with LOCK, forging(script, honest):
+        try:
+            KINDS[kind].check(data, [])
+        except Written as done:
+            rows = done.args[0]
+        except Exception:  # the checker stops before the end: the true certificate's inequalities stay
+            pass
+    try:
+        said = SENTENCES[kind](data)
+    except Exception:
+        said = "The forged statement cannot be read."
+    return seal(kind, said, trusted_base(kind), data, rows)
+
+
+# What a forger does to numbers
+
+
+def is_exact(text):
+    return isinstance(text, str) and text.lstrip("-").startswith("0x") and "." not in text
+
+
+def is_double(text):
+    return isinstance(text, str) and text.lstrip("-").startswith("0x") and "." in text
+
+
+def is_decimal(text):
+    return isinstance(text, str) and text.lstrip("-")[:1].isdigit() and not text.lstrip("-").startswith("0x")
+
+
+def other_exact(rng, text):
+    """Another exact number: of the other sign, zero, scaled, or nearby."""
+    mantissa, exponent = text.split("p")
+    m, e = int(mantissa, 16), int(exponent)
+    shift = rng.choice((-200, -60, -7, -1, 1, 3, 40, 3000))
+    return rng.choice(
+        (
+            f"{-m:#x}p{e}",
+            "0x0p0",
+            f"{m:#x}p{e + shift}",
+            f"{(m << 70) + rng.randint(-9, 9):#x}p{e - 70}",
+            f"{(m << 20) + rng.randint(-(2**19), 2**19):#x}p{e - 20}",
+            f"{-m:#x}p{e + shift}",
+        )
+    )
+
+
+def other_double(rng, text):
+    x = float.fromhex(text)
+    new = rng.choice(
+        (
+            -x,
+            0.0,
+            2 * x,
+            x / 2,
+            x + 1.0,
+            1.0 - x,
+            nextafter(x, inf),
+            nextafter(x, -inf),
+            x * 1.001,
+            x + 1e-9,
+            1e300,
+            5e-324,
+        )
+    )
+    return new.hex() if isfinite(new) else "nan"
+
+
+def other_decimal(rng, text):
+    x = float(text)
+    longer = text + "9" if "E" not in text else text
+    new = (str(-x), "0", str(2 * x), str(x + 1.0), longer, f"{x + ulp(x):.17g}", str(x * 1.01))
+    return rng.choice(new).upper().replace("E+", "E")
+
+
+def leaves(value, path=()):
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from leaves(inner, (*path, key))
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            yield from leaves(inner, (*path, i))
+    else:
+        yield path
+
+
+def at(data, path):
+    for step in path:
+        data = data[step]
+    return data
+
+
+def put(data, path, value):
+    at(data, path[:-1])[path[-1]] = value
+
+
+# What a forger does to a certificate; each changes the data and says nothing
+
+
+def one_number(rng, data, _others):
+    """Any number: sign, zero, scale."""
+    path = rng.choice(list(leaves(data)))
+    text = at(data, path)
+    if is_double(text):
+        put(data, path, other_double(rng, text))
+    elif is_exact(text):
+        put(data, path, other_exact(rng, text))
+    elif is_decimal(text):
+        put(data, path, other_decimal(rng, text))
+    elif isinstance(text, bool):
+        put(data, path, not text)
+    elif isinstance(text, int):
+        put(data, path, text + rng.choice((-2, -1, 1, 2, 5)))
+
+
+def radii(rng, data, _others):
+    """Negative, zero, huge or swapped half-widths."""
+    names = [name for name in ("radius", "unique") if name in data]
+    if len(names) == 2 and rng.random() < 0.3:
+        data["radius"], data["unique"] = data["unique"], data["radius"]
+        return
+    name = rng.choice(names or ["radius"])
+    how = rng.choice(("minus", "zero", "any", "equal"))
+
+    def new(text):
+        m, e = text.split("p")
+        return {"minus": f"{-int(m, 16):#x}p{e}", "zero": "0x0p0", "equal": "0x1p-60"}.get(how) or other_exact(
+            rng, text
+        )
+
+    for one in names if rng.random() < 0.5 else [name]:
+        data[one] = [new(x) for x in data[one]] if isinstance(data[one], list) else new(data[one])
+
+
+def matrix(rng, data, _others):
+    """A preconditioner that is none: zero, of low rank, scaled, permuted, of another size."""
+    rows = data["preconditioner"]
+    n = len(rows)
+    how = rng.randrange(11)
+    factor = rng.choice((-1.0, 0.5, 2.0, 1e9, -1e-9, 1.0000001))
+    scaled = [[(float.fromhex(x) * factor).hex() for x in one] for one in rows]
+    i, j = rng.randrange(n), rng.randrange(n)
+    if how == 0:
+        rows = [["0x0.0p+0"] * n for _ in rows]
+    elif how == 1:
+        rows = [rows[i]] * n
+    elif how == 2:
+        rows = [[one[j]] * n for one in rows]
+    elif how == 3:
+        rows = scaled
+    elif how == 4:
+        rows = [scaled[k] if k == i else one for k, one in enumerate(rows)]
+    elif how == 5:
+        rows = rng.sample(rows, n)
+    elif how == 6:
+        order = rng.sample(range(n), n)
+        rows = [[one[k] for k in order] for one in rows]
+    elif how == 7:
+        rows = [list(one) for one in zip(*rows, strict=True)]
+    elif how == 8:
+        rows = rows[:-1]
+    elif how == 9:
+        rows = [[*one, "0x0.0p+0"] for one in rows]
+    else:
+        rows = [[(float(i == k)).hex() for k in range(n)] for i in range(n)]
+    data["preconditioner"] = rows
+
+
+def of_a_neighbour(rng, data, others):
+    """Parts of another true certificate of the same kind."""
+    other = rng.choice(others)
+    for name in rng.sample(sorted(data), rng.randint(1, 3)):
+        if name in other:
+            data[name] = deepcopy(other[name])
+
+
+def neighbours_proof(rng, data, others):
+    """The whole proof of a neighbour about the model of this one."""
+    other = rng.choice(others)
+    keep = {"lam", "mu", "l", "model", "law", "word", "low", "high"}
+    for name in data:
+        if name not in keep and name in other:
+            data[name] = deepcopy(other[name])
+
+
+def roles(rng, data, _others):
+    """Two fields, or two entries of a list, in each other's place."""
+    lists = [path for path in inner_lists(data) if len(at(data, path)) > 1]
+    if lists and rng.random() < 0.7:
+        one = at(data, rng.choice(lists))
+        i, j = rng.sample(range(len(one)), 2)
+        one[i], one[j] = one[j], one[i]
+        return
+    a, b = rng.sample(sorted(data), 2)
+    data[a], data[b] = data[b], data[a]
+
+
+def inner_lists(value, path=()):
+    if isinstance(value, list):
+        yield path
+    for key, inner in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+        yield from inner_lists(inner, (*path, key))
+
+
+def dropped(rng, data, _others):
+    """An entry of a list, or a field, is left out, or written twice."""
+    lists = [path for path in inner_lists(data) if at(data, path)]
+    one = at(data, rng.choice(lists))
+    i = rng.randrange(len(one))
+    if rng.random() < 0.5:
+        del one[i]
+    else:
+        one.insert(i, deepcopy(one[i]))
+
+
+def parameter(rng, data, _others):
+    """Another value of a parameter of the model."""
+    if "model" in data:
+        model, law = data["model"], data["law"]["parameters"]
+        places = [(model, name) for name in ("alpha", "k", "omega", "t0", "offset", "sigma")]
+        places += [(model[row], j) for row in ("cos", "sin") for j in range(len(model[row]))]
+        places += [(law, name) for name in law]
+    else:
+        places = [(data, name) for name in ("lam", "mu", "l", "low", "high") if name in data]
+    where, name = rng.choice(places)
+    if where[name] is not None:
+        where[name] = other_double(rng, where[name])
+
+
+def wider(rng, data, _others):
+    """A claim that says more than was proven, or is wider or elsewhere."""
+    claims = data.get("claims")
+    if claims is None:
+        data["low"], data["high"] = (
+            (float.fromhex(data[name]) * (1 + rng.uniform(-0.1, 0.1))).hex() for name in ("low", "high")
+        )
+        return
+    path = rng.choice(list(leaves(claims)))
+    text = at(claims, path)
+    if isinstance(text, bool):
+        put(claims, path, not text)
+    elif text in ("stable", "unstable", "undecided"):
+        put(claims, path, rng.choice(("stable", "unstable", "undecided")))
+    elif is_decimal(text):
+        put(claims, path, other_decimal(rng, text))
+
+
+def true_of_it(_rng, data, _others):
+    """The strongest claims there are."""
+    claims = data.get("claims", {})
+    for name, best in (("least_period", True), ("stable", True), ("stability", "stable")):
+        if name in claims:
+            claims[name] = best
+
+
+# What he does to the gap map
+
+
+def word(rng, data, _others):
+    """Another word: turned, doubled, reversed, a letter changed."""
+    w = data["word"]
+    i = rng.randrange(len(w))
+    turned = w[i:] + w[:i]
+    swapped = w[:i] + ("L" if w[i] == "R" else "R") + w[i + 1 :]
+    data["word"] = rng.choice(
+        (turned, w * 2, w * 3, w[::-1], swapped, w + "L", w + "R", w[1:], "", "L" * len(w), w.lower())
+    )
+
+
+def edge(rng, data, _others):
+    """Another edge, or another point of it."""
+    data["edge"] = rng.choice(("gr", "bc", "pd", "lp", data["edge"], data["edge"]))
+    data["at"] = rng.choice((0, 1, 2, 3, -1, 9, True, data["at"]))
+
+
+def again(rng, data, _others):
+    """The cycle gone round twice or three times, said to be one of that least period."""
+    times = rng.choice((2, 2, 3))
+    k = data["word"].count("R")
+    data["word"] *= times
+    data["centre"] = [*data["centre"][:k] * times, *data["centre"][k:]]
+    data["claims"]["roots"] = data["claims"]["roots"] * times
+    fitting_matrix(rng, data, _others)
+
+
+def turns(rng, data, _others):
+    """Blocks left out, added, or turned elsewhere."""
+    found, low, high = data["turns"], float.fromhex(data["low"]), float.fromhex(data["high"])
+    i = rng.randrange(len(found) + 1)
+    how = rng.randrange(4)
+    if how == 0:
+        data["turns"] = found[:i]
+    elif how == 1:
+        found.insert(i, rng.choice((low, high, (low + high) / 2)).hex())
+    elif found:
+        found[i % len(found)] = rng.choice((low, high, rng.uniform(low, high), -high, 2 * high)).hex()
+
+
+def interval(rng, data, _others):
+    """Other ends of the interval of mu, swapped or moved over a window."""
+    low, high = float.fromhex(data["low"]), float.fromhex(data["high"])
+    low, high = rng.choice(
+        (
+            (high, low),
+            (low, high * 1.3),
+            (low * 0.7, high),
+            (0.0, high),
+            (-high, high),
+            (low, low),
+            (low + 0.01, high + 0.01),
+        )
+    )
+    data["low"], data["high"] = low.hex(), high.hex()
+    data["turns"] = [rng.choice((low, high)).hex() for _ in data["turns"]]
+    if data["turns"]:
+        data["turns"][0] = high.hex()
+
+
+# What he does to the oscillator
+
+
+def signature(rng, data, _others):
+    """Another number of impacts or periods, or another precision."""
+    if rng.random() < 0.3:
+        data["precision"] = rng.choice((512, 1024, 53, 0, -256, True, 257))
+        return
+    name = rng.choice(("impacts", "periods"))
+    data[name] = rng.choice((data[name] + 1, data[name] * 2, data[name] - 1, 0, -1, 7, True))
+
+
+def twice(rng, data, others):
+    """The orbit gone round twice, or begun at another impact, said to be of that least period."""
+    n = data["impacts"]
+    if n == 0 or "unique" not in data:
+        data["periods"] *= 2
+        return
+    with precision(256):
+        turn = 2 * pi() * data["periods"] / double(float.fromhex(data["model"]["omega"]))
+    for name in ("centre", "radius", "unique"):
+        t, w = data[name][:n], data[name][n:]
+        with precision(256):
+            later = [x if name != "centre" else text_of(exact(x) + turn) for x in t]
+        data[name] = [*t, *later, *w, *w]
+    data["impacts"], data["periods"] = 2 * n, 2 * data["periods"]
+    data["cuts"] = [*data["cuts"], *data["cuts"]]
+    size = 4 * n
+    claims = data["claims"]
+    claims["box"], claims["apart"] = [["0", "0"] for _ in range(size)], [claims["apart"][0]] * size
+    claims["incoming"], claims["least_period"] = [["0", "0"] for _ in range(2 * n)], True
+    fitting_matrix(rng, data, others)
+
+
+def text_of(x):
+    m, e = x.mid().man_exp()
+    return f"{int(m):#x}p{int(e)}"
+
+
+def law(rng, data, _others):
+    """Another law: a node changed, or a parameter of another name."""
+    one = data["law"]
+    paths = list(leaves(one["after"]))
+    how = rng.randrange(4)
+    if how == 0 and paths[0]:
+        new = ("v", "0x1.0p+0", "0x0.0p+0", "r", "V", "alpha", "+", "*", "-", ">=", "<")
+        put(one["after"], rng.choice(paths), rng.choice(new))
+    elif how == 1:
+        tree = one["after"]
+        one["after"] = rng.choice(
+            (["-", tree], ["abs", tree], ["+", tree, (2.0**-60).hex()], ["*", (1.0).hex(), tree], ["/", tree, tree])
+        )
+    elif how == 2:
+        names = ("alpha", "k", "cos1", "sigma", "offset", "e; so it is stable", "unused", "r")
+        one["parameters"][rng.choice(names)] = (0.5).hex()
+    else:
+        data["model"]["offset_name"] = rng.choice(("offset", "d", "k", "the offset, which is stable", ""))
+
+
+def unknown(rng, data, _others):
+    """Another parameter is said to be the unknown one."""
+    old = data["parameter"]
+    places = {"offset": ("model", "offset"), "alpha": ("model", "alpha"), "r": ("law", "r"), "V": ("law", "V")}
+    of, name = rng.choice(list(places.values()))
+    where = data["model"] if of == "model" else data["law"]["parameters"]
+    before = data["model"] if old["of"] == "model" else data["law"]["parameters"]
+    if name in where and old["name"] in before:
+        before[old["name"]] = where[name]
+        where[name] = None
+    data["parameter"] = {"of": of, "name": name}
+
+
+def event(rng, data, _others):
+    """Another bifurcation, another coordinate along the curve, ends the wrong way round."""
+    how = rng.randrange(4)
+    if how == 0:
+        data["type"] = rng.choice(("pd", "lp", "ns", "gr", "bc"))
+        data["dip"] = data["dip"] if data["type"] == "gr" else {}
+    elif how == 1:
+        data["pinned"] = rng.choice((0, 1, 2, 3, -1, len(data["centre"]) - 1))
+    elif how == 2:
+        data["ends"].reverse()
+    else:
+        data["ends"][0] = deepcopy(data["ends"][1])
+
+
+def cuts(rng, data, _others):
+    """Cuts or the dip moved or swapped; impacts in another order of time."""
+    if data.get("dip") and rng.random() < 0.5:
+        dip = data["dip"]
+        a, b = rng.sample(("from", "to", "time"), 2)
+        dip[a], dip[b] = dip[b], dip[a]
+        return
+    if not data["cuts"]:
+        return
+    one = rng.choice(data["cuts"])
+    how = rng.randrange(3)
+    if how == 0:
+        one.reverse()
+    elif how == 1:
+        one[rng.randrange(2)] = other_exact(rng, one[0])
+    else:
+        n = data["impacts"]
+        data["centre"][:n] = rng.sample(data["centre"][:n], n)
+
+
+def later(rng, data, _others):
+    """The orbit a period of the forcing later: true, or false by a bit."""
+    n = data["impacts"]
+    turn = (
+        2 * 3.141592653589793 * rng.choice((1, data["periods"], 0.5)) / float.fromhex(data["model"]["omega"] or "0x1p0")
+    )
+    for i in range(n):
+        data["centre"][i] = text_of(exact(data["centre"][i]) + number(int(turn * 2**60), -60))
+
+
+# What he does with the equations themselves
+
+
+def system(data):
+    """The equations at the centre, and their derivatives by all unknowns but the pinned one."""
+    if "word" in data:
+        letters = gap.Word(data["word"])
+        k, edged = letters.k, "edge" in data
+        lam, l = (double(float.fromhex(data[name])) for name in ("lam", "l"))
+        z = [exact(text) for text in data["centre"]]
+        powers = gap.Powers(letters, lam)
+        F = gap.equations(letters, powers, z[:k], z[k] if edged else double(float.fromhex(data["mu"])), l)
+        D = gap.slopes(letters, powers, z[:k])
+        if edged:
+            last, slope = gap.event(letters, powers, data["edge"], data["at"], z, z, l)
+            F, D = [*F, last], [*D, slope]
+        return F, [[row_.get(j, number(0)) for j in range(k + edged)] for row_ in D]
+    unknown = (data["parameter"]["of"], data["parameter"]["name"]) if "parameter" in data else None
+    problem = Problem(data, unknown)
+    x = [exact(text) for text in data["centre"]]
+    legs = problem.legs(x, sensitive=unknown is not None)
+    pinned = data.get("pinned", len(x))
+    return problem.defect(x, legs), [one[:pinned] + one[pinned + 1 :] for one in problem.derivative(x, legs)]
+
+
+def floats(rows):
+    return np.array([[float(x) for x in one] for one in rows])
+
+
+def fitting_matrix(_rng, data, _others):
+    """The preconditioner that the equations at the centre ask for."""
+    with precision(256):
+        inverse = np.linalg.inv(floats(system(data)[1]))
+    data["preconditioner"] = [[x.hex() for x in one] for one in inverse.tolist()]
+
+
+def solved_again(rng, data, others):
+    """A parameter is changed a little, and the equations are solved again: all fits, and may even be true."""
+    if "model" in data:
+        places = [(data["model"], "alpha"), (data["model"], "offset"), *((data["law"]["parameters"], p) for p in "rV")]
+    else:
+        places = [(data, name) for name in ("lam", "mu", "l") if name in data]
+    where, name = rng.choice(places)
+    if where[name] is not None:
+        where[name] = (float.fromhex(where[name]) * (1 + rng.choice((1e-3, 1e-2, 0.1, 0.5)) * rng.uniform(-1, 1))).hex()
+    pinned = data.get("pinned", -1)
+    with precision(256):
+        for _ in range(6):
+            F, D = system(data)
+            Y = np.linalg.inv(floats(D))
+            step = Y @ np.array([float(x) for x in F])
+            free = [i for i in range(len(data["centre"])) if i != pinned]
+            for i, by in zip(free, step.tolist(), strict=True):
+                data["centre"][i] = text_of(exact(data["centre"][i]) - double(by))
+    fitting_matrix(rng, data, others)
+
+
+def orthogonal(rng, data, _others):
+    """A matrix of low rank whose rows are orthogonal to what the equations leave, and radii of the wrong sign.
+
+    Then Y F = 0 wherever the centre lies, and |Y F| + |I - Y D| r < r says for r < 0 that |I - Y D| is large.
+    """
+    some = {"lam", "mu", "l"} & set(data)
+    if some and rng.random() < 0.7:
+        name = rng.choice(sorted(some))
+        data[name] = (float.fromhex(data[name]) * rng.uniform(0.8, 1.2)).hex()
+    i = rng.randrange(len(data["centre"]))
+    far = rng.choice((2, 20, 200))
+    data["centre"][i] = text_of(exact(data["centre"][i]) * number(1000 + rng.randint(-far, far)) / 1000)
+    with precision(256):
+        F = np.array([float(x) for x in system(data)[0]])
+    if len(F) == 1 or not F.any():
+        raise ValueError("nothing is orthogonal to it")
+    line = np.array([rng.uniform(-1, 1) for _ in F])
+    line = (line - line @ F / (F @ F) * F) * rng.choice((5.0, 40.0, 1000.0))
+    data["preconditioner"] = [[x.hex() for x in line.tolist()] for _ in F]
+    e = rng.choice((20, 36, 44))
+    for name, text in (
+        ("radius", f"-0x1p-{e}"),
+        ("unique", f"{rng.choice(('', '-', '-'))}0x1p-{e + rng.choice((-10, 10))}"),
+    ):
+        if name in data:
+            data[name] = [text] * len(data[name]) if isinstance(data[name], list) else text
+
+
+COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
+SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
+OSCILLATOR = (*SOLVED, signature, law, cuts, later)
+WAYS = {
+    "periodic orbit": (*OSCILLATOR, twice),
+    "bifurcation value": (*OSCILLATOR, unknown, event),
+    "gap map orbit": (*SOLVED, word, again),
+    "gap map edge": (*SOLVED, word, edge, again),
+    "gap map without attracting orbits": (*COMMON, turns, turns, interval),
+}
+
+
+def forgeries(kind, documents, count, seed, only=()):
+    """Yield so many forged certificates of a kind, each with the names of what was done to it."""
+    rng = random.Random(f"{seed} {kind}")
+    true = [one for one in documents if one["kind"] == kind]
+    made = 0
+    while made < count:
+        base = rng.choice(true)
+        data, others = deepcopy(base["data"]), [one["data"] for one in true]
+        ways = only or rng.sample(WAYS[kind], rng.choice((1, 1, 1, 2, 2, 3)))
+        try:
+            for way in ways:
+                way(rng, data, others)
+        except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError):
+            continue  # an earlier change has left nothing of what this one would change
+        if data == base["data"]:
+            continue
+        honest = rng.random() < 0.8
+        if honest:
+            fit(data)
+        document = sealed(kind, data, base["inequalities"], honest)
+        if document["data"] != base["data"]:
+            made += 1
+            yield " and ".join(way.__name__ for way in ways), document
+
+
+def fit(data):
+    """Make the distances claimed fit the boxes, as far as there are any."""
+    try:
+        r, u, claims = data["radius"], data["unique"], data["claims"]
+        if isinstance(r, list):
+            claims["apart"] = [below(exact(b) - exact(a), 3) for a, b in zip(r, u, strict=True)]
+        else:
+            claims["apart"] = below(exact(u) - exact(r), 3)
+    except Exception:
+        pass

@@ -1,0 +1,109 @@
+"""The checker is independent: it runs from a copy of its folder, and its trusted base lists what it imports."""
+
+import ast
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import flint
+import pytest
+
+import grazing_checker
+from grazing_checker.check import KINDS, STANDARD_LIBRARY, TRUSTED_BASE, trusted_base
+from tests.grazing_checker.documents import changed, documents, resealed
+
+FOLDER = Path(grazing_checker.__file__).parent
+
+
+def imported(file):
+    """Every module that a file imports, at whatever depth."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0
+            yield node.module
+
+
+def test_the_trusted_base_lists_exactly_what_is_imported():
+    found = {file.name: set(imported(file)) for file in FOLDER.rglob("*.py")}
+    own = {name for names in found.values() for name in names if name.split(".")[0] == "grazing_checker"}
+    every = {name for names in found.values() for name in names} - own
+    assert every == {"flint", *STANDARD_LIBRARY}
+    assert [name for name, names in found.items() if "flint" in names] == ["balls.py"]
+    assert set(STANDARD_LIBRARY) <= {*sys.stdlib_module_names, "collections.abc"}
+    assert f": {', '.join(STANDARD_LIBRARY)}" in TRUSTED_BASE[1]
+    assert "python-flint" in TRUSTED_BASE[0]
+    assert not any(
+        "__import__" in file.read_text() or "import_module" in file.read_text() for file in FOLDER.glob("*.py")
+    )
+
+
+def test_every_kind_says_what_it_rests_on():
+    for kind in KINDS:
+        assert trusted_base(kind)[: len(TRUSTED_BASE)] == list(TRUSTED_BASE)
+        assert len(trusted_base(kind)) > len(TRUSTED_BASE)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """A folder with a copy of the checker and python-flint, and a way to run it there with nothing else of ours."""
+    place = tmp_path_factory.mktemp("alone")
+    shutil.copytree(FOLDER, place / "grazing_checker", ignore=shutil.ignore_patterns("__pycache__"))
+    (place / "lib").mkdir()
+    packages = Path(flint.__file__).parents[1]
+    for name in ("flint", "python_flint.libs"):
+        if (packages / name).exists():
+            (place / "lib" / name).symlink_to(packages / name)
+    code = (
+        f"import runpy, sys; sys.path[:0] = [{str(place)!r}, {str(place / 'lib')!r}]\n"
+        "try: runpy.run_module('grazing_checker', run_name='__main__', alter_sys=True)\n"
+        "finally: print(*sorted(name.split('.')[0] for name in sys.modules), file=sys.stderr)"
+    )
+
+    def run(*files):
+        return subprocess.run(
+            [sys.executable, "-I", "-S", "-c", code, *map(str, files)], capture_output=True, text=True, cwd=place
+        )
+
+    return run
+
+
+def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(alone, tmp_path):
+    paths = {}
+    for name in ("stable", "free", "own", "pd"):
+        paths[name] = tmp_path / f"{name}.json"
+        paths[name].write_text(json.dumps(documents()[name]))
+    done = alone(*paths.values())
+    assert done.returncode == 0, done.stderr
+    said = [f"{path}: {documents()[name]['statement']}" for name, path in paths.items()]
+    assert done.stdout.splitlines() == said
+    modules = set(done.stderr.split())
+    assert {"flint", "grazing_checker"} <= modules
+    assert not modules & {"grazing", "numpy", "scipy", "numba", "mpmath", "site"}
+
+
+def test_the_exit_code_says_whether_all_are_right(alone, tmp_path):
+    good, bad, none = tmp_path / "good.json", tmp_path / "bad.json", tmp_path / "none.json"
+    good.write_text(json.dumps(documents()["free"]))
+    bad.write_text(json.dumps(resealed(changed(documents()["free"], ("data", "radius", 0), lambda r: f"-{r}"))))
+    done = alone(good, bad, none)
+    assert done.returncode == 1
+    assert done.stdout.startswith(f"{good}: For the oscillator")
+    assert f"{bad}: rejected: the boxes are not one inside the other" in done.stderr
+    assert f"{none}: rejected: no certificate can be read" in done.stderr
+    for wrong in ((), ("--help",), ("-x", good)):
+        done = alone(*wrong)
+        assert done.returncode == 2
+        assert "usage: python -m grazing_checker FILE" in done.stderr
+
+
+def test_a_certificate_of_the_first_version_is_refused_and_says_how_to_prove_again(alone, tmp_path):
+    old = tmp_path / "old.json"
+    old.write_text(json.dumps({**documents()["free"], "version": 1}))
+    done = alone(old)
+    assert done.returncode == 1
+    assert "version 1 of the format, this program reads 2; prove it again" in done.stderr
+    assert "gz.certify(orbit)" in done.stderr and "gz.enclose(orbit, kind, name)" in done.stderr

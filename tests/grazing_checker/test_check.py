@@ -1,0 +1,227 @@
+"""The checker accepts what is proven and nothing else: every field is changed, and the document sealed again."""
+
+import json
+import re
+from copy import deepcopy
+from math import nextafter
+
+import pytest
+
+import grazing as gz
+from grazing.proof.certify import certify
+from grazing_checker import Rejected, check
+from tests.grazing_checker.documents import (
+    NAMES,
+    WITNESSES,
+    at,
+    changed,
+    claiming,
+    documents,
+    leaves,
+    resealed,
+)
+from tests.models import cubic
+from tests.proof.orbits import closed
+
+
+@pytest.fixture(scope="module")
+def made():
+    found = documents()
+    for document in found.values():
+        assert check(document) == document["statement"]
+    return found
+
+
+def other_value(value):
+    """Something of the same type that means something else."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int):
+        return value + 1
+    if value is None:
+        return (1.0).hex()
+    if isinstance(value, (list, dict)):
+        return ["0x1p0"] if isinstance(value, list) else {"x": 1}
+    if value.startswith(("0x", "-0x")) and "." not in value:  # an exact number: twice as large
+        mantissa, exponent = value.split("p")
+        return f"{mantissa}p{int(exponent) + 1}" if mantissa != "0x0" else "0x1p-20"
+    if value.startswith(("0x", "-0x")):  # a double
+        number = float.fromhex(value)
+        return (2 * number if number else 1e-6).hex()
+    try:
+        return str(-2 * float(value) if float(value) else 1.0).upper()
+    except ValueError:
+        return value + "x"
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_every_field_that_changes_is_found_even_sealed_again(made, kind):
+    document = made[kind]
+    paths = [path for path in leaves(document) if path[0] != "sha256"]
+    assert len(paths) > 60
+    for path in paths:
+        forged = changed(document, path, other_value)
+        with pytest.raises(Rejected):
+            check(forged)
+        if path[0] in ("format", "version"):
+            continue
+        try:  # the sentence that a forger would write, where the data still make one
+            sealed = claiming(forged) if path[0] in ("data", "inequalities") else resealed(forged)
+        except (KeyError, ValueError, TypeError, AttributeError, IndexError):
+            sealed = resealed(forged)
+        try:
+            said = check(sealed)
+        except Rejected:
+            continue
+        if path == ("data", "claims", "least_period"):
+            assert said == re.sub(r", of least period [^,]*,", "", document["statement"])  # less is claimed
+        elif path[:2] == ("data", "law"):
+            assert kind == "free"  # an orbit without impacts is one for every law
+        else:  # another witness of the same theorem
+            assert path[:2] in WITNESSES
+            assert said == document["statement"]
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_witnesses_must_do_their_work(made, kind):
+    document = made[kind]
+    for path in leaves(document):
+        if path[:2] in WITNESSES and path[-2:] != ("radius", document["data"].get("pinned")):
+            worse = changed(document, path, lambda text: "0x1p9" if "." not in text else (1e9).hex())
+            with pytest.raises(Rejected):
+                check(resealed(worse))
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_every_field_is_needed_and_none_may_be_added(made, kind):
+    document = made[kind]
+    for place in (
+        (),
+        ("claims",),
+        ("model",),
+        ("law",),
+        *((("parameter",),) if "parameter" in document["data"] else ()),
+    ):
+        for key in list(at(document["data"], place)):
+            other = deepcopy(document)
+            del at(other["data"], place)[key]
+            with pytest.raises(Rejected, match="lacks or adds"):
+                check(resealed(other))
+        other = deepcopy(document)
+        at(other["data"], place)["more"] = 1
+        with pytest.raises(Rejected, match="lacks or adds more"):
+            check(resealed(other))
+    for i in range(len(document["inequalities"])):
+        other = deepcopy(document)
+        del other["inequalities"][i]
+        with pytest.raises(Rejected, match=r"(the|inequality|nothing)"):
+            check(resealed(other))
+
+
+@pytest.mark.parametrize("name", ["alpha", "k", "omega", "t0", "offset", "sigma"])
+def test_a_parameter_that_moves_by_its_last_bit_is_found(made, name):
+    """Also with the sentence made anew: the box is far smaller than the orbit moves."""
+
+    def moved(text):
+        return nextafter(float.fromhex(text), 9.0).hex() if float.fromhex(text) else (2.0**-80).hex()
+
+    forged = changed(made["stable"], ("data", "model", name), moved)
+    with pytest.raises(Rejected, match="existence, coordinate"):
+        check(claiming(forged))
+
+
+def test_a_claim_that_is_not_proven_is_rejected_with_a_sentence_that_fits(made):
+    document = made["stable"]
+    for path, value, said in [
+        (("claims", "stability"), "unstable", "the relation of"),
+        (("claims", "apart"), ["0.1", "0.1"], "alone within"),
+        (("claims", "box"), [["2.2", "2.3"], ["0.4", "0.45"]], "far too wide"),
+        (("periods",), 4, "existence"),
+        (("cuts",), [["0x1p0", "0x7p0"]], "not proven"),
+    ]:
+        forged = changed(document, ("data", *path), lambda _old, value=value: value)
+        with pytest.raises(Rejected, match=said):
+            check(claiming(forged))
+    forged = changed(document, ("data", "impacts"), lambda _old: 2)
+    with pytest.raises(Rejected, match="list of 4"):
+        check(resealed(forged))
+    with pytest.raises(Rejected):
+        check(claiming(changed(made["unstable"], ("data", "claims", "stability"), lambda _old: "stable")))
+
+
+@pytest.mark.parametrize("kind", ["pd", "gr", "lp", "ns"])
+def test_a_value_that_is_not_proven_is_rejected_with_a_sentence_that_fits(made, kind):
+    document = made[kind]
+    low, high = (float(x) for x in document["data"]["claims"]["value"])
+    assert low < high
+    forged = changed(document, ("data", "claims", "value"), lambda _old: [str(high), str(high + 1.0)])
+    with pytest.raises(Rejected, match="the value is claimed"):
+        check(claiming(forged))
+    swapped = changed(document, ("data", "ends"), lambda ends: ends[::-1])
+    with pytest.raises(Rejected, match="end 1 is not at the end"):
+        check(claiming(swapped))
+    for other in {"pd", "lp", "ns"} - {kind}:
+        forged = changed(document, ("data", "type"), lambda _old, other=other: other)
+        with pytest.raises(Rejected, match=r"does not surely change its sign|dip"):
+            check(claiming(forged))
+
+
+def test_a_virtual_orbit_cannot_be_sealed(made):
+    """The numbers of a virtual orbit in a certificate of an admissible one: its flight is found below the wall."""
+    model = gz.pinball(d=0.098, V=0.4)  # beyond the graze at 0.09845
+    (virtual,) = gz.one_impact_orbits(model, 3)
+    assert not virtual.admissible
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.099, V=0.4), 3)
+    good = certify(orbit).document
+    from flint import arb, ctx
+
+    from grazing.proof.equations import Equations
+    from grazing.proof.krawczyk import inverse, newton
+    from grazing.proof.text import exact_text, short
+
+    with ctx.workprec(256):
+        equations = Equations(model, 1, 3)
+        centre = newton(equations, [arb(virtual.tau), arb(virtual.v_plus)])
+        C = inverse(equations.jacobian(equations.flights(centre)))
+        forged = deepcopy(good)
+        forged["data"]["model"]["offset"] = (0.098).hex()
+        forged["data"]["centre"] = [exact_text(short(x, 128)) for x in centre]
+        forged["data"]["preconditioner"] = [[x.hex() for x in row] for row in C]
+        wide = [[str(float(x) - 1e-12), str(float(x) + 1e-12)] for x in centre]
+        forged["data"]["claims"]["box"] = wide
+    with pytest.raises(Rejected, match="height of flight 1 between its cuts is not proven"):
+        check(claiming(forged))
+
+
+def test_a_law_given_is_held_against_the_one_in_the_certificate(made):
+    document = made["own"]
+    assert gz.check_certificate(document, law=cubic) == document["statement"]
+    assert "makes u' = (-p.e)*v/(1.0 - p.c*v) with p.e = 0.8, p.c = 0.5" in document["statement"]
+    with pytest.raises(gz.InputError, match="another law"):
+        gz.check_certificate(document, law=lambda v, p: -p.e * v)
+    with pytest.raises(gz.InputError, match="no expression"):
+        gz.check_certificate(document, law=lambda v, p: int(v))
+    with pytest.raises(gz.InputError, match="rejected"):
+        gz.check_certificate({**document, "statement": "So it is."})
+
+
+def test_what_is_no_certificate_is_refused(made, tmp_path):
+    path = tmp_path / "c.json"
+    path.write_text(json.dumps(made["stable"])[:-5])
+    with pytest.raises(Rejected, match="not the JSON"):
+        check(path)
+    with pytest.raises(Rejected, match="its kind is 'theorem'; allowed are periodic orbit, bifurcation value"):
+        check(resealed({**made["stable"], "kind": "theorem"}))
+    with pytest.raises(Rejected, match="lacks or adds"):
+        check(resealed({**made["stable"], "kind": "bifurcation value"}))
+
+
+def test_twice_the_orbit_is_accepted_without_a_least_period(made):
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    shift = 3 * orbit.model.period
+    twice, _r = closed(orbit.model, 6, [orbit.tau, orbit.tau + shift], [orbit.v_plus] * 2, orbit.incoming.repeat(2))
+    document = certify(twice).document
+    assert check(document) == document["statement"]
+    forged = changed(document, ("data", "claims", "least_period"), lambda _old: True)
+    with pytest.raises(Rejected, match="'least period, divisor 2' is missing"):
+        check(claiming(forged))

@@ -1,0 +1,118 @@
+"""Attacks on certificates of bifurcation values: each hypothesis is broken, with the sentence that then fits."""
+
+import pytest
+
+from grazing_checker import Rejected, check
+from tests.grazing_checker.documents import changed, claiming, documents
+
+VALUES = ("pd", "gr", "lp", "ns")
+
+
+def refused(document, said=None):
+    with pytest.raises(Rejected, match=said):
+        check(claiming(document))
+
+
+def negative(row):
+    return [x if x.startswith("-") else f"-{x}" for x in row]
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_half_widths_of_the_curve_and_of_its_ends_are_positive(kind):
+    document = documents()[kind]
+    size = len(document["data"]["radius"])
+    for radius in (negative, lambda r: ["0x0p0"] * size):
+        refused(changed(document, ("data", "radius"), radius), "half-width is not positive")
+    for i in range(size):
+        one = changed(document, ("data", "radius", i), lambda r: "0x0p0")
+        refused(one, "half-width is not positive")
+    for i in range(2):
+        refused(changed(document, ("data", "ends", i, "radius"), negative), r"is not positive|not at the end")
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_ends_are_two_ends_of_the_same_curve(kind):
+    document = documents()[kind]
+    ends = document["data"]["ends"]
+    for pair in ([ends[0]] * 2, [ends[1]] * 2, ends[::-1], ends[:1], [], [*ends, ends[0]]):
+        refused(changed(document, ("data", "ends"), lambda _old, pair=pair: pair), "end")
+    wide = document["data"]["radius"]
+    pinned = document["data"]["pinned"]
+    large = [x if i != pinned else "0x0p0" for i, x in enumerate(wide)]
+    refused(changed(document, ("data", "ends", 0, "radius"), lambda _old: large), "end 1")
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_the_pinned_coordinate_and_the_preconditioner_belong_to_the_curve(kind):
+    document = documents()[kind]
+    size = len(document["data"]["radius"])
+    for other in {*range(-1, size + 1)} - {document["data"]["pinned"]}:
+        refused(changed(document, ("data", "pinned"), lambda _old, other=other: other))
+    C = document["data"]["preconditioner"]
+    for rows in ([C[0]] * len(C), C[::-1], [[(0.0).hex()] * len(C)] * len(C)):
+        if rows != C:
+            refused(changed(document, ("data", "preconditioner"), lambda _old, rows=rows: rows))
+
+
+def test_the_dip_of_a_graze_is_inside_its_flight_and_looked_at_inside_itself():
+    document = documents()["gr"]
+    dip = document["data"]["dip"]
+    start, end = document["data"]["cuts"][0]
+    for wrong in (
+        {"from": start}, {"from": "0x0p0"}, {"to": end}, {"from": dip["to"], "to": dip["from"]}, {"time": dip["from"]},
+        {"time": dip["to"]}, {"flight": 0}, {"flight": 2}, {"flight": 1.0}, {"flight": True},
+        {"time": "-" + dip["time"]},
+    ):  # fmt: skip
+        refused(changed(document, ("data", "dip"), lambda d, wrong=wrong: {**d, **wrong}))
+    refused(changed(document, ("data", "dip"), lambda d: {}), "lacks")
+    pd = documents()["pd"]
+    refused(changed(pd, ("data", "dip"), lambda _old: dip), "a dip in a certificate that needs none")
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_the_unknown_parameter_is_named_with_its_name_space(kind):
+    """One parameter has no value, and it is the one that is named; law and model do not hide each other's names."""
+    document = documents()[kind]
+    parameter = document["data"]["parameter"]
+    others = [
+        {"of": "law", "name": "offset"}, {"of": "model", "name": "V"}, {"of": "model", "name": "offset_name"},
+        {"of": "model", "name": "cos"}, {"of": "model", "name": "cos9"}, {"of": "", "name": parameter["name"]},
+        {"of": parameter["of"], "name": ""}, {"of": ["law"], "name": "r"}, {"of": "law", "name": {}},
+        {"of": "model" if parameter["of"] == "law" else "law", "name": parameter["name"]},
+        {"of": "model", "name": "alpha"},
+    ]  # fmt: skip
+    for other in others:
+        forged = changed(document, ("data", "parameter"), lambda _old, other=other: other)
+        with pytest.raises(Rejected):
+            check({**document, "data": forged["data"]})
+        try:
+            sealed = claiming(forged)
+        except (KeyError, TypeError):
+            continue
+        with pytest.raises(Rejected):
+            check(sealed)
+    for place in (("model", "alpha"), ("law", "parameters", "r")):
+        if place[-1] != parameter["name"]:
+            refused(changed(document, ("data", *place), lambda _old: None), "no double")
+
+
+def test_a_parameter_of_the_law_is_called_by_its_own_name():
+    assert "there is a value of p.V in [" in documents()["pd"]["statement"]
+    assert "there is a value of p.r in [" in documents()["ns"]["statement"]
+    assert "there is a value of d in [" in documents()["gr"]["statement"]
+    assert "p.V =" not in documents()["pd"]["statement"]
+
+
+def test_a_fold_is_not_parametrised_by_its_parameter():
+    document = documents()["pd"]
+    size = len(document["data"]["radius"]) - 1
+    assert document["data"]["pinned"] == size
+    refused(changed(document, ("data", "type"), lambda _old: "lp"), "no curve over its parameter")
+
+
+def test_a_neimark_sacker_pair_is_complex_on_all_of_the_curve():
+    """Without its row, or with a pair that is real, the sign of 1 - det shows nothing."""
+    document = documents()["ns"]
+    assert document["inequalities"][-1]["name"] == "trace^2/4 - det"
+    refused(changed(document, ("inequalities",), lambda rows: rows[:-1]), "is missing")
+    refused(changed(documents()["pd"], ("data", "type"), lambda _old: "ns"), "does not surely change its sign")
