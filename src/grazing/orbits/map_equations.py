@@ -69,6 +69,8 @@ class MapEquations(PointEquations):
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self.size = np.array([high - low for low, high in P.box])
         self.scale = np.tile(self.size, self.N)
+        self._row = np.array(list(P.params.values()) or [0.0])
+        self._places = [list(P.params).index(name) for name in names]
         self._held: tuple[bytes, Map] | None = None
 
     def map_at(self, p: Floats) -> Map:
@@ -83,14 +85,15 @@ class MapEquations(PointEquations):
         found = self.P.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
         return found.points[:, 0], found.letters[:, 0]
 
-    def row(self, p: Floats) -> Floats:
-        """Return the values of all parameters."""
-        values = {**self.P.params, **dict(zip(self.names, map(float, p), strict=True))}
-        return np.array(list(values.values()) or [0.0])
+    def rows(self, p: Floats) -> Floats:
+        """Return the values of all parameters (k, parameters) for those that vary (k, names)."""
+        rows = np.tile(self._row, (len(p), 1))
+        rows[:, self._places] = p
+        return rows
 
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""
-        images, letters = self.ran(self.row(p)[None], x.reshape(1, self.N, -1).transpose(0, 2, 1))
+        images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))
         return images[0].T, tuple(letters[0].tolist())
 
     def stepped(self, x: Floats, p: Floats) -> Stepped:
@@ -106,7 +109,7 @@ class MapEquations(PointEquations):
         moved = np.eye(d)[None, None, None] * h[None, ..., None]  # (1, levels, N, d, d)
         states = points[:, None, :] + np.concatenate([-moved, moved])
         flat = np.concatenate([points, states.reshape(-1, d)])
-        images, letters = self.ran(self.row(p)[None], flat.T[None])
+        images, letters = self.ran(self.rows(p[None]), flat.T[None])
         after, seen = images[0].T, letters[0]
         middle, own = after[:N], tuple(seen[:N].tolist())
         values = after[N:].reshape(2, -1, N, d, d)
@@ -132,9 +135,9 @@ class MapEquations(PointEquations):
         """
         h = distances(1.0, 1.0)
         t = np.concatenate([-h, [0.0], h[::-1]])
-        rows = np.array([self.row(p + s * dp) for s in t])
+        rows = self.rows(p + t[:, None] * dp)
         states = (x + t[:, None] * dx).reshape(len(t), self.N, -1).transpose(0, 2, 1)
-        right = np.array([self.in_range(p + s * dp) for s in t])
+        right = self.allowed(p + t[:, None] * dp)
         images, letters = np.full(states.shape, np.nan), np.full((len(t), self.N), -1)
         images[right], letters[right] = self.ran(rows[right], states[right])
         images = images.transpose(0, 2, 1)
@@ -142,23 +145,28 @@ class MapEquations(PointEquations):
         k = len(h)
         return slope(on[k], on[:k], on[: k : -1], h[:, None, None], h[:, None, None]), images, letters
 
+    def allowed(self, p: Floats) -> NDArray[np.bool_]:
+        """Whether the map allows each of several values (k, names) of its parameters."""
+        if self.P.describe is None:
+            return np.ones(len(p), np.bool_)
+        return np.array([self.in_range(one) for one in p])
+
     def in_range(self, p: Floats) -> bool:
         """Whether the map allows these values of its parameters."""
-        if self.P.describe is None:
-            return True
-        try:
-            for name, value in zip(self.names, p, strict=True):
-                self.P.describe(name).check(float(value))
-        except InputError:
-            return False
+        if self.P.describe is not None:
+            try:
+                for name, value in zip(self.names, p, strict=True):
+                    self.P.describe(name).check(float(value))
+            except InputError:
+                return False
         return True
 
     def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
         """Whether each point of each of several solutions (k, N dim) at parameters (k, names) has its letter."""
         letters = np.full((len(x), self.N), -1)
-        right = np.isfinite(x).all(axis=1) & np.array([self.in_range(one) for one in p])
+        right = np.isfinite(x).all(axis=1) & self.allowed(p)
         if right.any():
-            rows = np.array([self.row(one) for one in p[right]])
+            rows = self.rows(p[right])
             states = x[right].reshape(len(rows), self.N, -1).transpose(0, 2, 1)
             images, letters[right] = self.ran(rows, states)
             right[right] = np.isfinite(images).all(axis=(1, 2))

@@ -60,34 +60,29 @@ def slope(middle: Floats, low: Floats, high: Floats, down: Floats, up: Floats) -
     """
     with np.errstate(all="ignore"):
         noise = 4.0 * EPS * np.fmax(np.fmax(np.abs(low), np.abs(high)), np.abs(middle))
-        tables = [
-            extrapolated((high - low) / (up + down), noise / (up + down), 2),
-            extrapolated((middle - low) / down, noise / down, 1),
-            extrapolated((high - middle) / up, noise / up, 1),
-        ]
-        (_c, _), (below, worse), (above, error) = tables
-        torn = np.abs(above - below) > 10.0 * (worse + error)
-        best = np.argmin([one for _value, one in tables], axis=0)
-        value = np.choose(best, [one for one, _error in tables])
-        least = np.choose(best, [one for _value, one in tables])
-    return Slope(value, np.where(torn, np.maximum(np.abs(above - below), least), least), below, above)
+        central = extrapolated((high - low) / (up + down), noise / (up + down), 2)
+        sides = np.stack([(middle - low) / down, (high - middle) / up], axis=1)
+        one_sided = extrapolated(sides, np.stack([noise / down, noise / up], axis=1), 1)
+        values = np.stack([central[0], *one_sided[0]])
+        errors = np.stack([central[1], *one_sided[1]])
+        _middle, below, above = values
+        torn = np.abs(above - below) > 10.0 * (errors[1] + errors[2])
+        best = np.argmin(errors, axis=0)[None]
+        value, least = (np.take_along_axis(one, best, 0)[0] for one in (values, errors))
+        least = np.where(torn, np.maximum(np.abs(above - below), least), least)
+    return Slope(value, least, below, above)
 
 
 def extrapolated(rough: Floats, noise: Floats, power: int) -> tuple[Floats, Floats]:
     """Return the limit of differences (levels, ...) and its error, after Ridders: the entry that varies least."""
-    best, least = np.full(rough.shape[1:], np.nan), np.full(rough.shape[1:], np.inf)
-    column = rough
+    column, entries, errors = rough, [], []
     for m in range(1, DEPTH + 1):
         share = 1.0 / (FINER ** (m if power == 1 else 2 * m) - 1.0)
         finer = column[1:] + share * (column[1:] - column[:-1])
-        apart = np.maximum(np.abs(finer - column[1:]), np.abs(finer - column[:-1])) + 2.0 * noise[m:]
-        apart = np.where(np.isfinite(apart), apart, np.inf)
-        if not len(apart):
-            break
-        place = np.argmin(apart, axis=0)[None]
-        here = np.take_along_axis(apart, place, 0)[0]
-        better = here < least
-        best = np.where(better, np.take_along_axis(finer, place, 0)[0], best)
-        least = np.where(better, here, least)
+        entries.append(finer)
+        errors.append(np.maximum(np.abs(finer - column[1:]), np.abs(finer - column[:-1])) + 2.0 * noise[m:])
         column = finer
-    return best, least
+    error = np.concatenate(errors)
+    error[~np.isfinite(error)] = np.inf
+    place = np.argmin(error, axis=0)[None]
+    return np.take_along_axis(np.concatenate(entries), place, 0)[0], np.take_along_axis(error, place, 0)[0]

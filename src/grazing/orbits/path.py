@@ -30,11 +30,15 @@ STRAIGHT = 0.97
 #: Shortest step, and the first one, in units of the scaled coordinates.
 SHORTEST, FIRST = 1e-9, 1e-3
 #: Newton steps cut short at the end of a piece, one after the other, after which there is no solution on it.
-CUT = 8
+CUT = 3
 #: Defect, in scaled unknowns, up to which a point on a piece of a map is a solution.
 CLOSED = 1e-9
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
+#: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.
+SHORT = 0.999
+#: Where there is a solution beyond what seemed to be the end, the search goes on with steps so much longer.
+FARTHER = 256.0
 #: Widest bracket of an end that has converged, in units of the range of the parameter.
 NARROW = 1e-12
 #: Part of its size at which a test function counts as zero.
@@ -354,19 +358,41 @@ def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Endi
     """
     finest = max(FINEST, EPS * float(np.abs(here.z).max()))
     most, gone = 2.0 * h, 0.0
-    while h >= finest:
-        there, _steps = advanced(equations, here, h)
-        if there is None or (h > SHORTEST and strays(equations, here, there)):
-            h *= 0.5
-            continue
-        gone, here = gone + h, there
-        if gone > most:
-            return here, None
-    gap = max(2.0 * h, 8.0 * finest)
+    while gone <= most:
+        while h >= finest:
+            edge = straight(equations, here, h)
+            length = SHORT * edge if SHORT * edge < h else 0.5 * h
+            there, _steps = advanced(equations, here, length)
+            if there is None or (length > SHORTEST and strays(equations, here, there)):
+                h = length
+            else:
+                gone, here, h = gone + length, there, h if edge == h else 2.0 * (1.0 - SHORT) * edge
+        gap = 8.0 * finest
+        there, _steps = advanced(equations, here, gap)
+        if there is None:
+            break
+        here, gone, h = there, gone + gap, FARTHER * gap
+    else:
+        return here, None
     n = len(equations.scale)
     direction = here.tangent[:n] * equations.scale, here.tangent[n:] * equations.spans
     found = equations.ending(*unscaled(equations, here.z), *direction, gap)
     return here, None if not found.type and found.beyond is None else (found, gap)
+
+
+def straight(equations: Equations, here: Point, h: float) -> float:
+    """Return how far the tangent lies where the equations hold, to a part of itself; h if all the way."""
+    low, high = 0.0, h
+    while high - low > 0.25 * (1.0 - SHORT) * high:
+        t = low + (high - low) * np.arange(1.0, LOOKS + 1.0) / LOOKS
+        good = on_piece(equations, here.z + t[:, None] * here.tangent)
+        if good.all():
+            return high
+        i = int(np.argmin(good))
+        low, high = float(t[i - 1]) if i > 0 else low, float(t[i])
+        if low == 0.0 and high < FINEST:
+            break
+    return high
 
 
 def ended(path: Path, point: Point, end: tuple[Ending, float]) -> Path:
@@ -521,7 +547,7 @@ def located(
             good = True
     except (ArithmeticError, RuntimeError):
         pass
-    if equations.pieced and not good:
+    if equations.pieced and not good and where != HALVES:
         return None
     s = min(seen, key=lambda other: abs(seen[other][1]))
     if good:  # at a pole the smallest value lies elsewhere

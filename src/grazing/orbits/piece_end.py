@@ -57,7 +57,7 @@ def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int]
     """Return the points that are next to a border between letters, the nearest first, each with the coordinate."""
     N, d = equations.N, equations.P.dimension
     moved = x.reshape(N, d) + NEAR[:, None, None, None] * ways(equations, x)
-    row = equations.row(p)[None]
+    row = equations.rows(p[None])
     letters = equations.ran(row, moved.reshape(-1, d).T[None])[1][0].reshape(len(NEAR), 2 * d, N)
     found = []
     for j in range(N):
@@ -83,7 +83,7 @@ def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
     way = ways(equations, x)
     t = np.concatenate([STEEP, 2.0 * STEEP])
     moved = x.reshape(N, d) + t[:, None, None, None] * way
-    images, letters = equations.ran(equations.row(p)[None], moved.reshape(-1, d).T[None])
+    images, letters = equations.ran(equations.rows(p[None]), moved.reshape(-1, d).T[None])
     values = images[0].T.reshape(2, len(STEEP), 2 * d, N, d) / equations.size
     names = letters[0].reshape(2, len(STEEP), 2 * d, N)
     with np.errstate(all="ignore"):
