@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from grazing.compare.bifurcation_diagram import merged, same_points, windows_of
 from grazing.maps.map import Map
 from grazing.orbits.branch import Branch, checked_bounds, continuation
 from grazing.orbits.branch_table import branch_table
-from grazing.orbits.locus import FOLLOWED, Locus
+from grazing.orbits.locus import FOLLOWED, Locus, Meeting, same_meeting
 from grazing.orbits.locus import locus as locus_of
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.periodic import periodic_orbits
@@ -146,7 +147,19 @@ def _loci(
             loci.append(locus_of(one, names, ranges))
         except GrazingError as error:
             failed.append(f"{one!r}: {error}")
-    return loci, failed
+    return each_meeting_once(loci), failed
+
+
+def each_meeting_once(loci: Sequence[Locus]) -> list[Locus]:
+    """Return loci of which each point of codimension two is on the first that it lies on only."""
+    known: list[Meeting] = []
+    kept = []
+    for one in loci:
+        spans = np.array([high - low for low, high in one.bounds])
+        new = tuple(m for m in one.meetings if not any(same_meeting(m, other, spans) for other in known))
+        known += new
+        kept.append(replace(one, meetings=new))
+    return kept
 
 
 def _with_windows(table: xr.Dataset, branch: Branch) -> xr.Dataset:

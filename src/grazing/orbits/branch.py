@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
 from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, unscaled
 from grazing.orbits.resting import RestEquations, stretch
@@ -32,6 +33,7 @@ from grazing.orbits.switching import (
     switched,
     turns,
 )
+from grazing.orbits.word import word
 from grazing.outcome import InputError
 from grazing.parameter import real, unknown, whole
 
@@ -279,6 +281,16 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     return Seed(equations, seeded(equations, solved, p), both=True)
 
 
+class Crossing(NamedTuple):
+    """Where a smooth map changes the letters of an orbit: those before and beyond, the value, and where it goes on."""
+
+    letters: tuple[int, ...]
+    beyond: tuple[int, ...]
+    value: float
+    x: Floats
+    point: Point
+
+
 class _Search:
     """Pieces that are known, and seeds of pieces that wait to be followed."""
 
@@ -288,6 +300,7 @@ class _Search:
         self.pieces: list[Piece] = []
         self.special: list[Special] = []
         self.relabellings: list[Relabelling] = []
+        self.crossings: list[Crossing] = []
 
     def advance(self) -> None:
         """Follow the next seed as far as it goes; grazes on the way become seeds of their own."""
@@ -312,6 +325,8 @@ class _Search:
         events = (0, *kept) if path.began in SPECIAL and 0 not in kept else tuple(kept)
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
         self._relabelled(path, orbits, number)
+        for equations, point, leaves in path.beyond:
+            self._beyond(path, equations, point, leaves, number)
 
     def _halved(self, path: Path) -> None:
         """Put the points at which an orbit is one of half its period where that one doubles, to rounding."""
@@ -384,6 +399,22 @@ class _Search:
                 self.special[seed.origin] = self.special[seed.origin]._replace(to=one.piece)
                 return True
         return False
+
+    def _beyond(self, path: Path, equations: Equations, point: Point, leaves: Point, number: int) -> None:
+        """Note that only the word changes where a piece of a map ends, and go on, unless that is known from beyond."""
+        old = path.equations
+        assert isinstance(equations, MapEquations) and isinstance(old, MapEquations)
+        x, p = unscaled(equations, point.z)
+        near = 1e-9 * float(equations.spans[-1])
+        for one in self.crossings:
+            if {one.letters, one.beyond} == {old.letters, equations.letters} and abs(one.value - p[-1]) < near:
+                if np.abs((one.x - x) / equations.scale).max() < 1e-6:
+                    self.waiting = [seed for seed in self.waiting if seed.point is not one.point]
+                    return
+        self.crossings.append(Crossing(old.letters, equations.letters, float(p[-1]), x, point))
+        words = (word(letters, equations.P.letters) for letters in (old.letters, equations.letters))
+        self.relabellings.append(Relabelling(float(path.value(leaves)), *words, number))
+        self.waiting.append(Seed(equations, point, leaves=leaves, type="relabelled"))
 
     def _relabelled(self, path: Path, orbits: tuple[Orbit, ...], number: int) -> None:
         """Note where the word changes although the equations stay: an impact crosses the strobe."""

@@ -25,19 +25,36 @@ class Test(NamedTuple):
         Positive where it has not happened yet, for tests of stability and admissibility.
     where : int
         Which impact, flight or point of the orbit it is about; -1 for the whole orbit.
+    error : float
+        By how much the value may be off, where it rests on differences.
     """
 
     type: str
     value: float
     where: int = -1
+    error: float = 0.0
+
+
+class Ending(NamedTuple):
+    """What a path meets where its equations end: the type, empty if nothing is known; which point; by how much the
+    scaled parameter may be off; and the equations that hold beyond, with a solution there, if the map is smooth.
+    """
+
+    type: str
+    where: int
+    error: float
+    beyond: tuple[Equations, Floats, Floats] | None = None
 
 
 class Equations(ABC):
     """Equations F(x, p) = 0 of an orbit, with as many unknowns x as equations, and parameters p by name.
 
     ``names`` are the parameters that vary and ``N`` is the period. ``scale`` is the size of each unknown, ``spans``
-    that of each parameter: with them a step along a branch has a length.
+    that of each parameter: with them a step along a branch has a length. ``pieced`` equations hold on one piece of a
+    map only; they say how far they ``reach``, and what their ``ending`` is.
     """
+
+    pieced = False
 
     names: tuple[str, ...]
     N: int
@@ -67,6 +84,18 @@ class Equations(ABC):
     def halved(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         return None
+
+    def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
+        """Whether these are the equations at each of several points, x (k, n) and p (k, names)."""
+        return np.ones(len(x), np.bool_)
+
+    def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:
+        """Return the part of a step from a point where the equations hold after which they hold still."""
+        return 1.0
+
+    def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
+        """Say what is met from a solution in a direction, in which there is no other one farther than ``gap``."""
+        return Ending("", -1, 0.0)
 
     def slopes(self, x: Floats, p: Floats) -> Floats:
         """Return dF/dp, shape (n, len(names)), by differences of fourth order; one-sided at the end of a range."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -32,6 +33,12 @@ MOVED = 1e-5
 STANDS = 1e-5
 
 
+#: Multipliers of a pair whose product differs from 1 by less lie on the unit circle, two that differ by less are one.
+DOUBLE = 1e-3
+#: Meetings nearer than this part of both ranges are one, if their orbits differ by less than that part of their size.
+SAME, ALIKE = 1e-7, 1e-3
+
+
 class LocusEquations(Equations):
     """The equations of an orbit and one test function of it, with the first of two parameters among the unknowns."""
 
@@ -47,7 +54,11 @@ class LocusEquations(Equations):
         alike = ("v0", "gr") if type in ("gr", "v0") else (type,)
         places = [i for i, test in enumerate(tests) if test.type in alike and test.where in (where, -1)]
         if not places:
-            raise InputError(f"a {type} cannot be followed: these equations have no test function for it")
+            raise InputError(
+                f"this {type} cannot be followed: a map of one's own says on which side of a border a point lies, not how "
+                f"far from it. Follow lp, pd and ns of it, or find the {type} with gz.continuation at several values of "
+                "the second parameter"
+            )
         zero = ZERO * float(base.scale.max())
         self._index = min(places, key=lambda i: (max(abs(tests[i].value), zero), alike.index(tests[i].type)))
         self._kinds = tuple(test[::2] for test in tests)
@@ -118,7 +129,10 @@ class LocusEquations(Equations):
 
 
 class Meeting(NamedTuple):
-    """A point of codimension two: its type such as *gr+lp* or *cusp*, both parameters, the orbit, and its trust."""
+    """A point of codimension two: its type such as *gr+lp* or *cusp*, both parameters, the orbit, and its trust.
+
+    Where more than two things happen at once, as at a resonant graze, all of them are in its type: *gr+lp+pd*.
+    """
 
     type: str
     values: tuple[float, float]
@@ -196,6 +210,42 @@ def edge(orbit: Orbit) -> bool:
     return bool(clearance > -1e-9 and (fast < 1e-9).all())
 
 
+def on_the_circle(orbit: Orbit) -> bool:
+    """Whether two multipliers have the product 1, a complex pair or, on a locus of lp or pd, 1 or -1 twice."""
+    roots = orbit.multipliers
+    if not np.isfinite(roots).all():
+        return False
+    pairs = [(roots[i], roots[j]) for i in range(len(roots)) for j in range(i)]
+    return any(abs(a * b - 1.0) < DOUBLE and (a.imag != 0.0 or abs(a - b) < DOUBLE) for a, b in pairs)
+
+
+def met_once(met: Iterable[Meeting], spans: Floats) -> tuple[Meeting, ...]:
+    """Return meetings, those at one point as one, with all that happens there in its type."""
+    found: list[Meeting] = []
+    for one in met:
+        for i, known in enumerate(found):
+            if same_meeting(one, known, spans):
+                parts = dict.fromkeys(f"{known.type}+{one.type}".split("+"))
+                first = "cusp" if "cusp" in parts else known.type.split("+")[0]
+                others = sorted(part for part in parts if part not in (first, "lp" if first == "cusp" else ""))
+                twice = not others  # two things of one type, as two grazes
+                kind = known.type if twice else "+".join([first, *others])
+                found[i] = known._replace(type=kind, converged=known.converged and one.converged)
+                break
+        else:
+            found.append(one)
+    return tuple(found)
+
+
+def same_meeting(one: Meeting, other: Meeting, spans: Floats) -> bool:
+    """Whether two meetings are one point: the same parameters, and the same orbit begun at whatever point."""
+    if (np.abs(np.subtract(one.values, other.values)) > SAME * spans).any():
+        return False
+    a, b = one.orbit.points, other.orbit.points
+    size = np.abs(a).max(initial=0.0) + np.ptp(a, axis=0)
+    return len(a) == len(b) and any((np.abs(np.roll(b, k, axis=0) - a) <= ALIKE * size).all() for k in range(len(a)))
+
+
 def locus(
     special: Special,
     names: tuple[str, str],
@@ -242,8 +292,9 @@ def locus(
     """
     if not isinstance(special, Special) or special.type not in FOLLOWED:
         got = special.type if isinstance(special, Special) else type(special).__name__
+        instead = "; find an ep with gz.continuation at several values of the second parameter" if got == "ep" else ""
         raise InputError(
-            f"{got} cannot be followed in two parameters; allowed are special points {', '.join(FOLLOWED)}"
+            f"{got} cannot be followed in two parameters; allowed are special points {', '.join(FOLLOWED)}{instead}"
         )
     try:
         (one, other), (first, second) = names, bounds
@@ -291,10 +342,10 @@ def locus(
                 continue
             kind = "cusp"
         orbit = equations.orbit(X, q)
-        if kind.endswith("+ns") and not abs(orbit.multipliers[0].imag) > 0.0 and not kind.startswith(("lp", "pd")):
+        if kind.endswith("+ns") and not on_the_circle(orbit):
             continue
         if low <= X[-1] <= high:
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
     orbits = tuple(equations.orbit(X, q) for X, q in solutions)
-    return Locus(special.type, (one, other), ranges, values, orbits, tuple(met), (path.began, path.ended))
+    return Locus(special.type, (one, other), ranges, values, orbits, met_once(met, spans), (path.began, path.ended))

@@ -2,23 +2,64 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.equations import Test
+from grazing.orbits.equations import Ending, Test
+from grazing.orbits.one_sided import EPS, Slope, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.piece_end import ending
 from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.word import word
+from grazing.outcome import InputError
 from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Parts of a Newton step that are tried where the whole step leaves the piece.
+SHARES = 0.5 ** np.arange(1.0, 48.0)
+
+
+class Stepped(NamedTuple):
+    """Images (N, dim) of the points of an orbit, derivatives (N, dim, dim) there, their errors, and letters."""
+
+    images: Floats
+    J: Floats
+    error: Floats
+    letters: tuple[int, ...]
+
+
+def product(steps: Floats) -> Floats:
+    """Return the derivative of all steps one after the other."""
+    J = np.eye(steps.shape[-1])
+    for step in steps:
+        J = step @ J
+    return J
+
+
+def tests_of(J: Floats) -> list[float]:
+    """Return pd, lp and, from two coordinates on, ns of the derivative of one turn."""
+    if not np.isfinite(J).all():
+        return [np.nan] * (3 if len(J) > 1 else 2)
+    found = [float(np.linalg.det(np.eye(len(J)) + J)), float(np.linalg.det(np.eye(len(J)) - J))]
+    if len(J) > 1:
+        roots = np.linalg.eigvals(J)
+        found.append(float(np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)]).real))
+    return found
 
 
 class MapEquations(PointEquations):
-    """Points x_0, ..., x_{N-1} with x_{j+1} = P(x_j) and x_0 = P(x_{N-1}), each with the letter it has at the start."""
+    """Points x_0, ..., x_{N-1} with x_{j+1} = P(x_j) and x_0 = P(x_{N-1}), each with the letter it has at the start.
+
+    They hold on one piece of the map, as long as all letters stay: across the border between two letters the map may
+    jump, and what is learnt there says nothing of the orbit here.
+    """
+
+    pieced = True
 
     def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
         for name in names:
@@ -26,8 +67,10 @@ class MapEquations(PointEquations):
                 raise unknown(name, P.params, P.name or "the map")
         self.P, self.names, self.letters, self.N = P, names, letters, len(letters)
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
-        size = np.array([high - low for low, high in P.box])
-        self.scale = np.tile(size, self.N)
+        self.size = np.array([high - low for low, high in P.box])
+        self.scale = np.tile(self.size, self.N)
+        self._row = np.array(list(P.params.values()) or [0.0])
+        self._places = [list(P.params).index(name) for name in names]
         self._held: tuple[bytes, Map] | None = None
 
     def map_at(self, p: Floats) -> Map:
@@ -37,20 +80,121 @@ class MapEquations(PointEquations):
             self._held = key, self.P.replace(**dict(zip(self.names, map(float, p), strict=True)))
         return self._held[1]
 
-    def stepped(self, x: Floats, p: Floats) -> tuple[Floats, Floats, tuple[int, ...]]:
-        """Return the images of all points (N, dim), the derivatives there (N, dim, dim) and the letters."""
-        P, points = self.map_at(p), x.reshape(self.N, -1)
-        row = P.packed()[1][None]
-        found = P.run_columns(row, points.T[None].copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
-        J = np.array([P.jacobian(point) for point in points])
-        return found.points[0, 0].T, J, tuple(found.letters[0, 0].tolist())
+    def ran(self, rows: Floats, states: Floats) -> tuple[Floats, Ints]:
+        """Return images (columns, dim, n) and letters (columns, n) of states at rows of all parameters."""
+        found = self.P.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
+        return found.points[:, 0], found.letters[:, 0]
+
+    def rows(self, p: Floats) -> Floats:
+        """Return the values of all parameters (k, parameters) for those that vary (k, names)."""
+        rows = np.tile(self._row, (len(p), 1))
+        rows[:, self._places] = p
+        return rows
+
+    def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
+        """Return the images of all points (N, dim) and the letters."""
+        images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))
+        return images[0].T, tuple(letters[0].tolist())
+
+    def stepped(self, x: Floats, p: Floats) -> Stepped:
+        """Return the images of all points, the derivatives there, taken on one piece of the map, and the letters."""
+        if self.P.tangent is not None:
+            images, letters = self.visited(x, p)
+            P = self.map_at(p)
+            J = np.array([P.jacobian(point) for point in x.reshape(self.N, -1)])
+            return Stepped(images, J, 4.0 * EPS * np.abs(J), letters)
+        N, d = self.N, self.P.dimension
+        points = x.reshape(N, d)
+        h = distances(self.size, points)  # (levels, N, d), one for each coordinate that moves
+        moved = np.eye(d)[None, None, None] * h[None, ..., None]  # (1, levels, N, d, d)
+        states = points[:, None, :] + np.concatenate([-moved, moved])
+        flat = np.concatenate([points, states.reshape(-1, d)])
+        images, letters = self.ran(self.rows(p[None]), flat.T[None])
+        after, seen = images[0].T, letters[0]
+        middle, own = after[:N], tuple(seen[:N].tolist())
+        values = after[N:].reshape(2, -1, N, d, d)
+        same = seen[N:].reshape(2, -1, N, d) == seen[:N, None]
+        low, high = np.where(same[..., None], values, np.nan)
+        places = np.einsum("skjii->skji", states)
+        down, up = (np.abs(places - points) + np.where(places == points, np.nan, 0.0))[..., None]
+        found = slope(middle[:, None], low, high, down, up)
+        return Stepped(middle, found.value.swapaxes(1, 2), found.error.swapaxes(1, 2), own)
+
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """Return dF/dp by differences that stay on the piece."""
+        columns = []
+        for j in range(len(self.names)):
+            found, _images, _letters = self.along(x, p, np.zeros(len(x)), np.eye(len(p))[j] * self.spans)
+            columns.append(np.roll(found.value, 1, axis=0).ravel() / self.spans[j])
+        return np.column_stack(columns) if columns else np.empty((len(x), 0))
+
+    def along(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> tuple[Slope, Floats, Ints]:
+        """Return the derivative of all images along a direction, the images there and the letters.
+
+        One column of letters (columns, N) for each distance below, from far to near, the point itself, and each above.
+        """
+        h = distances(1.0, 1.0)
+        t = np.concatenate([-h, [0.0], h[::-1]])
+        rows = self.rows(p + t[:, None] * dp)
+        states = (x + t[:, None] * dx).reshape(len(t), self.N, -1).transpose(0, 2, 1)
+        right = self.allowed(p + t[:, None] * dp)
+        images, letters = np.full(states.shape, np.nan), np.full((len(t), self.N), -1)
+        images[right], letters[right] = self.ran(rows[right], states[right])
+        images = images.transpose(0, 2, 1)
+        on = np.where((letters == self.letters).all(axis=1)[:, None, None], images, np.nan)
+        k = len(h)
+        return slope(on[k], on[:k], on[: k : -1], h[:, None, None], h[:, None, None]), images, letters
+
+    def allowed(self, p: Floats) -> NDArray[np.bool_]:
+        """Whether the map allows each of several values (k, names) of its parameters."""
+        if self.P.describe is None:
+            return np.ones(len(p), np.bool_)
+        return np.array([self.in_range(one) for one in p])
+
+    def in_range(self, p: Floats) -> bool:
+        """Whether the map allows these values of its parameters."""
+        if self.P.describe is not None:
+            try:
+                for name, value in zip(self.names, p, strict=True):
+                    self.P.describe(name).check(float(value))
+            except InputError:
+                return False
+        return True
+
+    def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
+        """Whether each point of each of several solutions (k, N dim) at parameters (k, names) has its letter."""
+        letters = np.full((len(x), self.N), -1)
+        right = np.isfinite(x).all(axis=1) & self.allowed(p)
+        if right.any():
+            rows = self.rows(p[right])
+            states = x[right].reshape(len(rows), self.N, -1).transpose(0, 2, 1)
+            images, letters[right] = self.ran(rows, states)
+            right[right] = np.isfinite(images).all(axis=(1, 2))
+        return np.asarray(right & (letters == self.letters).all(axis=1))
+
+    def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:
+        """Return the largest of 1, 1/2, 1/4, ... of a step after which each point has its letter; 0 for none."""
+        if self.holds((x + dx)[None], (p + dp)[None])[0]:
+            return 1.0
+        t = SHARES[:, None]
+        good = np.flatnonzero(self.holds(x + t * dx, p + t * dp))
+        return float(SHARES[good[0]]) if len(good) else 0.0
+
+    def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
+        """Say what is met from a solution in a direction."""
+        return ending(self, x, p, dx, dp, gap)
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """Return by how much each point misses the image of the one before, and the derivative of that."""
+        """Return by how much each point misses the image of the one before, and the derivative of that.
+
+        NaN where a point has another letter: these are the equations of one piece of the map.
+        """
         d, N = self.P.dimension, self.N
         if not np.isfinite(x).all():
             return np.full(N * d, np.nan), np.full((N * d, N * d), np.nan)
-        images, J, _letters = self.stepped(x, p)
+        images, J, _error, letters = self.stepped(x, p)
+        if letters != self.letters:
+            return np.full(N * d, np.nan), np.full((N * d, N * d), np.nan)
         wide = -np.eye(N * d)
         for j in range(N):
             k = (j + 1) % N
@@ -59,41 +203,25 @@ class MapEquations(PointEquations):
 
     def turn(self, x: Floats, p: Floats) -> Floats:
         """Return the derivative of N steps at the first point."""
-        J = np.eye(self.P.dimension)
-        for one in self.stepped(x, p)[1]:
-            J = one @ J
-        return J
+        return product(self.stepped(x, p).J)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, lp and ns of the turn, and whether each point has its letter still."""
-        _images, steps, letters = self.stepped(x, p)
-        J = np.eye(self.P.dimension)
-        for step in steps:
-            J = step @ J
-        found = [
-            Test("pd", float(np.linalg.det(np.eye(len(J)) + J))),
-            Test("lp", float(np.linalg.det(np.eye(len(J)) - J))),
-        ]
-        if len(J) > 1:
-            roots = np.linalg.eigvals(J)
-            pairs = [1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)]
-            found.append(Test("ns", float(np.prod(pairs).real)))
-        same = [
-            Test("bcb", 1.0 if a == b else -1.0, j) for j, (a, b) in enumerate(zip(letters, self.letters, strict=True))
-        ]
-        return (*found, *same)
+        """Return pd, lp and ns of the turn, with the error that the differences leave."""
+        _images, J, error, _letters = self.stepped(x, p)
+        middle, *ends = (tests_of(product(one)) for one in (J, J - error, J + error))
+        with np.errstate(invalid="ignore"):
+            off = np.max(np.abs(np.array(ends) - middle), axis=0)
+        kinds = ("pd", "lp", "ns") if self.P.dimension > 1 else ("pd", "lp")
+        return tuple(Test(kind, value, -1, miss) for kind, value, miss in zip(kinds, middle, off.tolist(), strict=True))
 
     def broken(self, x: Floats, p: Floats) -> str:
-        """Say whether a point has another letter than at the start."""
-        letters = self.stepped(x, p)[2]
-        if letters != self.letters:
-            return "a point has crossed the border between two letters"
+        """Say nothing: where a point gets another letter the equations hold no longer."""
         return ""
 
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit; it is one of the map itself, so admissible as long as its letters are those of its word."""
-        images, _steps, letters = self.stepped(x, p)
-        J = self.turn(x, p)
+        images, steps, _error, letters = self.stepped(x, p)
+        J = product(steps)
         roots = np.linalg.eigvals(J).astype(np.complex128) if np.isfinite(J).all() else np.full(len(J), np.nan + 0j)
         return Orbit(
             map=self.map_at(p),

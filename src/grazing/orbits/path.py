@@ -11,13 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from grazing.orbits.equations import Equations, Test
+from grazing.orbits.equations import Ending, Equations, Test
+from grazing.orbits.one_sided import EPS
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +29,22 @@ STEPS, SMALL = 10, 1e-13
 STRAIGHT = 0.97
 #: Shortest step, and the first one, in units of the scaled coordinates.
 SHORTEST, FIRST = 1e-9, 1e-3
+#: Newton steps cut short at the end of a piece, one after the other, after which there is no solution on it.
+CUT = 3
+#: Defect, in scaled unknowns, up to which a point on a piece of a map is a solution.
+CLOSED = 1e-9
+#: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
+FINEST = 2e-16
+#: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.
+SHORT = 0.999
+#: Where there is a solution beyond what seemed to be the end, the search goes on with steps so much longer.
+FARTHER = 256.0
+#: Widest bracket of an end that has converged, in units of the range of the parameter.
+NARROW = 1e-12
+#: Part of its size at which a test function counts as zero.
+VANISHED = 1e-6
+#: How often the way between two neighbouring points is looked at.
+LOOKS = 16
 #: Place of a period doubling at which an orbit becomes one of half its period.
 HALVES = -2
 
@@ -56,13 +74,17 @@ class Event(NamedTuple):
 
 @dataclass(eq=False)
 class Path:
-    """Points in order, those at events among them (index, event), and why the path begins and ends."""
+    """Points in order, those at events among them (index, event), and why the path begins and ends.
+
+    ``beyond`` has where it ends only because the word changes: the equations there, the first and the last point.
+    """
 
     equations: Equations
     points: list[Point] = field(default_factory=list)
     events: list[tuple[int, Event]] = field(default_factory=list)
     ended: str = ""
     began: str = ""
+    beyond: list[tuple[Equations, Point, Point]] = field(default_factory=list)
 
     def unscaled(self, z: Floats) -> tuple[Floats, Floats]:
         """Return x and p of a point in scaled coordinates."""
@@ -85,12 +107,13 @@ def joined(backward: Path, forward: Path) -> Path:
     last = len(backward.points) - 1
     events = [(last - i, event) for i, event in reversed(backward.events)]
     events += [(last + i, event) for i, event in forward.events]
-    return Path(forward.equations, back + forward.points, events, forward.ended, backward.ended)
+    beyond = backward.beyond + forward.beyond
+    return Path(forward.equations, back + forward.points, events, forward.ended, backward.ended, beyond)
 
 
 def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
     """Solve the equations at fixed parameters by Newton's method; None where it does not converge."""
-    x, before = np.array(x, np.float64), np.inf
+    x, before, cut = np.array(x, np.float64), np.inf, 0
     for _ in range(30):
         F, J = equations.defects(x, p)
         if not (np.isfinite(F).all() and np.isfinite(J).all()):
@@ -100,6 +123,15 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
         except np.linalg.LinAlgError:
             return None
         size = float(np.abs(move / equations.scale).max()) if len(move) else 0.0
+        if equations.pieced:
+            share = equations.reach(x, p, -move, np.zeros(len(p)))
+            if share < 1.0:
+                cut += 1
+                if share == 0.0 or cut > CUT:
+                    return None
+                x, before = x - share * move, np.inf
+                continue
+            cut = 0
         x = x - move
         if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
             return x
@@ -134,11 +166,20 @@ def solved_or_least(A: Floats, b: Floats) -> Floats:
         return np.asarray(np.linalg.lstsq(A, b)[0])
 
 
-def corrected(equations: Equations, z: Floats, across: Floats) -> tuple[Floats, Floats, int] | None:
-    """Solve the equations in the plane through z across a vector: the point, the derivative there, steps; or None."""
-    plane, before = z.copy(), np.inf
+def corrected(
+    equations: Equations, z: Floats, across: Floats, known: Floats | None = None
+) -> tuple[Floats, Floats, int] | None:
+    """Solve the equations in the plane through z across a vector: the point, the derivative there, steps; or None.
+
+    Equations of one piece of a map are solved from within: steps are cut short where they would leave it, the first one
+    from a ``known`` point.
+    """
+    plane, before, cut, step = z.copy(), np.inf, 0, 0
     z = z.copy()
-    for step in range(1, STEPS + 1):
+    if equations.pieced and known is not None:
+        z = known + within(equations, known, z - known) * (z - known)
+    while step < STEPS:
+        step += 1
         F, wide = linearised(equations, z)
         if not (np.isfinite(F).all() and np.isfinite(wide).all()):
             return None
@@ -148,13 +189,35 @@ def corrected(equations: Equations, z: Floats, across: Floats) -> tuple[Floats, 
         size = float(np.abs(move).max())
         if not size < 1e3:
             return None
+        if equations.pieced:
+            share = within(equations, z, -move)
+            if share < 1.0:
+                cut, step = cut + 1, step - 1
+                if share == 0.0 or cut > CUT:
+                    return None
+                z, before = z - share * move, np.inf
+                continue
+            cut = 0
         z = z - move
         if size <= SMALL or (size <= 1e-9 and size >= 0.25 * before):
-            return z, wide, step
+            return (z, wide, step) if closes(equations, z) else None
         if size > 2.0 * before and step > 2:
             return None
         before = size
     return None
+
+
+def within(equations: Equations, z: Floats, move: Floats) -> float:
+    """Return the part of a step in scaled coordinates after which equations of one piece hold still."""
+    return equations.reach(*unscaled(equations, z), *unscaled(equations, move))
+
+
+def closes(equations: Equations, z: Floats) -> bool:
+    """Whether what Newton's method found on a piece of a map is a solution, not a place where the map jumps."""
+    if not equations.pieced:
+        return True
+    F, _J = equations.defects(*unscaled(equations, z))
+    return bool((np.abs(F / equations.scale) <= CLOSED * (1.0 + np.abs(z[: len(F)]))).all())
 
 
 def rowwise(wide: Floats) -> Floats:
@@ -163,9 +226,9 @@ def rowwise(wide: Floats) -> Floats:
     return np.where(size > 0.0, size, 1.0)
 
 
-def point_at(equations: Equations, z: Floats, along: Floats) -> Point | None:
+def point_at(equations: Equations, z: Floats, along: Floats, known: Floats | None = None) -> Point | None:
     """Return the point of the path in the plane through z across ``along``."""
-    found = corrected(equations, z, along)
+    found = corrected(equations, z, along, known)
     if found is None:
         return None
     z, wide, _steps = found
@@ -209,13 +272,22 @@ def follow(
     h, here = min(FIRST, step), first
     while len(path.points) < limit:
         there, steps = advanced(equations, here, h)
+        end = None
         if there is None:  # beyond the end of the range there may be no equations
             ahead = here.z + h * here.tangent
             if not low <= ahead[-1] <= high and here.z[-1] not in (low, high):
                 end = Point(ahead, here.tangent, ())
                 there = at_value(equations, here, end, min(max(float(ahead[-1]), low), high))
                 there = there if there is not None and np.linalg.norm(there.z - here.z) <= 2.0 * h else None
-        if there is None or float(there.tangent @ here.tangent) < STRAIGHT:
+        if equations.pieced and (h <= SHORTEST if there is None else strays(equations, here, there)) or (
+            equations.pieced and there is None and not on_piece(equations, (here.z + h * here.tangent)[None])[0]
+        ):
+            there, end = last(equations, here, h)
+            h, steps = min(h, FIRST), STEPS
+            if end is None and there is here:
+                path.ended = "lost"
+                return path
+        if there is None or (end is None and float(there.tangent @ here.tangent) < STRAIGHT):
             if h <= SHORTEST:
                 if there is None:
                     path.ended = "lost"
@@ -223,8 +295,11 @@ def follow(
             else:
                 h = max(0.4 * h, SHORTEST)
                 continue
-        leaves = not low <= there.z[-1] <= high or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
-        if not low <= there.z[-1] <= high:
+        if end is not None:
+            over = max(low - float(there.z[-1]), float(there.z[-1]) - high)
+            end = end if over <= NARROW else None  # it ends beyond the range
+        leaves = end is None and not low <= there.z[-1] <= high or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
+        if end is None and not low <= there.z[-1] <= high:
             edge = at_value(equations, here, there, min(max(float(there.z[-1]), low), high))
             if edge is None:
                 path.ended = "lost"
@@ -246,6 +321,10 @@ def follow(
                 path.ended = "pd"
                 return path
         path.points.append(there)
+        if end is None and leaves and equations.pieced:  # a piece may end just there
+            there, end = last(equations, there, NARROW)
+        if end is not None:
+            return ended(path, there, end)
         if broken or leaves:
             path.ended = broken or "bounds"
             return path
@@ -255,6 +334,88 @@ def follow(
         here = there
         h = min(step, h * (1.6 if steps <= 3 else (1.2 if steps <= 4 else 0.8)))
     path.ended = "limit"
+    return path
+
+
+def on_piece(equations: Equations, z: Floats) -> NDArray[np.bool_]:
+    """Whether several points (k, n + 1) in scaled coordinates lie where the equations hold."""
+    n = len(equations.scale)
+    return equations.holds(z[:, :n] * equations.scale, z[:, n:] * equations.spans)
+
+
+def strays(equations: Equations, a: Point, b: Point) -> bool:
+    """Whether the path leaves its piece of the map between two neighbouring points, as far as looks can tell."""
+    t = np.arange(1.0, LOOKS)[:, None] / LOOKS
+    length = float(np.linalg.norm(b.z - a.z))
+    bow = t * (1.0 - t) * ((1.0 - t) * (length * a.tangent - b.z + a.z) + t * (b.z - a.z - length * b.tangent))
+    return not on_piece(equations, a.z + t * (b.z - a.z) + bow).all()
+
+
+def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Ending, float] | None]:
+    """Return the last point on a piece of a map that a step reaches, found by halving, and what ends it and how near.
+
+    None in place of the end if the path goes on beyond the step after all, or nothing is found that ends it.
+    """
+    finest = max(FINEST, EPS * float(np.abs(here.z).max()))
+    most, gone = 2.0 * h, 0.0
+    while gone <= most:
+        while h >= finest:
+            edge = straight(equations, here, h)
+            length = SHORT * edge if SHORT * edge < h else 0.5 * h
+            there, _steps = advanced(equations, here, length)
+            if there is None or (length > SHORTEST and strays(equations, here, there)):
+                h = length
+            else:
+                gone, here, h = gone + length, there, h if edge == h else 2.0 * (1.0 - SHORT) * edge
+        gap = 8.0 * finest
+        there, _steps = advanced(equations, here, gap)
+        if there is None:
+            break
+        here, gone, h = there, gone + gap, FARTHER * gap
+    else:
+        return here, None
+    n = len(equations.scale)
+    direction = here.tangent[:n] * equations.scale, here.tangent[n:] * equations.spans
+    found = equations.ending(*unscaled(equations, here.z), *direction, gap)
+    return here, None if not found.type and found.beyond is None else (found, gap)
+
+
+def straight(equations: Equations, here: Point, h: float) -> float:
+    """Return how far the tangent lies where the equations hold, to a part of itself; h if all the way."""
+    low, high = 0.0, h
+    while high - low > 0.25 * (1.0 - SHORT) * high:
+        t = low + (high - low) * np.arange(1.0, LOOKS + 1.0) / LOOKS
+        good = on_piece(equations, here.z + t[:, None] * here.tangent)
+        if good.all():
+            return high
+        i = int(np.argmin(good))
+        low, high = float(t[i - 1]) if i > 0 else low, float(t[i])
+        if low == 0.0 and high < FINEST:
+            break
+    return high
+
+
+def ended(path: Path, point: Point, end: tuple[Ending, float]) -> Path:
+    """Return a path whose last point is where a piece of the map ends: with an event, or with what goes on there."""
+    found, gap = end
+    equations, path.ended = path.equations, found.type
+    if found.beyond is not None:
+        new, x, p = found.beyond
+        z = np.concatenate([x / new.scale, p / new.spans])
+        beyond = point_at(new, z, point.tangent)
+        if beyond is not None and np.linalg.norm(beyond.z - point.z) < SHORTEST:
+            path.ended = "relabelled"
+            path.beyond.append((new, beyond, point))
+        else:
+            path.ended = "lost"
+        return path
+    span = float(equations.spans[-1])
+    value = float(point.z[-1]) * span
+    ends = value, value + float(point.tangent[-1]) * gap * span
+    slack = found.error * span
+    low, high = min(ends) - slack, max(ends) + slack
+    good = bool(high - low <= NARROW * span + 4.0 * EPS * abs(value))
+    path.events.append((len(path.points) - 1, Event(found.type, point, found.where, low, high, good)))
     return path
 
 
@@ -273,7 +434,7 @@ def returned(equations: Equations, first: Point, there: Point, near: float) -> P
 
 def advanced(equations: Equations, here: Point, h: float) -> tuple[Point | None, int]:
     """Return the point one step further, and the Newton steps that took."""
-    found = corrected(equations, here.z + h * here.tangent, here.tangent)
+    found = corrected(equations, here.z + h * here.tangent, here.tangent, here.z)
     if found is None:
         return None, STEPS
     z, wide, steps = found
@@ -289,7 +450,7 @@ def at_value(equations: Equations, a: Point, b: Point, value: float) -> Point | 
     z[-1] = value
     across = np.zeros(len(z))
     across[-1] = 1.0
-    found = corrected(equations, z, across)
+    found = corrected(equations, z, across, a.z)
     if found is None:
         return None
     z, wide, _steps = found
@@ -326,8 +487,26 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
             if folds:
                 continue
             type = "bp"
-        found.append(located(equations, a, along, length, type, before.where, partial(height_of, i)))
+        one = located(equations, a, along, length, type, before.where, partial(height_of, i))
+        found.append(one if one is None else shown(equations, one, before, after, i, float(b.z[-1] - a.z[-1])))
     return [event for _share, event in sorted((one for one in found if one is not None), key=lambda one: one[0])]
+
+
+def shown(
+    equations: Equations, found: tuple[float, Event], before: Test, after: Test, i: int, way: float
+) -> tuple[float, Event] | None:
+    """Return an event with the error of its test function in its bracket; None where that is no smaller than the test.
+
+    Differences across a kink of a map lead from one slope to another as if there were slopes between.
+    """
+    share, event = found
+    error = event.point.tests[i].error
+    if error == 0.0:
+        return found
+    if not error <= VANISHED * max(abs(before.value), abs(after.value)):
+        return None
+    slack = error / abs(after.value - before.value) * abs(way) * float(equations.spans[-1])
+    return share, event._replace(low=event.low - slack, high=event.high + slack)
 
 
 def height_of(i: int, point: Point) -> float:
@@ -346,8 +525,7 @@ def located(
 ) -> tuple[float, Event] | None:
     """Return how far along the chord from a, and the event there: the zero of a function of points.
 
-    None where the function jumps over zero, as the lowest dip does where two dips merge; a border between letters, of
-    which nothing is known but its sides, is such a jump and counts.
+    None where the function jumps over zero, as the lowest dip does where two dips merge, or has a pole.
     """
     seen: dict[float, tuple[Point, float]] = {0.0: (a, height(a))}
 
@@ -356,7 +534,7 @@ def located(
         if near != s:
             base = seen[near][0]
             ahead = (s - near) / max(float(base.tangent @ along), 0.1)
-            point = point_at(equations, plane_point(a, along, s, base.z + ahead * base.tangent), along)
+            point = point_at(equations, plane_point(a, along, s, base.z + ahead * base.tangent), along, base.z)
             if point is None:
                 raise ArithmeticError
             seen[s] = point, height(point)
@@ -369,7 +547,14 @@ def located(
             good = True
     except (ArithmeticError, RuntimeError):
         pass
+    if equations.pieced and not good and where != HALVES:
+        return None
     s = min(seen, key=lambda other: abs(seen[other][1]))
+    if good:  # at a pole the smallest value lies elsewhere
+        _width, s = min(
+            (t - r, min(r, t, key=lambda other: abs(seen[other][1])))
+            for r, t in pairwise(sorted(seen)) if (seen[r][1] > 0.0) != (seen[t][1] > 0.0)
+        )  # fmt: skip
     point, rest = seen[s]
     positive = seen[0.0][1] > 0.0
     sides = [
@@ -378,7 +563,7 @@ def located(
     ]
     low, high = sorted(float(seen[t][0].z[-1]) * float(equations.spans[-1]) for t in sides)
     value = float(point.z[-1]) * float(equations.spans[-1])
-    if good and type != "bcb" and abs(rest) > 1e-6 * max(abs(other) for _point, other in seen.values()):
+    if good and abs(rest) > VANISHED * max(abs(seen[0.0][1]), abs(seen[length][1])):
         return None
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 

@@ -14,6 +14,7 @@ SPECIAL = {
     "bp": "branch point: another branch crosses this one",
     "gr": "graze: the orbit touches the wall",
     "bcb": "border collision: a point reaches the border between two letters",
+    "ep": "end of the piece: the map jumps or has a kink, and the orbit goes no farther",
     "v0": "the speed of an impact is 0, the bumper kicks: the orbit jumps",
     "law": "the speed of an impact reaches the trigger",
     "st": "sticking: a ball left at rest is no longer lifted off at once",
@@ -27,13 +28,14 @@ class Special(NamedTuple):
     Parameters
     ----------
     type : str
-        One of lp pd ns bp gr bcb v0 law st ch; :data:`SPECIAL` has them in words.
+        One of lp pd ns bp gr bcb ep v0 law st ch; :data:`SPECIAL` has them in words.
     value : float
         Of the parameter.
     low, high : float
-        Bracket of the value: the test function has different signs there.
+        Bracket of the value: the test function has different signs there, or the orbit is there on one side only.
     converged : bool
-        Whether the test function is zero there to rounding; False where it jumps, or the search failed.
+        Whether the test function is zero there to rounding, or the bracket of an end is as narrow as 1e-12 of the
+        range; False where the search failed.
     orbit : Orbit
         The orbit at this value.
     admissible : bool
@@ -70,7 +72,7 @@ class Special(NamedTuple):
 
 
 class Relabelling(NamedTuple):
-    """An impact crosses the strobe: the word changes and the orbit does not."""
+    """An impact crosses the strobe, or a point a border at which its map is smooth: the word changes and no more."""
 
     value: float
     before: str

@@ -1,0 +1,170 @@
+"""What ends a piece of a map: a border between letters, a graze, a jump, or a change of name alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.equations import Ending
+from grazing.orbits.one_sided import EPS
+
+if TYPE_CHECKING:
+    from grazing.orbits.map_equations import MapEquations
+
+Floats = NDArray[np.float64]
+
+#: Distances from a solution, in sizes of the box and of the range, at which another letter, or a steep slope is sought.
+NEAR = 4.0 ** np.arange(-23.0, -11.0)
+STEEP = 4.0 ** np.arange(-14.0, -5.0)
+#: Power of the distance with which values change at a steep slope, at most; a kink and a smooth map have 1 or more.
+POWER = 0.9
+#: Part of its size by which a value may jump, and a slope turn, where a map is smooth.
+JUMP, TURN = 1e-12, 1e-6
+#: Distances beyond the end at which the orbit is looked for with its new letters, in scaled unknowns.
+BEYOND = 4.0 ** np.arange(-24.0, -10.0)
+
+
+def ending(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
+    """Say what is met from the last solution of a piece.
+
+    A graze where the map is infinitely steep on either side; nothing but another word where it is continuous and has
+    one slope; else a border collision where a point gets another letter, and the end of the piece where the map jumps or
+    has a kink without saying so.
+    """
+    touched = flips(equations, x, p)
+    steep = steep_at(equations, x, p)
+    error = unsure(equations, x, p, dx, dp, touched)
+    if steep >= 0:
+        return Ending("gr", steep, error)
+    beyond = smooth_beyond(equations, x, p, dx, dp, gap)
+    if beyond is not None:
+        return Ending("", -1, error, beyond)
+    if touched:
+        return Ending("bcb", touched[0][0], error)
+    return Ending("ep" if torn(equations, x, p, dx, dp, gap) else "", -1, error)
+
+
+def ways(equations: MapEquations, x: Floats) -> Floats:
+    """Return the directions (ways, N, dim) in which each point is moved: along each coordinate, up and down."""
+    N, d = equations.N, equations.P.dimension
+    one = np.concatenate([np.eye(d), -np.eye(d)]) * equations.size
+    return np.repeat(one[:, None], N, axis=1)
+
+
+def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int]]:
+    """Return the points that are next to a border between letters, the nearest first, each with the coordinate."""
+    N, d = equations.N, equations.P.dimension
+    moved = x.reshape(N, d) + NEAR[:, None, None, None] * ways(equations, x)
+    row = equations.rows(p[None])
+    letters = equations.ran(row, moved.reshape(-1, d).T[None])[1][0].reshape(len(NEAR), 2 * d, N)
+    found = []
+    for j in range(N):
+        other = letters[:, :, j] != equations.letters[j]
+        for way in range(2 * d):
+            if other[:, way].any():
+                found.append((int(np.argmax(other[:, way])), j, way % d))
+    for j, sign in ((j, sign) for j in range(len(p)) for sign in (1.0, -1.0)):  # a border that the parameter moves
+        dp = sign * np.eye(len(p))[j] * equations.spans
+        for k, t in enumerate(NEAR):
+            if not equations.in_range(p + t * dp):
+                break
+            seen = equations.visited(x, p + t * dp)[1]
+            if seen != equations.letters:
+                found += [(k, i, -1) for i in range(N) if seen[i] != equations.letters[i]]
+                break
+    return [(j, way) for _k, j, way in sorted(found)]
+
+
+def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
+    """Return a point next to which the map is infinitely steep on one side, -1 for none."""
+    N, d = equations.N, equations.P.dimension
+    way = ways(equations, x)
+    t = np.concatenate([STEEP, 2.0 * STEEP])
+    moved = x.reshape(N, d) + t[:, None, None, None] * way
+    images, letters = equations.ran(equations.rows(p[None]), moved.reshape(-1, d).T[None])
+    values = images[0].T.reshape(2, len(STEEP), 2 * d, N, d) / equations.size
+    names = letters[0].reshape(2, len(STEEP), 2 * d, N)
+    with np.errstate(all="ignore"):
+        change = np.abs(values[1] - values[0]).max(axis=-1)
+        noise = 1e3 * EPS * np.abs(values).max(axis=(0, -1))
+        good = (names[0] == names[1]) & (change > noise)
+        power = np.log(change[1:] / change[:-1]) / np.log(STEEP[1:] / STEEP[:-1])[:, None, None]
+        both = good[1:] & good[:-1] & (names[0][1:] == names[0][:-1])
+    for j in range(N):
+        for i in range(2 * d):
+            seen = power[:, i, j][both[:, i, j]]
+            if len(seen) >= 4 and (seen[:4] < POWER).all():
+                return j
+    return -1
+
+
+def unsure(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int]]) -> float:
+    """Return by how much rounding may move the end in the scaled parameter, as the point at the border is moved."""
+    images, J, error, _letters = equations.stepped(x, p)
+    N, d = equations.N, equations.P.dimension
+    size = np.abs(x).reshape(N, d)
+    slack = EPS * (np.abs(images) + np.abs(x.reshape(N, d))[(np.arange(N) + 1) % N] + np.einsum("jik,jk->ji", np.abs(J), size))
+    wide = -np.eye(N * d)
+    for j in range(N):
+        k = (j + 1) % N
+        wide[k * d : (k + 1) * d, j * d : (j + 1) * d] += J[j]
+    try:
+        moved = np.abs(np.linalg.inv(wide)) @ np.roll(slack, 1, axis=0).ravel()
+    except np.linalg.LinAlgError:
+        return float("inf")
+    rate = float(np.abs(dp[-1]) / equations.spans[-1])
+    off = EPS * float(np.abs(p[-1]) / equations.spans[-1])
+    shares = [off]
+    nearest = touched[0][0] if touched else -1
+    for j, i in touched:
+        if j == nearest and i >= 0:
+            going = abs(float(dx[j * d + i]))
+            shares.append(rate * float(moved[j * d + i]) / going if going > 0.0 else np.inf)
+    return float(max(shares))
+
+
+def smooth_beyond(
+    equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float
+) -> tuple[MapEquations, Floats, Floats] | None:
+    """Return the equations and a point next to their solution beyond the end, if the map is smooth there."""
+    for t in BEYOND[np.flatnonzero(BEYOND >= gap)]:
+        y, q = x + t * dx, p + t * dp
+        if not equations.in_range(q):
+            return None
+        letters = equations.visited(y, q)[1]
+        if letters != equations.letters:
+            break
+    else:
+        return None
+    new = type(equations)(equations.P, equations.names, letters, equations.spans)
+    before, here, _l = equations.along(x, p, dx, dp)
+    after, there, _l = new.along(y, q, dx, dp)
+    k = len(here) // 2
+    size = equations.size
+    with np.errstate(invalid="ignore"):
+        low, high = before.below / size, after.above / size
+        off = np.abs(there[k] - here[k] - t * before.below) / size
+        loud = np.abs(here[k]) / size + np.abs(x.reshape(new.N, -1)) / size * (1.0 + np.abs(low))
+        turn = np.abs(high - low)
+        most = 1.0 + np.maximum(np.abs(low), np.abs(high))
+        smooth = (off <= JUMP + 64.0 * EPS * loud).all() and (turn <= TURN * most).all()
+    return (new, y, q) if smooth else None
+
+
+def torn(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> bool:
+    """Whether the map jumps or has a kink between the last solution and what lies just beyond."""
+    before, here, _l = equations.along(x, p, dx, dp)
+    t = 64.0 * gap
+    if not equations.in_range(p + t * dp):
+        return False
+    after, there, _l = equations.along(x + t * dx, p + t * dp, dx, dp)
+    k = len(here) // 2
+    size = equations.size
+    with np.errstate(invalid="ignore"):
+        off = np.abs(there[k] - here[k] - t * before.below) / size
+        loud = np.abs(here[k]) / size + np.abs(x.reshape(equations.N, -1)) / size * (1.0 + np.abs(before.below / size))
+        turn = np.abs(after.above - before.below) / size
+        most = 1.0 + np.maximum(np.abs(after.above), np.abs(before.below)) / size
+        return bool((off > JUMP + 64.0 * EPS * loud + 2.0 * t * most).any() or (turn > TURN * most).any())
