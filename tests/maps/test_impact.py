@@ -91,7 +91,7 @@ def first_impact(m, w, last):
         return (a + c + turn).real + d / k**2, (low * a + high * c + 1j * omega * turn).real
 
     t = np.linspace(0.0, last, int(64 * last * max(k, omega)))[1:]
-    y, v = fly(t)
+    _y, v = fly(t)
     (turns,) = np.nonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))
     a, b_ = t[turns], t[turns + 1]
     for _ in range(60):
