@@ -261,8 +261,14 @@ def test_derivatives_of_edges(capsys):
 
 
 def test_a_window_of_a_parameter_without_default(capsys):
-    tokens = ["windows", "--law", "triggered", "--N", "3", *BALL]
+    paper = "--alpha 3 --k 1 --omega 2.2 --d 0.12 --cos 1 --r 0.8".split()
+    tokens = ["windows", "--law", "triggered", "--N", "3", *paper, *BALL]
     assert "trigger has no default, so its range is not known" in said(capsys, 2, *tokens, "trigger")
+    assert told(capsys, *tokens, "trigger", "--trigger", "0.2")["span"] == [0.1, 0.4]
+    assert told(capsys, *[word for word in tokens if word not in ("--r", "0.8")], "r", "--trigger", "0.2")["span"] == [
+        0,
+        1,
+    ]
     assert told(capsys, *tokens, "trigger=0.01:0.5")["span"] == [0.01, 0.5]
 
 

@@ -52,7 +52,7 @@ function options(state, varied, section = true) {
   if (section) own.phase = state.phase;
   for (const name of varied) delete own[name === "offset" ? "d" : name];
   const text = Object.entries(own).map(([name, value]) => `--${name}=${value}`).join(" ");
-  return isPinball(state) ? text : `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
+  return `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
 }
 
 /** How many starts and steps the diagram of the view has. @param {State} state */
