@@ -174,4 +174,5 @@ def model_of(config: Mapping[str, Any]) -> Oscillator:
     known = {**parameter_defaults({**config, "map": "impact", "law": law}), **given}
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
-    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d")
+    paper = beyond_pinball(config) is None
+    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d", paper=paper)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from grazing.maps.map import Map
 from grazing.maps.period import log_size
 from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
+from grazing.maps.starting import boxes_at, impact_box
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import (
     FLIES,
@@ -203,7 +204,8 @@ def impact_map(model: Oscillator) -> Map:
         return_step_of(law.law, law.slope, law.contraction),
         params=model.params,
         coordinates=("tau", "v_plus"),
-        box=((0.0, model.period), (0.0, 1.0)),
+        box=impact_box(model.reach, model.paper),
+        boxes=partial(boxes_at, model, impact_box),
         prepare=constants_of(model.harmonics),
         tangent=return_tangent_of(law.law, law.slope, law.contraction),
         name="impact map",
