@@ -231,7 +231,10 @@ def test_windows_in_words_with_the_meaning_of_their_edges(capsys):
     assert "3  0.0984504449371  gr  0.1232814496439  pd  whole" in text
     assert "gr   graze: a dip of the flight touches the wall" in text and "fold" not in text
     assert "searched: d from 0.09 to 0.13" in text
-    assert "no window for d from 0.5 to 0.6; try another range" in said(capsys, 0, "windows", "d=0.5:0.6", *BALL)
+    none = "no window with N = 1, 2, 3, 4, 5, 6, 7 for d from 0.5 to 0.6; try another range"
+    assert none in said(capsys, 0, "windows", "d=0.5:0.6", *BALL)
+    rows = told(capsys, "windows", "d", *BALL)["windows"]  # an impact in every period is looked for, too
+    assert rows[0]["N"] == 1 and rows[0]["high"] == pytest.approx(-0.00109371288517, abs=1e-12)
 
 
 def test_edges_are_proven(folder, capsys):
@@ -258,8 +261,14 @@ def test_derivatives_of_edges(capsys):
 
 
 def test_a_window_of_a_parameter_without_default(capsys):
-    tokens = ["windows", "--law", "triggered", "--N", "3", *BALL]
+    paper = "--alpha 3 --k 1 --omega 2.2 --d 0.12 --cos 1 --r 0.8".split()
+    tokens = ["windows", "--law", "triggered", "--N", "3", *paper, *BALL]
     assert "trigger has no default, so its range is not known" in said(capsys, 2, *tokens, "trigger")
+    assert told(capsys, *tokens, "trigger", "--trigger", "0.2")["span"] == [0.1, 0.4]
+    assert told(capsys, *[word for word in tokens if word not in ("--r", "0.8")], "r", "--trigger", "0.2")["span"] == [
+        0,
+        1,
+    ]
     assert told(capsys, *tokens, "trigger=0.01:0.5")["span"] == [0.01, 0.5]
 
 

@@ -8,6 +8,7 @@ import pytest
 import grazing as gz
 from grazing import InputError
 from grazing.config import checked
+from grazing.config.build import map_in
 from grazing.config.maps import map_of, names_of
 from grazing.config.parameters import LAWS, law_names, parameter_names
 from grazing.config.schema import MAPS
@@ -21,6 +22,10 @@ def problems(config, **more):
     with pytest.raises(InputError) as error:
         checked(config, **more)
     return [line.strip() for line in str(error.value).splitlines()]
+
+
+#: All that an oscillator needs that is not the paper's pinball.
+FULL = {"alpha": 3.0, "k": 1.0, "omega": 2.2, "d": 0.12, "cos": [1.0], "r": 0.8}
 
 
 # ---- what was left out
@@ -47,7 +52,11 @@ def test_every_argument_of_a_study_is_a_setting_or_none_for_a_reason(study):
 
 
 def test_a_checked_configuration_is_checked_again_to_itself():
-    for config in (DIAGRAM, GAP, {**DIAGRAM, "map": "discontinuity", "parameters": {"cos": [1, 0.5]}}):
+    for config in (
+        DIAGRAM,
+        GAP,
+        {**DIAGRAM, "map": "discontinuity", "parameters": {**FULL, "V": 0.4, "cos": [1, 0.5]}},
+    ):
         found = checked(config)
         assert checked(found) == found
         assert checked(json.loads(json.dumps(found))) == found
@@ -70,15 +79,78 @@ def test_every_map_with_every_law_can_be_made(kind, law):
         names, coordinates = names_of({"map": kind})
         assert (names, coordinates) == (["lam", "mu", "l"], ["x"])
         return
-    given = {"map": kind, "law": law, "parameters": {"trigger": 0.1} if law == "triggered" else {}}
+    own = {"active": {}, "newton": FULL, "triggered": {**FULL, "V": 0.4, "trigger": 0.1}}[law]
+    given = {"map": kind, "law": law, "parameters": dict(own)}
     varied = "mu" if kind == "normal-form" else "d"
     if kind == "normal-form" and law == "triggered":
         given["parameters"]["trigger"] = 0.0  # else the law is passive near zero speed, where the form is taken
-    P = map_of(checked({"study": "diagram", **given, "vary": {varied: "0.1:0.12:2"}}))
+    P = map_in(checked({"study": "diagram", **given, "vary": {varied: "0.1:0.12:2"}}))
     names, coordinates = names_of(given)
     assert (list(P.params), list(P.coordinates)) == (names, coordinates)
     if kind != "normal-form":
         assert set(law_names(law)) <= set(P.params)
+
+
+# ---- outside the pinball nothing is assumed
+
+
+def test_what_is_not_the_pinball_keeps_no_value_of_the_paper():
+    """A wall that moved, another wave or another law: the paper's d, cos and the rest belong to its own machine."""
+    for beyond, said in (
+        ({"law": "newton"}, "law = newton"),
+        ({"parameters": {"sigma": -0.1}}, "sigma"),
+        ({"parameters": {"cos": [1.0, 0.5]}}, "cos"),
+        ({"parameters": {"sin": [1.0]}}, "sin"),
+        ({"vary": {"sigma": "0:0.1:5"}}, "sigma"),
+        ({"vary": {"cos1": "0.5:1:5"}}, "cos1"),
+    ):
+        given = beyond.get("parameters", {})
+        found = problems({**DIAGRAM, "vary": {"omega": "2:3:5"}, **beyond, "parameters": {**given, "alpha": 0.1}})
+        lacking = [line.split(":")[0].removeprefix("parameters.") for line in found[1:]]
+        needed = {"k", "omega", "d", "cos", "r", "V"} - {*given} - {*beyond.get("vary", {"omega": 0})}
+        needed -= {"cos"} if said == "cos1" else {"V"} if said == "law = newton" else set()
+        assert set(lacking) == needed, (beyond, found)
+        assert all(f"with {said} this is not the paper's pinball, and nothing is assumed" in line for line in found[1:])
+
+
+def test_terms_that_are_not_named_are_not_there():
+    found = checked({**DIAGRAM, "law": "newton", "parameters": {**FULL, "cos": [0.0], "sin": [0.5]}})
+    assert [found["parameters"][name] for name in ("t0", "sigma", "phase")] == [0.0, 0.0, 0.0]
+    model = map_of({**found, "parameters": {**found["parameters"], "d": 0.3}}).model
+    assert (model.forcing.cos, model.forcing.sin, model.forcing.offset) == ((0.0,), (0.5,), 0.3)
+    assert checked({**DIAGRAM, "vary": {"cos1": "0:1:3"}, "parameters": {**FULL, "cos": None, "V": 0.1}})
+
+
+def test_what_the_pinball_is_named_by_leaves_it_the_pinball():
+    for name in ("alpha", "k", "omega", "t0", "d", "r", "V", "phase"):
+        found = checked(
+            {"study": "diagram", "vary": {"d" if name != "d" else "V": "0.1:0.2:3"}, "parameters": {name: 0.7}}
+        )
+        for other, usual in {"alpha": 3.0, "k": 1.0, "omega": 2.2, "r": 0.8, "cos": [1.0], "sigma": 0.0}.items():
+            assert found["parameters"][other] == (0.7 if other == name else usual)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_recipes_of_old_results_mean_the_same(law):
+    """They name every parameter but those that vary; the pinball's d may vary over a range that its value decides."""
+    flat = {
+        "alpha": 3.0,
+        "k": 1.0,
+        "omega": 2.2,
+        "t0": 0.0,
+        "sigma": 0.0,
+        "cos": [1.0],
+        "sin": [],
+        "r": 0.8,
+        "phase": 0.0,
+    }
+    flat |= {"V": 0.4} if law != "newton" else {}
+    flat |= {"trigger": 0.1} if law == "triggered" else {}
+    recipe = {"study": "diagram", "map": "stroboscopic", "law": law, "parameters": flat, "vary": [["d", "0.1:0.2:3"]]}
+    assert checked(recipe)["parameters"] == flat
+    windows = {**recipe, "study": "windows", "vary": [["d", "default"]], "settings": {"N": [2]}}
+    if law == "active":
+        assert checked(windows)["parameters"] == {**flat, "d": 0.12}
 
 
 # ---- what is wrong

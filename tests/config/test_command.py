@@ -1,11 +1,17 @@
 """The command that makes a thing again says all that differs from the defaults, and makes the same bits."""
 
+import inspect
 import json
 import shlex
+import tomllib
+from contextlib import redirect_stdout
+from io import StringIO
 
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import grazing as gz
 from grazing import InputError
@@ -14,14 +20,17 @@ from grazing.config import boundaries_of, checked, command_of, plan_of, recipe_o
 from grazing.studies.plan import run_plan
 
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
+BALL = {"alpha": 3.0, "k": 1.0, "omega": 2.2, "t0": -0.5, "cos": [1.0], "r": 0.8}
 CONFIGS = [
     GAP,
     {**GAP, "parameters": {"lam": -0.5, "l": 0.1}, "settings": {"starts": [[0.1]], "keep": 4, "arithmetic": "strict"}},
     {**GAP, "settings": {"box": [[-0.5, 0.25]], "starts": 3, "seed": 5, "sweep": "down"}},
-    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {"cos": [1.0, 0.1, 0.05], "t0": -0.5}},
-    {"study": "diagram", "map": "discontinuity", "order": "full", "law": "newton", "vary": {"r": "0.5:0.9:3"}},
+    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {**BALL, "V": 0.4, "cos": [1.0, 0.1, 0.05]}},
+    {"study": "diagram", "map": "discontinuity", "order": "full", "law": "newton", "vary": {"r": "0.5:0.9:3"},
+     "parameters": {**BALL, "d": 0.12}},
     {"study": "diagram", "map": "normal-form", "vary": {"mu": "0:0.1:3"}, "parameters": {"V": 0.2}},
-    {"study": "diagram", "map": "impact", "law": "triggered", "vary": {"trigger": "0:0.1:3"}},
+    {"study": "diagram", "map": "impact", "law": "triggered", "vary": {"trigger": "0:0.1:3"},
+     "parameters": {**BALL, "d": 0.12, "V": 0.4}},
     {"study": "chart", "map": "gap", "parameters": {"lam": 0.5}, "vary": {"mu": "0:0.1:3", "l": "0:0.2:2"},
      "curves": [2, 3]},
     {"study": "density", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0}, "vary": {"mu": "0:0.1:3"},
@@ -31,7 +40,7 @@ CONFIGS = [
     {"study": "trajectory", "settings": {"state": [0.1, -0.25], "until": 7.0}},
     {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "settings": {"state": [-0.1]}},
     {"study": "graph", "order": "corrected", "law": "newton", "vary": {"v": "-0.3:0.1:9"}, "coordinate": "u",
-     "parameters": {"cos": [1.0, 0.0, -0.25], "sigma": -0.1}, "settings": {"fixed": {"u": 0.02}}},
+     "parameters": {**BALL, "d": 0.12, "cos": [1.0, 0.0, -0.25], "sigma": -0.1}, "settings": {"fixed": {"u": 0.02}}},
     {"study": "graph", "order": "none", "vary": {"u": [0.01, 0.05, 0.02]}, "parameters": {"phase": 0.25}},
     {"study": "graph", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "vary": {"x": "-1:1:9"}},
 ]  # fmt: skip
@@ -41,9 +50,43 @@ CONFIGS = [
 def test_the_command_asks_for_the_same(config, capsys):
     recipe = checked(config)
     assert main([*shlex.split(command_of(recipe))[1:], "--dump-config"]) == 0
-    import tomllib
-
     assert checked(tomllib.loads(capsys.readouterr().out)) == recipe
+
+
+NUMBERS = st.sampled_from([0.0, 0.12, 0.4, 0.8, 1.0])
+WAVES = st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=1, max_size=3)
+NAMES = {name: NUMBERS for name in ("alpha", "k", "omega", "t0", "sigma", "d", "r", "V", "trigger", "phase")}
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.sampled_from([None, "active", "newton", "triggered"]),
+    st.fixed_dictionaries({}, optional={**NAMES, "cos": WAVES, "sin": WAVES}),
+    st.booleans(),
+    st.sampled_from(["d", "V", "r", "omega", "sigma", "cos1"]),
+)
+def test_what_is_named_is_kept_and_the_pinball_alone_brings_values(law, named, rest, varied):
+    """Whatever is named: the recipe has it, checks to itself, and its command asks for the same."""
+    named = {**({**BALL, "d": 0.1, "V": 0.3} if rest else {}), **named}
+    for name in [varied] + ["V"] * (law == "newton") + ["trigger"] * (law != "triggered"):
+        named.pop(name, None)
+    config = {"study": "diagram", "vary": {varied: "0.1:0.2:2"}, "parameters": named, **({"law": law} if law else {})}
+    try:
+        found = checked(config)
+    except InputError as error:
+        assert "missing" in str(error) or "omega" in str(error) or "unknown parameter" in str(error)
+        return
+    pinball = law in (None, "active") and not {"cos", "sin", "sigma"} & {*named} and varied not in ("sigma", "cos1")
+    usual = {name: item.default for name, item in inspect.signature(gz.pinball).parameters.items()} | {"cos": [1.0]}
+    for name, value in found["parameters"].items():
+        if name in named:
+            assert value == named[name]
+        else:
+            assert value in (0.0, [], [0.0]) or (pinball and value == usual[name])
+    assert checked(json.loads(json.dumps(found))) == found
+    with redirect_stdout(StringIO()) as printed:
+        assert main([*shlex.split(command_of(found))[1:], "--dump-config"]) == 0
+    assert checked(tomllib.loads(printed.getvalue())) == found
 
 
 @pytest.mark.parametrize("config", [CONFIGS[1], CONFIGS[3], CONFIGS[7], *CONFIGS[12:]])

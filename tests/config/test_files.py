@@ -32,7 +32,7 @@ def test_a_configuration_comes_back_as_it_was(tmp_path):
     config = checked(
         {
             "study": "chart", "map": "discontinuity", "order": "full", "law": "triggered",
-            "parameters": {"cos": [1.0, 0.25], "trigger": 0.1, "alpha": 1e-17},
+            "parameters": {"cos": [1.0, 0.25], "trigger": 0.1, "alpha": 1e-17, "k": 1, "omega": 2, "r": 1},
             "vary": {"d": "0.05:0.16:40", "V": [0.1, 0.2]},
             "settings": {"starts": [[0.1, -0.2]], "box": [[0.0, 0.1], [-1.0, 1.0]]},
         }

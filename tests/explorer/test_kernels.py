@@ -20,7 +20,7 @@ def rows_of(described, model, phase, name, values, order=0.0):
     rows = np.empty((len(values), len(described["fields"])))
     for i, value in enumerate(values):
         changed = model.replace(**{name: value}) if name != "phase" else model
-        rows[i] = row_of(described, model.reset.name, order=order, **{**changed.params, "phase": phase})
+        rows[i] = row_of(described, model.reset.name, order=order, **{**changed.params, "phase": phase}, paper=float(model.paper))
     return rows
 
 
@@ -200,7 +200,7 @@ def test_basins_of_the_oscillator(machines, described, case):
     grid = {"u": np.linspace(*P.box[0], 8), "v": np.linspace(*P.box[1], 9)}
     want = basins(P, grid, transient=300, arithmetic="strict", preimages=0)
     states = np.array([(u, v) for u in grid["u"] for v in grid["v"]])
-    row = row_of(described["oscillator"], model.reset.name, **P.params)[None]
+    row = row_of(described["oscillator"], model.reset.name, **P.params, paper=float(model.paper))[None]
     machine = machines["oscillator"]
     points, letters, outcomes = orbits(machine, row, np.ascontiguousarray(states.T[None]), 300, 64)
     period, key, begin, length, *_rest = classes(machine, row, points, letters, outcomes, TOLERANCE)

@@ -69,6 +69,75 @@ def test_no_impact_is_named():
     assert np.isnan(segment.points[1:]).all()
 
 
+def test_a_ball_that_never_hits_again_is_neither_a_graze_nor_ambiguous():
+    segment = gz.impact_map(gz.pinball(alpha=0.1, k=1, omega=3, d=1.0, V=0, r=0.7)).orbit((0.0, 0.5), 200)
+    assert segment.outcomes[0] == NO_IMPACT  # it settles 0.875 above the wall
+    assert not segment.outcomes[1:].any()
+
+
+def first_impact(m, w, last):
+    """Return when a ball that leaves the wall at t = 0 comes back, from samples of its flight in closed form.
+
+    With None for never, and the narrowest miss before: no window, no error bound and no piece of ours is in here.
+    """
+    alpha, k, omega, t0, d = (m.params[name] for name in ("alpha", "k", "omega", "t0", "d"))
+    low, high = np.roots([1.0, alpha, k * k]).astype(complex)
+    steady = np.exp(1j * omega * t0) / (k * k - omega**2 + 1j * alpha * omega)
+    h0, h1 = -(steady + d / k**2).real, w - (1j * omega * steady).real
+    b = (h1 - low * h0) / (high - low)
+
+    def fly(t):
+        a, c, turn = (h0 - b) * np.exp(low * t), b * np.exp(high * t), steady * np.exp(1j * omega * t)
+        return (a + c + turn).real + d / k**2, (low * a + high * c + 1j * omega * turn).real
+
+    t = np.linspace(0.0, last, int(64 * last * max(k, omega)))[1:]
+    _y, v = fly(t)
+    (turns,) = np.nonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))
+    a, b_ = t[turns], t[turns + 1]
+    for _ in range(60):
+        middle = 0.5 * (a + b_)
+        falls = fly(middle)[1] < 0.0
+        a, b_ = np.where(falls, middle, a), np.where(falls, b_, middle)
+    lows = fly(a)[0]
+    (below,) = np.nonzero(lows < 0.0)
+    miss = np.abs(lows[: below[0] + 1] if below.size else lows).min(initial=np.inf)
+    if not below.size:
+        return None, miss
+    hi, lo = a[below[0]], t[turns[below[0]]]
+    while fly(lo)[0] < 0.0:
+        lo -= t[0]
+    for _ in range(60):
+        middle = 0.5 * (lo + hi)
+        lo, hi = (middle, hi) if fly(middle)[0] >= 0.0 else (lo, middle)
+    return lo, miss
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-4, 1e-2, 0.3])
+def test_impacts_after_many_periods_and_none_at_all_are_told_without_doubt(damping):
+    """The ball leaves slowly from where the steady response is lowest: back there it comes when both swings agree."""
+    rng = np.random.default_rng(int(1e4 * damping) + 3)
+    late = none = 0
+    for _ in range(25):
+        k, omega, w = 10.0 ** rng.uniform(-0.7, 0.7), 10.0 ** rng.uniform(-0.7, 0.7), 10.0 ** rng.uniform(-3, 0)
+        if abs(k - omega) < 0.1 * k:
+            continue
+        steady = 1.0 / (k * k - omega**2 + 1j * damping * k * omega)
+        d = abs(steady) * k * k * (1.0 + 10.0 ** rng.uniform(-3.0, 0.5))
+        t0 = (math.pi - np.angle(steady)) / omega
+        m = gz.pinball(alpha=damping * k, k=k, omega=omega, t0=t0, d=d, V=0.0, r=0.7)
+        due, miss = first_impact(m, w, 1000.0 * m.period)
+        segment = gz.impact_map(m).orbit((0.0, w), 1)
+        if miss < 1e-9:
+            continue
+        assert segment.outcomes[0] == (NO_IMPACT if due is None else 0), (m, due, miss)
+        if due is None:
+            none += 1
+        else:
+            late += due > 30.0 * m.period
+            assert segment.points[1, 0] + segment.letters[0] * m.period == pytest.approx(due, rel=1e-9, abs=1e-7)
+    assert (none if damping else late), (none, late)
+
+
 def test_chatter_and_sticking_end_at_the_release():
     m = gz.pinball(V=0.0, r=0.3, d=-0.2)
     Q = gz.impact_map(m)

@@ -1,3 +1,4 @@
+import inspect
 import math
 
 import mpmath
@@ -7,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import grazing as gz
+from grazing.config.orbits import window_table
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.windows import EDGES, windows
 
@@ -70,6 +72,16 @@ def test_the_windows_of_the_standard_set_to_12_digits():
     assert set(table.low_type.values) == {"gr"} and set(table.high_type.values) == {"pd"}
     assert set(table.low_dip.values) == {1} and set(table.high_dip.values) == {0}
     assert set(table.low_status.values) == set(table.high_status.values) == {"zero"}
+
+
+def test_orbits_of_every_period_are_looked_for_if_none_is_named():
+    """An impact in every period is the commonest orbit of all: a default must not leave it out."""
+    model = gz.pinball(alpha=1.96, k=0.6, omega=2.1, r=0.6, V=0.1, d=-0.05)
+    table = windows(model, "d", samples=20)
+    assert table.attrs["N"] == [1, 2, 3, 4, 5, 6, 7]
+    assert 1 in table.N.values
+    for function in (windows, gz.boundaries, gz.sensitivity, window_table):
+        assert list(inspect.signature(function).parameters["N"].default) == table.attrs["N"], function
 
 
 def test_coarse_grids_find_the_same_windows():

@@ -25,7 +25,10 @@ from grazing.outcome import GrazingError
 
 MAP = Group("Map and model", sort_key=1)
 PARAMETERS = Group(
-    "Parameters of the map", help="Any other parameter of the map, such as one of your own: NAME=VALUE.", sort_key=2
+    "Parameters of the map",
+    help="Any other parameter of the map, such as one of your own: NAME=VALUE. Defaults are those of the paper's "
+    "pinball; where another law, cos, sin or sigma is named, only t0, sigma, sin and phase have one: 0.",
+    sort_key=2,
 )
 STUDY = Group("Study", sort_key=3)
 RUN = Group("Run and output", sort_key=4)
@@ -191,8 +194,8 @@ def recipe_from(
                 text,
             )
     problems += assigned(given, tokens)
-    for name in mapping["vary"] if isinstance(mapping.get("vary"), Mapping) else ():
-        if ("parameters", name) in given.here:
+    for name, written in mapping["vary"].items() if isinstance(mapping.get("vary"), Mapping) else ():
+        if ("parameters", name) in given.here and written != DEFAULT:  # whose range is chosen by the value
             where = "here" if ("vary", name) in given.here else f"in {file}"
             problems.append(
                 Problem(("parameters", name), f"{name} varies {where}; give it a range there, or no single value")

@@ -124,7 +124,9 @@ def edge_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]
         for w in tables["windows"]
     ]
     if not rows:
-        return [f"no window for {name} from {low:g} to {high:g}; try another range, or other periods with --N", ""]
+        asked = ", ".join(map(str, recipe["settings"]["N"]))
+        said = f"no window with N = {asked} for {name} from {low:g} to {high:g}"
+        return [f"{said}; try another range, or other periods with --N", ""]
     said = [*aligned(["N", f"{name} from", "", "to", "", "piece of the law"], rows), ""]
     seen = {row[side] for row in tables["windows"] for side in ("low_type", "high_type")}
     said += legend({kind: words for kind, words in tables["meanings"].items() if kind in seen})

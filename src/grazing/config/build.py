@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from grazing.config.check import Recipe, checked
@@ -15,7 +16,7 @@ from grazing.config.settings import STUDIES, WHOLE
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb
@@ -159,11 +160,15 @@ def followed(recipe: Recipe, threads: int | None, progress: Progress | None) -> 
 
 
 def model_near(recipe: Recipe, name: str, ends: tuple[float, ...] | None) -> Oscillator:
-    """Return the model of a recipe; a parameter that varies and has no default is in the middle of its range."""
+    """Return the model of a recipe; a parameter that varies and has no value is in the middle of its range."""
     given = dict(recipe["parameters"])
-    if parameter_defaults(recipe).get(name, 0.0) is None:
+    if name not in given and parameter_defaults(recipe).get(name, 0.0) is None:
+        known = describe_parameter(name)
+        if ends is None and known.high < inf:  # all of its values are searched, whichever it has
+            ends = known.low, known.high
         if ends is None:
-            raise InputError(f"{name} has no default, so its range is not known; give one, such as {name}=0.1:0.5")
+            said = f"{name} has no default, so its range is not known; give one, such as {name}=0.1:0.5"
+            raise InputError(f"{said}, or a value to search around, such as --{name} 0.3")
         given[name] = 0.5 * sum(ends)
     return model_of({**recipe, "parameters": given})
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from grazing.config.maps import LAW, UNFOLD, has_beside, map_of, names_of, parameter_defaults
+from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
 from grazing.config.own import is_own, located, own_object
 from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
@@ -339,10 +339,11 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
     for name, default in known.items():
         if default is None and name not in given and name not in elsewhere:
             sound = False
-            yield Problem(("parameters", name), f"missing; give {_says(name)}")
+            yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
     complete = {name: given.get(name, default) for name, default in known.items()}
+    around = {name for name, written in config["vary"].items() if written == DEFAULT}  # a range chosen by the value
     config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
     }
     if sound and config["map"] != "normal-form":
         filled = {name: 0.5 if value is None else value for name, value in complete.items()}
@@ -355,4 +356,12 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
 def _says(name: str) -> str:
     from grazing.config.parameters import meaning
 
-    return meaning(name)
+    return "amplitudes of the forcing, 0 for none" if name in AMPLITUDES else meaning(name)
+
+
+def _why(config: Recipe, name: str) -> str:
+    """Return why a parameter that the pinball has is missing all the same."""
+    beyond = None if is_own(config["map"]) or config["map"] == "gap" else beyond_pinball(config)
+    if beyond is None or name not in (*PINBALL, *AMPLITUDES):
+        return ""
+    return f" (with {beyond} this is not the paper's pinball, and nothing is assumed)"

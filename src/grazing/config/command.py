@@ -60,7 +60,9 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
     for key, usual in KEYS.items():
         if recipe.get(key, usual) != usual:
             yield from _option(key, recipe[key])
-    defaults = parameter_defaults(recipe)
+    usual = parameter_defaults({**recipe, "parameters": {}})  # the pinball's, unless law or what varies is not its
+    said = {name: value for name, value in recipe["parameters"].items() if value != usual.get(name)}
+    defaults = parameter_defaults({**recipe, "parameters": said})
     own = is_own(recipe["map"]) or "model" in recipe
     for name, value in recipe["parameters"].items():
         if value != defaults.get(name):

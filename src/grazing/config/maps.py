@@ -23,6 +23,8 @@ PHASED = ("stroboscopic", "discontinuity")
 #: The parameter that leads a normal form to its graze, if none is named.
 UNFOLD = "d"
 LAW = "active"
+#: Parameters of the paper's pinball machine: its wall is at 0, its force one cosine of amplitude 1 beside d.
+PINBALL = tuple(name for name in defaults_of(pinball) if name != "sigma")
 
 
 def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
@@ -31,7 +33,8 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     config : mapping
-        ``map``, ``model`` and ``law``, valid each by itself.
+        ``map``, ``model`` and ``law``, valid each by itself; ``parameters`` and ``vary``, whose names say whether it
+        is the pinball, whose defaults are the paper's. Else only what leaves a term out has a default: 0.
     """
     kind, law = config["map"], config.get("law") or LAW
     if is_own(kind):
@@ -45,7 +48,37 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
         return {**own_model(config["model"]).params, **section}
     paper, shape = defaults_of(pinball), defaults_of(Forcing)
     flight = {name: paper[name] for name in FLIGHT} | {name: list(shape[name]) for name in AMPLITUDES}
-    return {**flight, **{name: paper.get(name) for name in law_names(law)}, **section}
+    known = {**flight, **{name: paper.get(name) for name in law_names(law)}, **section}
+    if beyond_pinball(config) is None:
+        return known
+    for name, usual in known.items():
+        if usual not in (0.0, []):
+            moving = name in AMPLITUDES and any(harmonic(varied) == name for varied in config.get("vary", ()))
+            known[name] = [0.0] if moving else None
+    return known
+
+
+def harmonic(name: str) -> str:
+    """Return cos or sin for the name of an amplitude, such as cos1; else nothing."""
+    return name[:3] if name[:3] in AMPLITUDES and name[3:].isdigit() else ""
+
+
+def beyond_pinball(config: Mapping[str, Any]) -> str | None:
+    """Return what a configuration names that the paper's pinball does not have; None if it is the pinball.
+
+    A configuration that names all of the pinball is the pinball, too: recipes are complete.
+    """
+    if config.get("law") not in (None, LAW):
+        return f"law = {config['law']}"
+    given, varied = config.get("parameters", {}), list(config.get("vary", ()))
+    moved = [name for name in varied if name == "sigma" or harmonic(name)]
+    named = [name for name in ("sigma", *AMPLITUDES) if name in given]
+    if moved or not named:
+        return moved[0] if moved else None
+    usual = {"sigma": 0.0, "cos": [1.0], "sin": []}
+    complete = all(name in given or name in varied for name in PINBALL)
+    same = all(given.get(name, value) == value for name, value in usual.items())
+    return None if complete and same else named[0]
 
 
 def own_model(text: str) -> Oscillator:
@@ -76,7 +109,7 @@ def _names(kind: str, law: str, cosines: int, sines: int) -> tuple[list[str], li
         P = gap_map(0.5, 0.1, 0.1)
     else:
         known = parameter_defaults({"map": kind, "law": law})
-        known |= {name: 0.0 for name, value in known.items() if value is None}
+        known |= {name: 1.0 for name, value in known.items() if value is None}
         known |= {"cos": [1.0] + [0.0] * max(cosines - 1, 0), "sin": [0.0] * sines}
         P = map_of({"map": kind, "law": law, "parameters": known})
     return list(P.params), list(P.coordinates)
@@ -138,7 +171,8 @@ def model_of(config: Mapping[str, Any]) -> Oscillator:
     if config.get("model"):
         return own_model(config["model"]).replace(**given)
     law = config.get("law") or LAW
-    known = {**parameter_defaults({"map": "impact", "law": law}), **given}
+    known = {**parameter_defaults({**config, "map": "impact", "law": law}), **given}
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
-    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d")
+    paper = beyond_pinball(config) is None
+    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d", paper=paper)

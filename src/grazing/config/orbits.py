@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from grazing.proof.certify import Certificate
 
 #: Periods of the windows that are looked for if none are named.
-PERIODS: Sequence[int] = list(range(2, 8))
+PERIODS: Sequence[int] = list(range(1, 8))
 #: Parts of a window's width from its edge at which an orbit is taken to begin a proof from.
 INSIDE = (1e-3, 1e-2, 1e-4)
 

@@ -114,6 +114,7 @@ def _parameter_fields() -> dict[str, Any]:
 Parameters: type[OpenTable] = create_model(
     "Parameters",
     __base__=OpenTable,
-    __doc__="Values of the parameters that do not vary; those left out have their defaults.",
+    __doc__="Values of the parameters that do not vary; those left out are the pinball's if nothing else is named, "
+    "no law but its own, cos, sin or sigma. Else only t0, sigma, sin and phase may be left out: they are 0.",
     **_parameter_fields(),
 )

@@ -13,10 +13,12 @@ from grazing.kernel.export import Argument, Entry
 from grazing.kernel.lanes import unpacker
 from grazing.maps.discontinuity import ORDERS, local_map_of
 from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low
-from grazing.maps.stroboscopic import starting_box, step_of, tangent_of
+from grazing.maps.starting import paper_box, reach_box
+from grazing.maps.stroboscopic import step_of, tangent_of
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import describe_parameter
+from grazing.oscillator.reach import reach_of
 from grazing.oscillator.reset import (
     active_contraction,
     active_law,
@@ -38,9 +40,9 @@ NAN = float("nan")
 
 
 WAVES = tuple(f"{name}{j}" for j in range(1, HARMONICS + 1) for name in ("cos", "sin"))
-#: The parameters in the order of a row: those of the flight, of all laws, the law, the phase of the section, and the
-#: order of the discontinuity map, which the other kernels ignore.
-FIELDS = (*HEAD, *WAVES, "sigma", "r", "V", "trigger", "law", "phase", "order")
+#: The parameters in the order of a row: those of the flight, of all laws, the law, the phase of the section, the
+#: order of the discontinuity map, which the other kernels ignore, and whether starts are those of the paper's pinball.
+FIELDS = (*HEAD, *WAVES, "sigma", "r", "V", "trigger", "law", "phase", "order", "paper")
 KIND = parameter_tuple(FIELDS)
 
 PHASE = FIELDS.index("phase")
@@ -65,11 +67,21 @@ def chosen_contraction(p: Any) -> tuple[float, float]:
 LAW = chosen_law, newton_slope, chosen_contraction
 
 
+def box_of(p: Any) -> Any:
+    """Return where random starts of a row are drawn."""
+    if p.paper != 0.0:
+        return paper_box(p.sigma, 2.0 * pi / p.omega)
+    force, V = p.offset - p.k * p.k * p.sigma, 0.0 if p.law == NEWTON else p.V
+    cos, sin = (p.cos1, p.cos2, p.cos3), (p.sin1, p.sin2, p.sin3)
+    height, speed, _after = reach_of(p.alpha, p.k, p.omega, force, cos, sin, p.sigma, p.r, V)
+    return reach_box(p.sigma, height, speed)
+
+
 def boxes(rows: Any, boxes: Any) -> None:
     """Write where random starts are drawn, (low, high) of u and of v for each row."""
     for q in range(rows.shape[0]):
         p = UNPACK(rows[q])
-        (u_low, u_high), (v_low, v_high) = starting_box(p.sigma, 2.0 * pi / p.omega)
+        (u_low, u_high), (v_low, v_high) = box_of(p)
         boxes[q, 0, 0], boxes[q, 0, 1], boxes[q, 1, 0], boxes[q, 1, 1] = u_low, u_high, v_low, v_high
 
 
@@ -143,6 +155,8 @@ def described(name: str) -> Parameter | dict[str, Any]:
         return {"name": name, "meaning": "reset law", "choices": list(LAWS)}
     if name == "order":
         return {"name": name, "meaning": "order of the discontinuity map", "choices": list(ORDERS)}
+    if name == "paper":
+        return {"name": name, "meaning": "1 for the starts of the paper's pinball"}
     return describe_parameter(name)
 
 

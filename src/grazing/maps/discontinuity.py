@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
 from grazing.maps.period import product
+from grazing.maps.starting import boxes_at, local_box
 from grazing.maps.stroboscopic import above_wall, periods_passed
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
@@ -178,7 +179,8 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         step,
         params={**model.params, "phase": describe_parameter("phase").check(phase)},
         coordinates=("u", "v"),
-        box=((model.sigma, model.sigma + 0.1), (-0.3, 0.3)),
+        box=local_box(model.reach, model.paper),
+        boxes=partial(boxes_at, model, local_box),
         prepare=constants_of(model.harmonics, section_phase),
         tangent=tangent,
         name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",

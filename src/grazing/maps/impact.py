@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from math import nan
-from typing import Any
+from math import nan, sqrt
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,18 @@ from numpy.typing import NDArray
 from grazing.maps.map import Map
 from grazing.maps.period import log_size
 from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
+from grazing.maps.starting import boxes_at, impact_box
 from grazing.oscillator.constants import constants_of, forcing
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed, wrapped
+from grazing.oscillator.contact import (
+    FLIES,
+    LIES,
+    MAX_SWINGS,
+    Ball,
+    Launch,
+    departure_of,
+    next_contact,
+    placed,
+)
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
@@ -25,6 +35,33 @@ MAX_PERIODS = 1000
 INFINITY = float("inf")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+class Doubt(NamedTuple):
+    """How wrong a ball may be that has flown for many periods: bounds on y and v, and one on sqrt(k^2 y^2 + v^2)."""
+
+    y: float
+    v: float
+    energy: float
+
+
+NO_DOUBT = Doubt(0.0, 0.0, 0.0)
+
+
+def next_period(ball: Ball, doubt: Doubt, c: Any) -> tuple[Ball, Doubt]:
+    """Return the ball at the end of a period as the same ball at the beginning of the next, and how wrong it may be.
+
+    Bounds that go from piece to piece by the sizes of the modes grow with every piece, where the errors themselves
+    fade: the free ball gains no energy. Here the errors of each period are added up, and go on as those of a departure.
+    """
+    E11, E12, E21, E22 = modes(c.T, c)
+    root = sqrt(c.k2)
+    y = abs(E11) * doubt.y + abs(E12) * doubt.v + ball.error_y
+    v = abs(E21) * doubt.y + abs(E22) * doubt.v + ball.error_v
+    energy = doubt.energy + sqrt(c.k2 * ball.error_y * ball.error_y + ball.error_v * ball.error_v)
+    y = energy / root if energy < root * y else y
+    v = min(v, energy)
+    return Ball(0.0, ball.y, ball.v, 0, 0.0, 0.0, Launch(0.0, 1.0, 0.0, y, v)), Doubt(y, v, energy)
 
 
 @lru_cache(maxsize=256)
@@ -45,7 +82,7 @@ def return_of(
         if c.T > MAX_SWINGS * c.piece:
             return (nan, nan), 0, TOO_MANY_SWINGS, lost
         start = tau - c.T * (tau // c.T)
-        ball = placed(start, 0.0, w, 0)
+        ball, doubt = placed(start, 0.0, w, 0), NO_DOUBT
         strobes, outcome = 0, OK
         # from rest the flight is smooth where the force lifts the ball at once
         rests, lying, smooth = w == 0.0, False, w > 0.0 or forcing(start, c)[0] > 0.0
@@ -71,11 +108,12 @@ def return_of(
                     return (t, ball.v), at, outcome, J
                 smooth = smooth and kind == FLIES
                 lying = lying or kind == LIES
+                doubt = NO_DOUBT if kind == LIES else doubt
                 rests = False
             if ball.t >= c.T:
                 strobes += 1
                 rests = ball.y == 0.0 and ball.v == 0.0
-                ball = wrapped(ball, c)
+                ball, doubt = next_period(ball, doubt, c)
         return (nan, nan), strobes, outcome | NO_IMPACT, lost
 
     return tangent
@@ -166,7 +204,8 @@ def impact_map(model: Oscillator) -> Map:
         return_step_of(law.law, law.slope, law.contraction),
         params=model.params,
         coordinates=("tau", "v_plus"),
-        box=((0.0, model.period), (0.0, 1.0)),
+        box=impact_box(model.reach, model.paper),
+        boxes=partial(boxes_at, model, impact_box),
         prepare=constants_of(model.harmonics),
         tangent=return_tangent_of(law.law, law.slope, law.contraction),
         name="impact map",

@@ -99,6 +99,8 @@ class Map:
     clock : callable, optional
         ``clock(rows, first, last, letters, steps)``: the time, shape (columns, n), that orbits took for so many steps
         from the first states to the last ones (columns, dim, n), ``letters`` (columns, n) being their sum.
+    boxes : callable, optional
+        ``boxes(rows)``: the box at each row of parameters, shape (columns, dim, 2), where it moves with them.
 
     Raises
     ------
@@ -140,6 +142,7 @@ class Map:
     model: Oscillator | None = None
     section: str | None = None
     clock: Callable[..., NDArray[np.float64]] | None = None
+    boxes: Callable[[Floats], Floats] | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:

@@ -14,6 +14,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.period import period_of
 from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.maps.settle import Settled
+from grazing.maps.starting import boxes_at, strobe_box
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
@@ -73,12 +74,6 @@ def above_wall(state: Any, params: Any) -> None:
         raise InputError(
             f"the ball starts inside the wall: u = {state[0]:g}, sigma = {params['sigma']:g}; start with u >= sigma"
         )
-
-
-def starting_box(sigma: float, period: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where random starts are drawn: above the wall, as far as the forcing moves the ball in one period."""
-    width = max(min(1.0, 4.0 * period * period), 1e-6 * abs(sigma))
-    return (sigma + 1e-3 * width, sigma + 0.1 * width), (-0.3 * width, 0.3 * width)
 
 
 def periods_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
@@ -144,7 +139,8 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         step_of(law.law, law.slope, law.contraction),
         params={**model.params, "phase": describe_parameter("phase").check(phase)},
         coordinates=("u", "v"),
-        box=starting_box(model.sigma, model.period),
+        box=strobe_box(model.reach, model.paper),
+        boxes=partial(boxes_at, model, strobe_box),
         prepare=constants_of(model.harmonics, section_phase),
         tangent=tangent_of(law.law, law.slope, law.contraction),
         block=partial(ensemble_tasks, model.harmonics, law),

@@ -40,7 +40,7 @@ JOINED = 0.12
 SAME = 0.01
 
 
-def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = range(2, 8)) -> xr.Dataset:
+def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = range(1, 8)) -> xr.Dataset:
     """Return exact boundary curves in the plane of two parameters, from theory where it knows them.
 
     Parameters
@@ -51,7 +51,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
     x, y : (name, low, high) or (name, values)
         The two parameters and their ranges, as in a chart: x is the first one, its horizontal axis.
     N : int or iterable of int
-        Periods of the orbits, each >= 1.
+        Periods of the orbits, each >= 1; 1 to 7 if none are named.
 
     Returns
     -------
@@ -267,7 +267,7 @@ def _periods(N: Any) -> list[int]:
     try:
         return sorted({whole(n, "N", 1) for n in several})
     except TypeError:
-        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(2, 8)") from None
+        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _dataset(

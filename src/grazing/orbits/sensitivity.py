@@ -58,7 +58,7 @@ AT_EDGE = 1e-6
 def sensitivity(
     model: Oscillator,
     name: str,
-    N: int | Iterable[int] = range(2, 8),
+    N: int | Iterable[int] = range(1, 8),
     span: tuple[float, float] | None = None,
     samples: int = 2000,
 ) -> xr.Dataset:

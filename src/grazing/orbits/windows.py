@@ -39,7 +39,7 @@ LAST_TEST = FIRST_TEST + len(TESTS)
 def windows(
     model: Oscillator,
     name: str,
-    N: int | Iterable[int] = range(2, 8),
+    N: int | Iterable[int] = range(1, 8),
     span: tuple[float, float] | None = None,
     samples: int = 2000,
 ) -> xr.Dataset:
@@ -52,7 +52,7 @@ def windows(
     name : str
         Any parameter of the model; the others keep their values.
     N : int or iterable of int
-        Periods of the forcing between impacts, each >= 1.
+        Periods of the forcing between impacts, each >= 1; 1 to 7 if none are named. Attribute ``N`` of the result.
     span : (low, high), optional
         The values searched, within the allowed range. Default: the whole range of r; half to twice the value of
         alpha, k, omega, V and trigger ([0, 1] for a value 0); the value plus or minus the sum of the amplitudes for
@@ -107,12 +107,13 @@ def windows(
     cells = whole(samples, "samples", 2)
     values = np.linspace(low, high, cells + 1)
     found: list[tuple[int, Edge, Edge, str]] = []
-    for n in _periods(N):
+    periods = _periods(N)
+    for n in periods:
         for family in families(model, n, name):
             for curve in curves(family, values):
                 found += [(n, *window, PIECES[family.law]) for window in stable_intervals(curve)]
     found.sort(key=lambda window: (window[0], window[1].value, window[2].value))
-    return _dataset(model, name, (low, high), cells, found)
+    return _dataset(model, name, periods, (low, high), cells, found)
 
 
 def stable_intervals(curve: Curve) -> list[tuple[Edge, Edge]]:
@@ -192,7 +193,7 @@ def _periods(N: Any) -> list[int]:
     try:
         return sorted({whole(n, "N", 1) for n in several})
     except TypeError:
-        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(2, 8)") from None
+        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
@@ -223,7 +224,12 @@ def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
 
 
 def _dataset(
-    model: Oscillator, name: str, span: tuple[float, float], samples: int, found: list[tuple[int, Edge, Edge, str]]
+    model: Oscillator,
+    name: str,
+    periods: list[int],
+    span: tuple[float, float],
+    samples: int,
+    found: list[tuple[int, Edge, Edge, str]],
 ) -> xr.Dataset:
     """Return the windows as a labelled table."""
     parameter = describe_parameter(name)
@@ -249,6 +255,7 @@ def _dataset(
         "parameter": name,
         "model": repr(model),
         "parameters": json.dumps(dict(model.params)),
+        "N": periods,
         "span": list(span),
         "samples": samples,
         "arithmetic": "strict",

@@ -61,13 +61,6 @@ def placed(t: float, y: float, v: float, i: int) -> Ball:
     return Ball(t, y, v, i, 0.0, 0.0, NO_LAUNCH)
 
 
-def wrapped(ball: Ball, c: Constants) -> Ball:
-    """Return the ball at the end of a period as the same ball at the beginning of the next."""
-    old = ball.launch
-    launch = Launch(old.t - c.T, old.w, old.lift, old.late, old.off)
-    return Ball(0.0, ball.y, ball.v, 0, ball.error_y, ball.error_v, launch)
-
-
 def carried(t: float, launch: Launch, c: Constants) -> float:
     """Return how far y at time t may be off because of the errors of the departure."""
     if launch.late == 0.0 and launch.off == 0.0:

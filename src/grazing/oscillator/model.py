@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, pi
-from typing import Any
+from typing import Any, NamedTuple
 
-from grazing.oscillator.reset import KNOWN, Reset, active
+from grazing.oscillator.reach import drive_of, reach_of
+from grazing.oscillator.reset import KNOWN, Reset, active, linear_part, probe
 from grazing.outcome import InputError
 from grazing.parameter import Parameter, real, updated
 
@@ -94,6 +95,19 @@ def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
     return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
 
 
+class Reach(NamedTuple):
+    """Where orbits stay as a rule: the wall, the period, the height above the wall, speeds in flight, after an impact.
+
+    Estimated from force, spring, gap, frequency and the law, see :mod:`grazing.oscillator.reach`.
+    """
+
+    sigma: float
+    period: float
+    height: float
+    speed: float
+    after: float
+
+
 @dataclass(frozen=True, slots=True)
 class Oscillator:
     """A forced linear oscillator above a wall: u'' + alpha u' + k^2 u = f(t) for u > sigma, and a reset law.
@@ -134,6 +148,7 @@ class Oscillator:
     reset: Reset
     sigma: float = 0.0
     offset_name: str = field(default="offset", kw_only=True, repr=False)
+    paper: bool = field(default=False, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("alpha", "k", "sigma"):
@@ -150,6 +165,9 @@ class Oscillator:
         clash = [name for name in self.reset.params if means_model(name)]
         if clash:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
+        if not self.reset.affine:
+            f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
+            probe(self.reset, drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1])
 
     def _flight_params(self) -> dict[str, float]:
         f = self.forcing
@@ -157,6 +175,24 @@ class Oscillator:
         for j, (c, s) in enumerate(zip(f.cos, f.sin, strict=True), start=1):
             values |= {f"cos{j}": c, f"sin{j}": s}
         return values | {"sigma": self.sigma}
+
+    @property
+    def reach(self) -> Reach:
+        """How far and how fast the ball goes, as a rule: where random starts are drawn unless said."""
+        return self.reach_at(list(self.params.values()))
+
+    def reach_at(self, row: Sequence[float]) -> Reach:
+        """Return how far and how fast the ball goes at other parameter values, in the order of :attr:`params`."""
+        alpha, k, omega, _t0, offset = row[:5]
+        wall = 5 + 2 * self.harmonics
+        sigma, cos, sin = row[wall], row[5:wall:2], row[6:wall:2]
+        forces = omega, offset - k * k * sigma, cos, sin
+        law = dict(zip(self.reset.params, row[wall + 1 :], strict=False))
+        if self.reset.affine:
+            r, V = law.get("r", 0.0), law.get("V", 0.0)
+        else:
+            r, V = linear_part(self.reset, law, drive_of(alpha, k, *forces)[1])
+        return Reach(sigma, 2.0 * pi / omega, *reach_of(alpha, k, *forces, sigma, r, V))
 
     @property
     def params(self) -> Mapping[str, float]:
@@ -191,7 +227,9 @@ class Oscillator:
             sin=tuple(new[f"sin{j + 1}"] for j in range(self.harmonics)),
         )
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
-        return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], offset_name=self.offset_name)
+        return Oscillator(
+            new["alpha"], new["k"], forcing, law, new["sigma"], offset_name=self.offset_name, paper=self.paper
+        )
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:g}" for name, value in self._flight_params().items())
@@ -254,4 +292,4 @@ def pinball(
     0.1
     """
     forcing = Forcing(omega=omega, t0=t0, offset=describe_parameter("d").check(d))
-    return Oscillator(alpha, k, forcing, active(r, V), sigma, offset_name="d")
+    return Oscillator(alpha, k, forcing, active(r, V), sigma, offset_name="d", paper=True)

@@ -16,6 +16,8 @@ from grazing.parameter import Parameter, checked_params, parameters, real
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
 V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
 TRIGGER = Parameter("trigger", "v_s", "least speed of impact that fires the bumper", 0.0)
+#: Speeds at which a law is tried before it belongs to a model, whose own speeds are tried then: slow in any unit.
+SLOW = 1e-6
 KNOWN = {parameter.name: parameter for parameter in (R, V, TRIGGER)}
 
 
@@ -207,7 +209,8 @@ def reset(
     Raises
     ------
     UserCodeError
-        If the law raises, or returns a velocity into the wall or not finite, for one of a few test velocities.
+        If the law raises, or returns a velocity into the wall or not finite, at rest or for a very slow impact. At
+        the speeds of a model it is tried when it becomes part of it.
 
     Examples
     --------
@@ -233,16 +236,36 @@ def reset(
         known = constant_contraction(float(ratio), float(speed))
     name = getattr(law, "__name__", "law")
     made = Reset(law, _checked(params), difference_of(law), known, exact_slope=False, name=name)
-    p = parameters(made.params)
-    ratio, speed = known(p)
-    for v in (0.0, -1e-3, -0.1, -1.0):
+    probe(made, SLOW)
+    return made
+
+
+def probe(made: Reset, scale: float) -> None:
+    """Try a law at rest and at a few speeds up to a scale, and where it is said to contract; raise if it is wrong."""
+    ratio, speed = made.contraction(parameters(made.params))
+    for v in (
+        0.0,
+        -1e-3 * scale,
+        -0.1 * scale,
+        -scale,
+        *([-speed, -0.1 * speed] if ratio < 1.0 and speed < inf else ()),
+    ):
         w = made(v)
-        if ratio < 1.0 and -v <= speed and w > ratio * -v:
+        if ratio < 1.0 and -v <= speed and w > ratio * -v * (1.0 + 1e-12):
             raise InputError(
                 f"contraction says v_plus <= {ratio:g} |v_minus| for speeds up to {speed:g}, "
                 f"but the law gives {w:g} for v_minus = {v:g}; correct one of them"
             )
-    return made
+
+
+def linear_part(made: Reset, params: Mapping[str, float], speed: float) -> tuple[float, float]:
+    """Return (r, V) of the law v_plus = r |v_minus| + V that is most like a law at rest and at a speed."""
+    try:
+        kick = made(0.0, **params)
+        gain = (made(-speed, **params) - kick) / speed if speed > 0.0 else 1.0
+    except UserCodeError:  # not at these values: the study says where
+        return 1.0, 0.0
+    return min(max(gain, 0.0), 1.0), kick
 
 
 def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:

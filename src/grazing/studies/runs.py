@@ -109,6 +109,8 @@ class Runs:
         fixed = self.settings.box or (None if self.moving else self.P.box)
         if fixed is not None:
             return np.broadcast_to(np.array(fixed), (len(cells), *np.shape(fixed)))
+        if self.P.boxes is not None:
+            return self.P.boxes(self.rows(cells))
         names = [list(self.axes)[i] for i in self.moving]
         different, which = np.unique(self.values(cells)[:, self.moving], axis=0, return_inverse=True)
         boxes = [self.P.replace(**dict(zip(names, row.tolist(), strict=True))).box for row in different]

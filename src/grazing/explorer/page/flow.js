@@ -7,6 +7,7 @@ import { extent, linspace, normalForm } from "./jobs.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
 import { allowed, later } from "./state.js";
+import { isPinball } from "./text.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
@@ -24,6 +25,7 @@ export const valueOf = (state, name) => /** @type {Record<string, any>} */ (stat
 export function rowOf(machine, state) {
   return Float64Array.from(machine.described.fields, ({ name, choices }) => {
     if (name === "order") return 0;
+    if (name === "paper") return Number(isPinball(state));
     return choices ? choices.indexOf(valueOf(state, name)) : valueOf(state, name);
   });
 }

@@ -17,13 +17,13 @@ function amplitudes(state, kind) {
 
 /** Whether the model is the paper's pinball machine, whose constant force is called d. @param {State} state */
 export function isPinball(state) {
-  return state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos)/.test(name));
+  return state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && state.sigma === 0 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos|sigma)/.test(name));
 }
 
 /** The model as a program makes it. @param {State} state */
 function model(state) {
   if (isPinball(state)) {
-    return `gz.pinball(alpha=${state.alpha}, k=${state.k}, omega=${state.omega}, t0=${state.t0}, d=${state.offset}, r=${state.r}, V=${state.V}, sigma=${state.sigma})`;
+    return `gz.pinball(alpha=${state.alpha}, k=${state.k}, omega=${state.omega}, t0=${state.t0}, d=${state.offset}, r=${state.r}, V=${state.V})`;
   }
   const law = /** @type {Record<string, string>} */ ({ newton: `gz.newton(${state.r})`, active: `gz.active(${state.r}, ${state.V})`, triggered: `gz.triggered(${state.r}, ${state.V}, ${state.trigger})` })[state.law];
   const cos = amplitudes(state, "cos"), sin = amplitudes(state, "sin");
@@ -52,7 +52,7 @@ function options(state, varied, section = true) {
   if (section) own.phase = state.phase;
   for (const name of varied) delete own[name === "offset" ? "d" : name];
   const text = Object.entries(own).map(([name, value]) => `--${name}=${value}`).join(" ");
-  return isPinball(state) ? text : `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
+  return `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
 }
 
 /** How many starts and steps the diagram of the view has. @param {State} state */
