@@ -12,6 +12,7 @@ at once, before any kernel runs, with one of the exceptions below::
 from __future__ import annotations
 
 import operator
+import reprlib
 from collections.abc import Iterable
 from enum import Enum, IntFlag
 from typing import Final
@@ -133,6 +134,28 @@ def describe(outcome: int | Iterable[int]) -> str:
     outcome = bits
     said = [f"{flag.name}: {what}; {advice}" for flag, (what, advice) in _ADVICE.items() if outcome & flag]
     return ". ".join(said) or "ok"
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = _SHORT.maxarray = 8
+_SHORT.maxstring = _SHORT.maxother = 120
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: as Python writes it, cut where that is long, and never an error.
+
+    Examples
+    --------
+    >>> from grazing.outcome import shown
+    >>> shown("a"), shown(range(10**9)), shown(list(range(10**6))), shown(10**9999)
+    ("'a'", 'range(0, 1000000000)', '[0, 1, 2, 3, 4, 5, 6, 7, ...]', 'a whole number of 33216 bits')
+    """
+    if isinstance(value, int) and value.bit_length() > 400:  # Python writes no number of thousands of digits
+        return f"a whole number of {value.bit_length()} bits"
+    try:
+        return _SHORT.repr(value)
+    except Exception:  # of somebody else's object, or of one that holds itself or such a number
+        return f"<{type(value).__name__}>"
 
 
 class GrazingError(Exception):

@@ -11,7 +11,7 @@ from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +76,10 @@ def parameters(params: Mapping[str, float]) -> Any:
 def checked_params(params: Any) -> dict[str, float]:
     """Return parameters as an ordered dict of finite floats, or raise InputError; names must work as attributes."""
     if not isinstance(params, Mapping):
-        raise InputError(f"params is {params!r}; give a mapping of names to numbers, such as {{'a': 1.9}}")
+        raise InputError(f"params is {shown(params)}; give a mapping of names to numbers, such as {{'a': 1.9}}")
     for name in params:
         if not (isinstance(name, str) and name.isidentifier() and not iskeyword(name) and not name.startswith("_")):
-            raise InputError(f"parameter name {name!r}; allowed is a Python name, no keyword, no leading _")
+            raise InputError(f"parameter name {shown(name)}; allowed is a Python name, no keyword, no leading _")
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
@@ -89,7 +89,7 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
     try:
         pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        raise InputError(f"box is {box!r}; {wanted}") from None
+        raise InputError(f"box is {shown(box)}; {wanted}") from None
     if len(pairs) != len(coordinates):
         raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
     checked = []
@@ -108,7 +108,7 @@ def real(value: Any, name: str, allowed: str) -> float:
             raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {value!r} is not a real number; {allowed}") from None
+        raise InputError(f"{name} = {shown(value)} is not a real number; {allowed}") from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} is not finite; {allowed}")
     return number
@@ -120,7 +120,7 @@ def whole(value: Any, name: str, low: int) -> int:
         if isinstance(value, bool) or int(value) != value:
             raise TypeError
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {value!r}; allowed is a whole number >= {low}") from None
+        raise InputError(f"{name} = {shown(value)}; allowed is a whole number >= {low}") from None
     if value < low:
         raise InputError(f"{name} = {value}; allowed is a whole number >= {low}")
     return int(value)
