@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm, to_rgba_array
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError, shown
 from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of
-from grazing.plot.curves import lay_curves
+from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -77,8 +74,7 @@ def chart(
     choice(by, "by", ("period", "exponent", "attractors"))
     needed = {"period": plane, "share": plane} | ({"exponent": plane} if by == "exponent" else {})
     first, second, _rank = expect(result, "chart", needed)
-    if curves is not None and (isinstance(curves, xr.Dataset) or not isinstance(curves, Mapping)):
-        curves = _joined(curves if isinstance(curves, (list, tuple)) else [curves], first, second)
+    curves = curves_of(curves, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
     period, share = (np.asarray(result[name].values)[i][:, j] for name in ("period", "share"))
     if "done" in result:  # the store of a sweep that is not complete: what is missing stays white
@@ -109,37 +105,6 @@ def chart(
         "curves": drawn,
         "provenance": provenance_of(result),
     }
-
-
-def _joined(several: Sequence[Any], first: str, second: str) -> dict[str, tuple[Floats, Floats]]:
-    """Return boundaries and loci as curves by name: edges of one name are one line in pieces."""
-    pieces: dict[str, list[Floats]] = {}
-    for one in several:
-        for name, x, y in _lines(one, first, second):
-            pieces.setdefault(name, []).append(np.append(np.stack([x, y]), [[np.nan], [np.nan]], axis=1))
-    return {name: tuple(np.concatenate(parts, axis=1)) for name, parts in pieces.items()}
-
-
-def _lines(one: Any, first: str, second: str) -> Iterator[tuple[str, Floats, Floats]]:
-    """Yield the lines of boundaries or of a locus, each with its name."""
-    found = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
-    wanted = f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), gz.locus in {first} and {second}"
-    if not isinstance(found, xr.Dataset) or not {"label", "meeting_type"} & {*found.variables}:
-        raise InputError(
-            f"curves cannot be drawn from {shown(one)}, a {type(one).__name__}; give {wanted}, "
-            "several of these, or a mapping of names to (x, y)"
-        )
-    for name in (first, second):
-        if name not in found:
-            known = ", ".join(map(str, found.variables))
-            raise InputError(f"curves have {known}, but no {name}; give {wanted}")
-    x, y = (np.asarray(found[side].values, np.float64) for side in (first, second))
-    if "label" in found:
-        for k, name in enumerate(found["label"].values):
-            yield str(name), x[k], y[k]
-        return
-    there = found["admissible"].values == 1  # a chart shows what the map has
-    yield f"{found.attrs['word']} {found.attrs['type']}", np.where(there, x, np.nan), np.where(there, y, np.nan)
 
 
 def _periods(
