@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from grazing.cli import main
+from grazing.cli.app import app
 
 pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 # COMP_WORDS as bash makes them: `=` stands alone between the two words around it
@@ -23,7 +23,7 @@ def folder(tmp_path_factory):
     for name in ("study.toml", "a result.nc", "orbit.json", "own.py"):
         (folder / name).touch()
     (folder / "store.zarr").mkdir()
-    assert main(["--install-completion", "--shell", "bash", "--output", str(folder / "completion")]) == 0
+    (folder / "completion").write_text(app.generate_completion(prog_name="grazing", shell="bash"))
     return folder
 
 
@@ -67,8 +67,6 @@ def test_words_and_files_are_offered(folder, words, some):
 def test_every_option_with_choices_or_a_file_offers_them(folder):
     """Whatever help shows as a choice or a FILE is completed: no option is added without."""
     from cyclopts.completion._base import CompletionAction, extract_completion_data, get_completion_action
-
-    from grazing.cli.app import app
 
     seen = set()
     for data in extract_completion_data(app).values():
