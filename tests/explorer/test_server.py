@@ -196,7 +196,8 @@ def test_whatever_is_sent_is_answered_or_dropped_and_nothing_is_said(running, ca
     targets = [
         "http://[::1", "http://[", "//[", "http://]/", "http://a:b/", "http://[v1.x]/", "http://[::1]/page/", "%",
         "%zz", "/%ff%fe", "/page/%00", "/../../etc/passwd", "*", "\\\\a", "/page/" + "a" * 60_000, "/" + "a" * 70_000,
-        "/\u00e9", "", " ", "/page/?" + "&" * 5000, "/#", "?", ";", "http://\u2100/", "/page/index.html HTTP/9.9", "/ HTTP/1.1 x",
+        "/\u00e9", "", " ", "/page/?" + "&" * 5000, "/#", "?", ";", "http://\u2100/",
+        "/page/index.html HTTP/9.9", "/ HTTP/1.1 x",
     ]  # fmt: skip
     lines = [f"GET {target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" for target in targets]
     lines += [

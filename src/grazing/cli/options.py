@@ -49,9 +49,9 @@ def option(
     """Return an option of text: what is allowed is checked with all the rest, so that no error hides another."""
     shown = "" if default in (None, [], "") else text_of(name, default)
     extra: dict[str, Any] = {"metavar": metavar} if metavar else {}
-    # the type is what completion offers: what was written is kept as it is
+    # the type says what completion offers; whatever was written is kept, and checked with all the rest
     words = tuple(choices) or OFFERED.get(name, ())
-    kind: Any = Literal[words] if words else Path if name in FILES else str
+    kind: Any = Literal[words] | str if words else Path if name in FILES else str
     if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
         extra["allow_leading_hyphen"] = True
     if choices:
