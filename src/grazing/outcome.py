@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import operator
 import reprlib
+import traceback
 from collections.abc import Iterable
 from enum import Enum, IntFlag
 from typing import Final
@@ -156,6 +157,26 @@ def shown(value: object) -> str:
         return _SHORT.repr(value)
     except Exception:  # of somebody else's object, or of one that holds itself or such a number
         return f"<{type(value).__name__}>"
+
+
+def told(error: BaseException) -> str:
+    """Return what a user's code raised, with the line in which it did.
+
+    Examples
+    --------
+    >>> from grazing.outcome import told
+    >>> try:
+    ...     1 / 0
+    ... except ZeroDivisionError as error:
+    ...     print(told(error))
+    ZeroDivisionError: division by zero, in line 1 of <doctest ...>: 1 / 0
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    said = f"{type(error).__name__}: {str(error)[:500]}"
+    if not frames:
+        return said
+    line = f": {frames[-1].line}" if frames[-1].line else ""
+    return f"{said}, in line {frames[-1].lineno} of {frames[-1].filename}{line}"
 
 
 class GrazingError(Exception):

@@ -13,6 +13,9 @@ from typing import Any
 
 from grazing.outcome import InputError, shown
 
+#: What a kernel can count to.
+LARGEST = 2**63 - 1
+
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
@@ -102,12 +105,12 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
 
 
 def real(value: Any, name: str, allowed: str) -> float:
-    """Return a finite float, or raise InputError; booleans, text and complex numbers are refused."""
+    """Return a finite float, or raise InputError; booleans, text, complex numbers and arrays are refused."""
     try:
-        if isinstance(value, (bool, str, bytes)):
+        if not _is_number(value):
             raise TypeError
         number = float(value)
-    except (TypeError, ValueError, OverflowError):
+    except Exception:  # of whatever object was given
         raise InputError(f"{name} = {shown(value)} is not a real number; {allowed}") from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} is not finite; {allowed}")
@@ -117,13 +120,22 @@ def real(value: Any, name: str, allowed: str) -> float:
 def whole(value: Any, name: str, low: int) -> int:
     """Return an int >= low, or raise InputError."""
     try:
-        if isinstance(value, bool) or int(value) != value:
+        if not _is_number(value) or int(value) != value:
             raise TypeError
-    except (TypeError, ValueError, OverflowError):
+        number = int(value)
+    except Exception:  # of whatever object was given
         raise InputError(f"{name} = {shown(value)}; allowed is a whole number >= {low}") from None
-    if value < low:
-        raise InputError(f"{name} = {value}; allowed is a whole number >= {low}")
-    return int(value)
+    if number < low:
+        raise InputError(f"{name} = {shown(number)}; allowed is a whole number >= {low}")
+    if number > LARGEST:
+        raise InputError(f"{name} = {shown(number)}; allowed is a whole number from {low} to {LARGEST}")
+    return number
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value may stand for one number: of arrays only those of no dimension."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    return not isinstance(value, (bool, str, bytes)) and getattr(value, "ndim", 0) == 0 and kind in ("f", "i", "u", "O")
 
 
 def unknown(name: object, names: Iterable[str], of: str) -> InputError:

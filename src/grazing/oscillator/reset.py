@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.kernel.compile import digest
-from grazing.outcome import InputError, UserCodeError
+from grazing.outcome import InputError, UserCodeError, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
@@ -233,8 +233,7 @@ def reset(
         known = constant_contraction(float(ratio), float(speed))
     name = getattr(law, "__name__", "law")
     made = Reset(law, _checked(params), difference_of(law), known, exact_slope=False, name=name)
-    p = parameters(made.params)
-    ratio, speed = known(p)
+    ratio, speed = contraction_at(made, parameters(made.params))
     for v in (0.0, -1e-3, -0.1, -1.0):
         w = made(v)
         if ratio < 1.0 and -v <= speed and w > ratio * -v:
@@ -243,6 +242,17 @@ def reset(
                 f"but the law gives {w:g} for v_minus = {v:g}; correct one of them"
             )
     return made
+
+
+def contraction_at(made: Reset, p: Any) -> tuple[float, float]:
+    """Return (ratio, speed) of a law at its parameters, in plain Python."""
+    try:
+        ratio, speed = (float(x) for x in made.contraction(p))
+    except Exception as error:
+        raise UserCodeError(
+            f"the contraction of the reset law {made.name} raised {told(error)}; it must return (ratio, speed)"
+        ) from error
+    return ratio, speed
 
 
 def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:
@@ -254,15 +264,30 @@ def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -
     try:
         v_plus = made.law(v_minus, p)
     except Exception as error:
-        raise UserCodeError(
-            f"the reset law {made.name} raised {type(error).__name__}: {error} (v_minus = {v_minus:g}, {dict(params)})"
-        ) from error
+        raise UserCodeError(_raised(made.name, error, v_minus, params)) from error
     if isinstance(v_plus, bool) or not isinstance(v_plus, (int, float)) or not 0.0 <= v_plus < inf:
         raise UserCodeError(
             f"the reset law {made.name} returned {v_plus!r} for v_minus = {v_minus:g}; "
             "allowed is a finite v_plus >= 0, away from the wall"
         )
     return float(v_plus)
+
+
+@lru_cache(maxsize=256)
+def in_python(law: Callable[..., float]) -> Callable[..., float]:
+    """Return a law, or its slope, for plain Python: what it raises there comes with its name and its own line."""
+
+    def tried(v: float, p: Any) -> float:
+        try:
+            return law(v, p)
+        except Exception as error:
+            raise UserCodeError(_raised(getattr(law, "__name__", "law"), error, v, p._asdict())) from error
+
+    return tried
+
+
+def _raised(name: str, error: Exception, v: float, params: Mapping[str, float]) -> str:
+    return f"the reset law {name} raised {told(error)} (v_minus = {v:g}, {dict(params)})"
 
 
 def fingerprint(made: Reset) -> str:
