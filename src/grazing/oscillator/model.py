@@ -142,8 +142,8 @@ class Oscillator:
     def __post_init__(self) -> None:
         if isinstance(self.sigma, Sequence) and not isinstance(self.sigma, (str, bytes)):
             raise InputError(
-                f"sigma = {shown(self.sigma)}; an oscillator has one wall, below the ball, at one number; two stops are "
-                "not possible: give the lower one alone where the upper one is never reached"
+                f"sigma = {shown(self.sigma)}; an oscillator has one wall, at one number, below the ball; two stops "
+                "are impossible: give the lower one alone where the upper one is never reached"
             )
         for name in ("alpha", "k", "sigma"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
