@@ -12,6 +12,8 @@ at once, before any kernel runs, with one of the exceptions below::
 from __future__ import annotations
 
 import operator
+import reprlib
+import traceback
 from collections.abc import Iterable
 from enum import Enum, IntFlag
 from typing import Final
@@ -133,6 +135,48 @@ def describe(outcome: int | Iterable[int]) -> str:
     outcome = bits
     said = [f"{flag.name}: {what}; {advice}" for flag, (what, advice) in _ADVICE.items() if outcome & flag]
     return ". ".join(said) or "ok"
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = _SHORT.maxarray = 8
+_SHORT.maxstring = _SHORT.maxother = 120
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: as Python writes it, cut where that is long, and never an error.
+
+    Examples
+    --------
+    >>> from grazing.outcome import shown
+    >>> shown("a"), shown(range(10**9)), shown(list(range(10**6))), shown(10**9999)
+    ("'a'", 'range(0, 1000000000)', '[0, 1, 2, 3, 4, 5, 6, 7, ...]', 'a whole number of 33216 bits')
+    """
+    if isinstance(value, int) and value.bit_length() > 400:  # Python writes no number of thousands of digits
+        return f"a whole number of {value.bit_length()} bits"
+    try:
+        return _SHORT.repr(value)
+    except Exception:  # of somebody else's object, or of one that holds itself or such a number
+        return f"<{type(value).__name__}>"
+
+
+def told(error: BaseException) -> str:
+    """Return what a user's code raised, with the line in which it did.
+
+    Examples
+    --------
+    >>> from grazing.outcome import told
+    >>> try:
+    ...     1 / 0
+    ... except ZeroDivisionError as error:
+    ...     print(told(error))
+    ZeroDivisionError: division by zero, in line 1 of <doctest ...>: 1 / 0
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    said = f"{type(error).__name__}: {str(error)[:500]}"
+    if not frames:
+        return said
+    line = f": {frames[-1].line}" if frames[-1].line else ""
+    return f"{said}, in line {frames[-1].lineno} of {frames[-1].filename}{line}"
 
 
 class GrazingError(Exception):

@@ -11,7 +11,10 @@ from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
+
+#: What a kernel can count to.
+LARGEST = 2**63 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +79,10 @@ def parameters(params: Mapping[str, float]) -> Any:
 def checked_params(params: Any) -> dict[str, float]:
     """Return parameters as an ordered dict of finite floats, or raise InputError; names must work as attributes."""
     if not isinstance(params, Mapping):
-        raise InputError(f"params is {params!r}; give a mapping of names to numbers, such as {{'a': 1.9}}")
+        raise InputError(f"params is {shown(params)}; give a mapping of names to numbers, such as {{'a': 1.9}}")
     for name in params:
         if not (isinstance(name, str) and name.isidentifier() and not iskeyword(name) and not name.startswith("_")):
-            raise InputError(f"parameter name {name!r}; allowed is a Python name, no keyword, no leading _")
+            raise InputError(f"parameter name {shown(name)}; allowed is a Python name, no keyword, no leading _")
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
@@ -89,7 +92,7 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
     try:
         pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        raise InputError(f"box is {box!r}; {wanted}") from None
+        raise InputError(f"box is {shown(box)}; {wanted}") from None
     if len(pairs) != len(coordinates):
         raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
     checked = []
@@ -102,13 +105,13 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
 
 
 def real(value: Any, name: str, allowed: str) -> float:
-    """Return a finite float, or raise InputError; booleans, text and complex numbers are refused."""
+    """Return a finite float, or raise InputError; booleans, text, complex numbers and arrays are refused."""
     try:
-        if isinstance(value, (bool, str, bytes)):
+        if not _is_number(value):
             raise TypeError
         number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {value!r} is not a real number; {allowed}") from None
+    except Exception:  # of whatever object was given
+        raise InputError(f"{name} = {shown(value)} is not a real number; {allowed}") from None
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} is not finite; {allowed}")
     return number
@@ -117,13 +120,22 @@ def real(value: Any, name: str, allowed: str) -> float:
 def whole(value: Any, name: str, low: int) -> int:
     """Return an int >= low, or raise InputError."""
     try:
-        if isinstance(value, bool) or int(value) != value:
+        if not _is_number(value) or int(value) != value:
             raise TypeError
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {value!r}; allowed is a whole number >= {low}") from None
-    if value < low:
-        raise InputError(f"{name} = {value}; allowed is a whole number >= {low}")
-    return int(value)
+        number = int(value)
+    except Exception:  # of whatever object was given
+        raise InputError(f"{name} = {shown(value)}; allowed is a whole number >= {low}") from None
+    if number < low:
+        raise InputError(f"{name} = {shown(number)}; allowed is a whole number >= {low}")
+    if number > LARGEST:
+        raise InputError(f"{name} = {shown(number)}; allowed is a whole number from {low} to {LARGEST}")
+    return number
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value may stand for one number: of arrays only those of no dimension."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    return not isinstance(value, (bool, str, bytes)) and getattr(value, "ndim", 0) == 0 and kind in ("f", "i", "u", "O")
 
 
 def unknown(name: object, names: Iterable[str], of: str) -> InputError:

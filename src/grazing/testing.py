@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reset import checked_velocity
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, GRAZE, STUCK, InputError
+from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, GRAZE, STUCK, InputError, UserCodeError, told
 from grazing.parameter import parameters
 
 #: Outcomes at which a map need not be smooth.
@@ -47,6 +48,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
         not change; the Jacobian agrees with central differences wherever the letter is locally constant; a ``block``
         twin makes the decisions of the step, within four units in the last place a period, and its bits depend
         neither on threads nor on the size of a block.
+    UserCodeError
+        For a step that raises, or a reset law that raises or returns what it must not, in one of these steps.
 
     Examples
     --------
@@ -56,6 +59,7 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     if not isinstance(P, Map):
         raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
     starts = _starts(P, states, seed)
+    _check_law(P, starts, steps)
     _check_bits(P, starts, steps)
     _check_lanes(P, starts, steps)
     again = P.replace(**P.params)
@@ -124,6 +128,17 @@ def _equal(a: NDArray[Any], b: NDArray[Any]) -> bool:
     return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))
 
 
+def _check_law(P: Map, starts: NDArray[np.float64], steps: int) -> None:
+    """Raise what would be warned of: with a law that breaks its promise nothing further holds."""
+    lanes = np.ascontiguousarray(starts.T)[None]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            P.run_columns(P.packed()[1], lanes, 0, steps, threads=1)
+        except RuntimeWarning as said:
+            raise UserCodeError(str(said)) from None
+
+
 def _check_bits(P: Map, starts: NDArray[np.float64], steps: int) -> None:
     p = parameters(P.params)
     c = P.prepare(p) if P.prepare is not None else p
@@ -131,7 +146,10 @@ def _check_bits(P: Map, starts: NDArray[np.float64], steps: int) -> None:
         orbit = P.orbit(start, steps)
         state: Any = tuple(start.tolist())
         for i in range(steps):
-            state, letter, outcome = P._full_step(state, c)
+            try:
+                state, letter, outcome = P._full_step(state, c)
+            except Exception as error:
+                raise UserCodeError(f"{P.name}: in plain Python the step from {state} raised {told(error)}") from error
             said = f"{P.name}: compiled and plain step differ at step {i + 1} from {start.tolist()}"
             assert _equal(np.array(state, dtype=np.float64), orbit.points[i + 1]), said
             assert letter == orbit.letters[i], said

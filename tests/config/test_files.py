@@ -1,6 +1,7 @@
 """Configurations as TOML and as JSON Schema."""
 
 import json
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -90,3 +91,87 @@ def test_the_example_in_the_documentation_is_a_configuration(tmp_path):
     (tmp_path / "chart.toml").write_text(example)
     found = load_config(tmp_path / "chart.toml")
     assert found["vary"] == {"d": "0.05:0.16:400", "V": "0:0.4:400"} and found["parameters"]["cos"] == [1.0, 0.2]
+
+
+# ---- files that are no configuration, or would take for ever
+
+
+def refused(file):
+    with pytest.raises(InputError) as error:
+        load_config(file)
+    assert len(str(error.value)) < 20_000
+    return str(error.value)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists() or not hasattr(os, "mkfifo"), reason="POSIX devices and pipes")
+def test_what_has_no_end_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    for file in (tmp_path / "pipe.toml", "/dev/zero"):
+        assert "is a device or a pipe" in refused(file)
+    large = tmp_path / "large.toml"
+    with large.open("wb") as hole:
+        hole.truncate(2**40)
+    assert "larger than 2 MiB" in refused(large)
+
+
+def test_a_mark_of_the_byte_order_is_no_syntax(tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_bytes(b'\xef\xbb\xbfstudy = "diagram"\n[vary]\nd = "0:1:2"\n')
+    assert load_config(file)["vary"] == {"d": "0:1:2"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "study = " + "[" * 2000,
+        "study = " + "[" * 2000 + "]" * 2000,
+        "study = " + "{a=" * 2000 + "1" + "}" * 2000,
+        "study" + ".a" * 2000 + " = 1",
+        "[" + "a." * 2000 + "a]",
+        "study = " + "9" * 5000,
+        "[parameters]\nd = 0x" + "f" * 5000,
+        "study = 1979-13-45",
+        'map = "a\\u0000b.py:P"\nstudy = "diagram"',
+        f'map = "{"a" * 5000}.py:P"\nstudy = "diagram"',
+        'model = "."\nstudy = "diagram"\n"" = 1',
+    ],
+)
+def test_a_file_that_was_made_to_break_the_reader_is_refused(tmp_path, text):
+    file = tmp_path / "study.toml"
+    file.write_text(text)
+    assert str(file) in refused(file)
+
+
+def test_links_in_a_circle_are_no_file(tmp_path):
+    for name in ("circle.py", "circle.toml"):
+        (tmp_path / name).symlink_to(name)
+    assert "cannot be read" in refused(tmp_path / "circle.toml")
+    file = tmp_path / "study.toml"
+    for key in ("map", "model"):
+        file.write_text(f'study = "diagram"\n{key} = "circle.py:P"\nvary.a = "0:1:2"\n')
+        assert "circle.py" in refused(file)
+
+
+@pytest.mark.parametrize("table", ["", "[parameters]\n", "[settings]\n", "[vary]\n"])
+def test_very_many_errors_are_counted_and_not_listed(tmp_path, table):
+    file, many = tmp_path / "study.toml", 5000
+    file.write_text('study = "diagram"\n' + table + "".join(f"k{i} = {i}\n" for i in range(many)))
+    lines = refused(file).splitlines()
+    assert len(lines) < 30 and lines[-1].strip().startswith("... and ")
+    assert int(re.search(r"has (\d+) errors", lines[0])[1]) >= many
+
+
+def test_a_configuration_that_holds_itself_is_refused():
+    config = {"study": "diagram"}
+    config["settings"] = config
+    with pytest.raises(InputError, match="in each other"):
+        checked(config)
+
+
+@pytest.mark.parametrize("study", ["", "study = [1]\n", "study = 1\n", 'study = "diagrm"\n', 'study = "trajectory"\n'])
+@pytest.mark.parametrize("wrong", ["[parameters]\ncos = 1", "[settings]\nfixed = 1", "[settings]\nlocus = 1",
+                                   "[settings]\nbox = 1", "[parameters]\nsin = 'a'", "[vary]\nd = 1"])  # fmt: skip
+def test_what_stands_beside_an_error_is_judged_by_values_that_are_sound(tmp_path, study, wrong):
+    file = tmp_path / "study.toml"
+    file.write_text(study + wrong)
+    assert str(file) in refused(file)

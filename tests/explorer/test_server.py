@@ -191,6 +191,35 @@ def test_a_browser_that_leaves_in_the_middle_is_not_worth_a_word(running, capfd)
     assert capfd.readouterr() == ("", "")
 
 
+def test_whatever_is_sent_is_answered_or_dropped_and_nothing_is_said(running, capfd):
+    """Lines from the edges of what a request can be: the terminal stays as it is, and the server answers."""
+    targets = [
+        "http://[::1", "http://[", "//[", "http://]/", "http://a:b/", "http://[v1.x]/", "http://[::1]/page/", "%",
+        "%zz", "/%ff%fe", "/page/%00", "/../../etc/passwd", "*", "\\\\a", "/page/" + "a" * 60_000, "/" + "a" * 70_000,
+        "/\u00e9", "", " ", "/page/?" + "&" * 5000, "/#", "?", ";", "http://\u2100/",
+        "/page/index.html HTTP/9.9", "/ HTTP/1.1 x",
+    ]  # fmt: skip
+    lines = [f"GET {target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" for target in targets]
+    lines += [
+        "GET / HTTP/1.1\r\nHost: [\r\n\r\n", "GET / HTTP/1.1\r\nHost: \u00e9:\u00e9\r\nConnection: close\r\n\r\n",
+        "\r\n\r\n", "GET\r\n\r\n", "\x00\x01\x02\r\n\r\n", "GET / HTTP/1.1\r\n" + "A: b\r\n" * 300 + "\r\n",
+        "GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -1\r\nConnection: close\r\n\r\n",
+        "GET / HTTP/1.1\r\n" + "A" * 70_000 + ": b\r\n\r\n", "GET / HTTP/1.1\r\n: \r\n\r\n",
+    ]  # fmt: skip
+    for line in lines:
+        with socket.create_connection(running.server_address[:2], timeout=10) as asking:
+            try:
+                asking.sendall(line.encode("utf-8"))
+                asking.shutdown(socket.SHUT_WR)
+                while asking.recv(65536):
+                    pass
+            except ConnectionError:
+                pass
+    assert asked(running, "/page/")[0] == 200
+    told = capfd.readouterr()
+    assert (told.out, told.err) == ("", "")
+
+
 def test_two_at_once_have_their_own_ports(running):
     with server() as other:
         assert other.address != running.address

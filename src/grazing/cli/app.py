@@ -9,6 +9,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Sequence
 from difflib import get_close_matches
+from typing import Any
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
 
@@ -67,7 +68,19 @@ RESULTS = {
     "config": ("grazing.cli.configuration:app", "Print the schema of configuration files, or what one says."),
 }
 
-app = App(
+
+class Commands(App):
+    """All commands, with a completion for bash that takes names of files with spaces, and folders for folders."""
+
+    def generate_completion(self, **where: Any) -> str:
+        """Return the script that completes our commands in a shell."""
+        found: str = super().generate_completion(**where)
+        return found.replace(
+            "COMPREPLY=( $(compgen -f", "local IFS=$'\\n'; compopt -o filenames 2>/dev/null; COMPREPLY=( $(compgen -f"
+        )
+
+
+app = Commands(
     name="grazing",
     help="Oscillators that hit things: impacts, grazing bifurcations and the maps that describe them.",
     help_format="plaintext",
@@ -128,6 +141,8 @@ def _guarded(tokens: list[str]) -> int:
         return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
     except BrokenPipeError:
         return DONE
+    except SystemExit as stop:  # how the writer of the help says that its reader has left
+        return DONE if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or DONE)
     except ImportError as error:
         return _fail(f"a package that grazing needs cannot be imported ({error}); install grazing again.", FAILED)
     except OSError as error:

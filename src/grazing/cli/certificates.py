@@ -60,18 +60,17 @@ def proof_row(proof: Any) -> Row:
     }
 
 
-def certificates_at(save: str) -> Path:
+def certificates_at(target: Path) -> Path:
     """Return where certificates go, checked before anything is computed."""
-    target = Path(save)
     if target.suffix == ".json" and not target.is_dir():
-        output.targets([save], (".json",))
+        output.targets([target], (".json",))
         return target
     if target.suffix and not target.is_dir():
-        raise InputError(f"--save {save}: give a file that ends in .json, or a folder")
+        raise InputError(f"--save {target}: give a file that ends in .json, or a folder")
     if target.exists() and not target.is_dir():
-        raise InputError(f"--save {save}: that is a file and does not end in .json; give a file .json, or a folder")
+        raise InputError(f"--save {target}: that is a file and does not end in .json; give a file .json, or a folder")
     if not (target if target.exists() else target.parent).is_dir():
-        raise InputError(f"--save {save}: there is no folder {target.parent}; make it first")
+        raise InputError(f"--save {target}: there is no folder {target.parent}; make it first")
     return target
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -26,7 +27,7 @@ def schema() -> int:
 
 @app.command
 def show(
-    file: Annotated[str, Parameter(name="CONFIG", help="TOML file.")],
+    file: Annotated[Path, Parameter(name="CONFIG", help="TOML file.")],
     /,
     *,
     json: Annotated[bool, Parameter(help="Print it as one JSON object.", show_default=False)] = False,

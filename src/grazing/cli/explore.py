@@ -10,7 +10,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from grazing.cli.whole import whole_number
+from grazing.cli.whole import as_written, whole_number
 
 
 def explore(
@@ -18,8 +18,10 @@ def explore(
     port: Annotated[int, Parameter(converter=whole_number, show_default=False, metavar="N")] = 0,
     no_open: Annotated[bool, Parameter(help="Print the address and open no browser.", show_default=False)] = False,
     out: Annotated[
-        str | None,
-        Parameter(alias="-o", help="Write the page to this folder instead, for any web server, and end."),
+        Path | None,
+        Parameter(
+            alias="-o", converter=as_written, help="Write the page to this folder instead, for any web server, and end."
+        ),
     ] = None,
 ) -> int:
     """Explore the pictures in a browser; everything is computed there, by the same kernels.
@@ -37,7 +39,7 @@ def explore(
     from grazing.outcome import InputError
 
     if out is not None:
-        if not out.strip():
+        if not str(out).strip():
             raise InputError("--out names no folder; give one, for example --out page")
         print(copy_to(Path(out)))
         return 0

@@ -18,7 +18,7 @@ LONGEST = 4000
 
 def info(
     file: Annotated[
-        str,
+        Path,
         Parameter(
             name="FILE",
             help="Figure (png, pdf, svg), result (nc), store (zarr), certificate (json) or configuration (toml).",
@@ -32,7 +32,7 @@ def info(
     json: Annotated[bool, Parameter(help="Print all that is known as one JSON object.", show_default=False)] = False,
 ) -> int:
     """Tell what a file is, where it comes from, and the command that makes it again."""
-    found = described(Path(file))
+    found = described(file)
     if config:
         if found["recipe"] is None:
             raise InputError(f"{file} cannot be made again by a command: {found['why_not']}")

@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from inspect import Parameter as Argument
 from inspect import Signature
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
+from grazing.cli.whole import as_written
 from grazing.config import checked
 from grazing.config.command import KEYS
 from grazing.config.files import read_toml
@@ -18,7 +20,7 @@ from grazing.config.maps import names_of, parameter_defaults
 from grazing.config.own import is_own, located
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
-from grazing.config.schema import DRAWN, config_of
+from grazing.config.schema import DRAWN, MAPS, config_of
 from grazing.config.settings import COORDINATE, SINGLE, STUDIES, settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.outcome import GrazingError
@@ -34,7 +36,9 @@ STUDY = Group("Study", sort_key=3)
 RUN = Group("Run and output", sort_key=4)
 
 Recipe = dict[str, Any]
-Path = tuple[str, ...]
+Place = tuple[str, ...]
+#: Options whose values are files, and those for which completion offers words though others are allowed.
+FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
 
 def flag(name: str) -> str:
@@ -48,16 +52,20 @@ def option(
     """Return an option of text: what is allowed is checked with all the rest, so that no error hides another."""
     shown = "" if default in (None, [], "") else text_of(name, default)
     extra: dict[str, Any] = {"metavar": metavar} if metavar else {}
+    # the type says what completion offers; whatever was written is kept, and checked with all the rest
+    words = tuple(choices) or OFFERED.get(name, ())
+    kind: Any = Literal[words] | str if words else Path if name in FILES else str
     if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
         extra["allow_leading_hyphen"] = True
     if choices:
         extra["metavar"] = "|".join(choices)
     annotation = Annotated[
-        str | None,
+        kind | None,
         Parameter(
-            name=flag(name), help=says, group=group, show_default=(lambda _none: shown) if shown else False, **extra
+            name=flag(name), help=says, group=group, show_default=(lambda _none: shown) if shown else False,
+            show_choices=False, converter=as_written, **extra,
         ),
-    ]
+    ]  # fmt: skip
     return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
@@ -141,11 +149,11 @@ class Given:
     """A configuration put together, and which of it was given on the command line, and in NAME=VALUE."""
 
     mapping: Recipe
-    here: set[Path]
-    file: str | None
-    words: set[Path] = field(default_factory=set)
+    here: set[Place]
+    file: str | Path | None
+    words: set[Place] = field(default_factory=set)
 
-    def label(self, path: Path) -> str:
+    def label(self, path: Place) -> str:
         """Return how an error names a path: an option, what varies, or a key of the file."""
         if not path:
             return ""
@@ -157,7 +165,7 @@ class Given:
 
 
 def recipe_from(
-    study: str, tokens: Sequence[str], options: Mapping[str, str | bool | None], file: str | None
+    study: str, tokens: Sequence[str], options: Mapping[str, str | bool | None], file: str | Path | None
 ) -> Recipe:
     """Return the recipe that a command line asks for: a file gives defaults, options override.
 
@@ -168,7 +176,7 @@ def recipe_from(
         Such as ``d=0.05:0.16:500``.
     options : mapping of str to str, bool or None
         By the names of the schema; None for those not given.
-    file : str or None
+    file : path-like or None
         A TOML file.
 
     Raises
@@ -212,7 +220,7 @@ def recipe_from(
     return recipe
 
 
-def put(given: Given, path: Path, value: Any) -> None:
+def put(given: Given, path: Place, value: Any) -> None:
     """Set a value from the command line."""
     at = given.mapping
     for part in path[:-1]:

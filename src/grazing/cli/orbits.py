@@ -30,11 +30,11 @@ orbit.default(command("orbit"))
 
 @orbit.command
 def check(
-    file: Annotated[str, Parameter(name="CERTIFICATE", help="File .json that --save wrote.")],
+    file: Annotated[Path, Parameter(name="CERTIFICATE", help="File .json that --save wrote.")],
     /,
     *,
     model: Annotated[
-        str | None,
+        Path | None,
         Parameter(help="file.py:name of the gz.Oscillator whose reset law of your own was proven.", metavar="NAME"),
     ] = None,
     json: Annotated[bool, Parameter(help="Print the verdict as one JSON object.", show_default=False)] = False,
@@ -51,13 +51,13 @@ def check(
     if model is not None:
         from grazing.config.maps import own_model
 
-        law = own_model(model).reset.law
+        law = own_model(str(model)).reset.law
     try:
         said, good = check_certificate(file, law=law), True
     except InputError as error:
         said, good = str(error), False
     if json:
-        print(text.dumps({"file": file, "verified": good, "statement" if good else "reason": said}))
+        print(text.dumps({"file": str(file), "verified": good, "statement" if good else "reason": said}))
     else:
         print(f"{file}: {'verified' if good else 'NOT verified'}\n{said}", file=sys.stdout if good else sys.stderr)
     return DONE if good else FAILED
@@ -65,7 +65,7 @@ def check(
 
 def compute(
     recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool, certify: bool,
-    save: str | None,
+    save: Path | None,
 ) -> int:  # fmt: skip
     """Compute a recipe, write its files, prove what is to be proven, and say what was found."""
     study, start = recipe["study"], time.monotonic()

@@ -19,7 +19,7 @@ HELP = (
 )
 
 
-def targets(out: Sequence[str] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
+def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
     """Return the files to write, checked before anything is computed.
 
     Raises

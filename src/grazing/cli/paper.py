@@ -7,11 +7,13 @@ import os
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from grazing.cli import progress
+from grazing.cli.whole import as_written
 from grazing.outcome import InputError
 from grazing.paper import FIGURES
 
@@ -20,7 +22,7 @@ _FIGURES_HELP = f"Figures to draw, such as 1.6 or 1.6,3.2; may be repeated. All 
 
 def paper(
     *,
-    out: str = "out/paper",
+    out: Annotated[Path, Parameter(converter=as_written)] = Path("out/paper"),
     figures: Annotated[list[str] | None, Parameter(help=_FIGURES_HELP, consume_multiple=True)] = None,
     size: Literal["small", "paper", "large"] = "paper",
     json: bool = False,
@@ -41,14 +43,14 @@ def paper(
     quiet
         Show no progress.
     """
-    if not out:
+    if not str(out):
         raise InputError("--out is empty; give a folder that can be made and written to, such as out/paper")
     chosen = split(figures)
     start = time.monotonic()
     with progress.shown(quiet) as show:
         from grazing.paper.report import report
 
-        summary = report(out=out, figures=chosen, size=size, progress=show)
+        summary = report(out=str(out), figures=chosen, size=size, progress=show)
     summary |= {"seconds": round(time.monotonic() - start, 3)}
     print(text.dumps(summary) if json else "\n".join(lines(summary)))
     sys.stdout.flush()

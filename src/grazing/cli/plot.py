@@ -5,6 +5,7 @@ from __future__ import annotations
 import json as text
 import os
 import warnings
+from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -14,11 +15,11 @@ from grazing.outcome import GrazingError, InputError
 
 
 def plot(
-    file: Annotated[str, Parameter(name="RESULT", help="What a study saved: a file .nc or a store .zarr.")],
+    file: Annotated[Path, Parameter(name="RESULT", help="What a study saved: a file .nc or a store .zarr.")],
     /,
     *,
     out: Annotated[
-        list[str] | None,
+        list[Path] | None,
         Parameter(name=("--out", "-o"), help="Figure to write, png, pdf or svg; may be repeated.", metavar="FILE"),
     ] = None,
     style: Annotated[
@@ -52,7 +53,7 @@ def plot(
     return 0
 
 
-def loaded(file: str) -> Any:
+def loaded(file: str | Path) -> Any:
     """Return a stored result: a NetCDF file, or a store of a sweep."""
     if os.path.isdir(file):
         from grazing.sweep import open_store
@@ -63,7 +64,7 @@ def loaded(file: str) -> Any:
     return load(file)
 
 
-def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file: str) -> tuple[Any, dict[str, Any]]:
+def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file: Path) -> tuple[Any, dict[str, Any]]:
     """Return a result that says what its figure shows beside it, and all arguments of the figure.
 
     That are the boundary curves on a chart, and the coordinate that a graph shows.
@@ -75,7 +76,7 @@ def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file:
         Of the figure, as they were given.
     curves : str or None
         Periods; None for those that its recipe names, if any.
-    file : str
+    file : Path
         Where the result is from, for the message.
     """
     from grazing.cli.study import style_of

@@ -39,15 +39,15 @@ def run_arguments(study: str) -> list[Argument]:
     if study == "orbit":
         files = "File to write; may be repeated. Its ending chooses the format: nc (result, NetCDF), csv (tables)."
     found = [
-        one("out", list[str] | None, None, files, name=("--out", "-o"), metavar="FILE"),
-        one("config", str | None, None, "TOML file that gives defaults; options override.", metavar="FILE"),
+        one("out", list[Path] | None, None, files, name=("--out", "-o"), metavar="FILE"),
+        one("config", Path | None, None, "TOML file that gives defaults; options override.", metavar="FILE"),
     ]
     if study in PROVEN:
         found.append(
             one("certify", bool, False, f"Prove {PROVEN[study]} in ball arithmetic; exit code 1 if one fails.")
         )
         says = "Write the certificates: FILE.json, numbered if there are several, or FOLDER. Implies --certify."
-        found.append(one("save", str | None, None, says, metavar="FILE|FOLDER"))
+        found.append(one("save", Path | None, None, says, metavar="FILE|FOLDER"))
     if study not in (*SINGLE, "graph", "windows"):
         says = "Threads; one per processor if not given. The result does not depend on it."
         found.append(one("threads", int | None, None, says, metavar="N", converter=whole_number))
@@ -66,15 +66,15 @@ def command(study: str) -> Callable[..., int]:
 
     def run(
         *given: str,
-        out: list[str] | None = None,
-        config: str | None = None,
+        out: list[Path] | None = None,
+        config: Path | None = None,
         threads: int | None = None,
         dry_run: bool = False,
         dump_config: bool = False,
         json: bool = False,
         quiet: bool = False,
         certify: bool = False,
-        save: str | None = None,
+        save: Path | None = None,
         **options: str | bool | None,
     ) -> int:
         recipe = recipe_from(study, given, options, config)

@@ -16,7 +16,7 @@ from cyclopts import App, Parameter
 
 from grazing.cli import progress
 from grazing.cli.whole import whole_number
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 DONE, FAILED, INCOMPLETE = 0, 1, 3
 
@@ -27,7 +27,7 @@ app = App(
     default_parameter=Parameter(negative=()),
 )
 
-Store = Annotated[str, Parameter(name="STORE", help="Folder of the store, such as chart.zarr.")]
+Store = Annotated[Path, Parameter(name="STORE", help="Folder of the store, such as chart.zarr.")]
 Changes = Annotated[str, Parameter(name="NAME=...", help="Changes to the file: d=0.05:0.16:500 or V=0.3.")]
 Shard = Annotated[
     str | None, Parameter(help="Compute share I of N; shards may run at the same time, on any machines.", metavar="I/N")
@@ -70,7 +70,7 @@ Quiet = Annotated[bool, Parameter(help="Show no progress.", show_default=False, 
 
 @app.command(sort_key=0)
 def run(
-    config: Annotated[str, Parameter(name="CONFIG", help="TOML file, such as one that --dump-config printed.")],
+    config: Annotated[Path, Parameter(name="CONFIG", help="TOML file, such as one that --dump-config printed.")],
     store: Store,
     /,
     *given: Changes,
@@ -99,8 +99,8 @@ def run(
 
     share, pieces = _shard(shard), _chunk(chunk)
     study = read_toml(config).get("study")
-    if study not in STUDIES:
-        raise InputError(f"{config}: study = {study!r}; allowed are {', '.join(STUDIES)}")
+    if not isinstance(study, str) or study not in STUDIES:
+        raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(STUDIES)}")
     plan = plan_of(recipe_from(study, given, {}, config))
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)

@@ -1,4 +1,4 @@
-"""Whole numbers on the command line: 1.5 is none, and is not rounded to one."""
+"""Converters of the command line: whole numbers (1.5 is none, and is not rounded to one), and text as it is."""
 
 from __future__ import annotations
 
@@ -13,3 +13,8 @@ def whole_number(_kind: Any, tokens: Sequence[Any]) -> int:
         return int(written)
     except ValueError:
         raise ValueError(f"{written!r} is no whole number.") from None
+
+
+def as_written(_kind: Any, tokens: Sequence[Any]) -> str:
+    """Return what was written: the type of an option says what completion offers, not what is allowed."""
+    return str(tokens[0].value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from copy import deepcopy
+from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
@@ -17,9 +17,11 @@ from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, shown
 
 Recipe = dict[str, Any]
+#: Tables and lists in each other: no study needs more than four.
+DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves", "coordinate")
 
@@ -61,14 +63,25 @@ def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", 
       vary.b: unknown parameter; allowed are alpha, k, omega, t0, d, cos1, sin1, sigma, r, V, phase
     """
     if not isinstance(mapping, Mapping):
-        raise InputError(f"{source or 'the configuration'} is {mapping!r}; give a table of keys and values")
-    raw: Recipe = deepcopy({str(key): value for key, value in mapping.items()})
+        raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
+    raw: Recipe = _plain(mapping, source)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
     if problems or config is None:
         raise refusal(problems, source, label)
     return config
+
+
+def _plain(value: Any, source: str, depth: int = 0) -> Any:
+    """Return a copy made of tables with texts as keys and of lists; a configuration holds few of them in each other."""
+    if depth > DEEPEST:
+        raise InputError(f"{source or 'the configuration'} has more than {DEEPEST} tables and lists in each other")
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, source, depth + 1) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item, source, depth + 1) for item in value]
+    return value
 
 
 def _located(raw: Recipe, folder: str) -> Recipe:
@@ -80,7 +93,7 @@ def _located(raw: Recipe, folder: str) -> Recipe:
 
 
 def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
-    """Return what the schema finds wrong, and what is left without it; None where too little is left."""
+    """Return what the schema finds wrong, and what is sound without it; None where nothing can be said of the rest."""
     study = raw.get("study")
     schema: type[Config] = config_of(study) if isinstance(study, str) and study in STUDIES else Config
     problems: list[Problem] = []
@@ -91,33 +104,34 @@ def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
         config = schema.model_validate(raw)
     except ValidationError as error:
         problems = found_by(error, schema)
-        left = _without(raw, problems)
         try:
-            config = schema.model_validate(left)
-        except ValidationError:  # what is missing cannot be left out
-            return problems, {**_defaults(left), "parameters": {**left.get("parameters", {}), **own}}
+            config = schema.model_validate(_without(raw, problems))
+        except ValidationError:
+            return problems, None
     found = config.model_dump(exclude_none=True)
+    if any(problem.path == ("study",) for problem in problems):  # any of them stood in, so that the rest can be seen
+        del found["study"]
+        found["settings"] = {}
     return problems, {**found, "parameters": {**found["parameters"], **own}}
 
 
 def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
-    left = deepcopy(raw)
+    """Return a configuration without what is wrong in it; in place of what must be given stands something sound."""
+    left: Recipe = _plain(raw, "")
     for problem in problems:
         at: Any = left
         for depth, part in enumerate(problem.path):
-            if not isinstance(at, dict) or part not in at:
+            if depth == len(problem.path) - 1 and part not in at:  # it is missing: None passes for a setting
+                at[part] = None
                 break
+            at.setdefault(part, {})
             if depth == len(problem.path) - 1 or not isinstance(at[part], dict):
                 del at[part]
                 break
             at = at[part]
+    if ("study",) in {problem.path for problem in problems}:
+        left["study"] = next(iter(STUDIES))
     return left
-
-
-def _defaults(left: Recipe) -> Recipe:
-    """Return what is left in the form of a valid configuration, so that the checks across its parts can go on."""
-    tables = {name: left.get(name, {}) for name in ("parameters", "vary", "settings")}
-    return {"map": "stroboscopic", **left, **tables}
 
 
 # ---- checks across the parts
@@ -130,7 +144,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         return
     kind = config["map"]
     if not is_own(kind) and kind not in MAPS:
-        yield Problem(("map",), unknown_key(kind, [*MAPS, "file.py:name"], f"map = {kind!r}"))
+        yield Problem(("map",), partial(unknown_key, kind, [*MAPS, "file.py:name"], f"map = {shown(kind)}"))
         return
     try:
         _adopt(config)
@@ -140,7 +154,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         return
     for i, problem in enumerate(before):  # what is out of range, of a parameter that there is not
         if problem.path[0] == "parameters" and len(problem.path) > 1 and problem.path[1] not in known:
-            before[i] = Problem(problem.path, unknown_key(problem.path[1], known, "unknown parameter"))
+            before[i] = Problem(problem.path, partial(unknown_key, problem.path[1], known, "unknown parameter"))
     yield from _pieces(config)
     broken_ranges: list[Problem] = []
     ranges = dict(_ranges(config, broken_ranges))
@@ -224,7 +238,7 @@ def _orbits(config: Recipe, ranges: Recipe, names: list[str], broken: bool) -> I
             said = f"{name} = {low:g}:{high:g}; it must hold {name} = {value:g}, where the special points are"
             yield Problem(("settings", "locus"), said)
         if name not in names:
-            yield Problem(("settings", "locus"), unknown_key(name, names, f"unknown parameter {name!r}"))
+            yield Problem(("settings", "locus"), partial(unknown_key, name, names, f"unknown parameter {shown(name)}"))
         elif name in ranges:
             yield Problem(("settings", "locus"), f"{name} is the parameter of the branch; give another one")
     at = settings.get("at")
@@ -260,7 +274,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
     for name in config["vary"]:
         if name not in allowed:
             what = "unknown coordinate" if allowed is coordinates else "unknown parameter"
-            yield Problem(("vary", name), unknown_key(name, allowed, what))
+            yield Problem(("vary", name), partial(unknown_key, name, allowed, what))
         elif (
             name in ranges
             and ranges[name] != DEFAULT
@@ -296,11 +310,11 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
                 break
     for table, path in ((settings, ("settings", "coordinate")), (config, ("coordinate",))):
         if table.get("coordinate") is not None and table["coordinate"] not in coordinates:
-            said = unknown_key(table["coordinate"], coordinates, f"coordinate = {table['coordinate']!r}")
+            said = partial(unknown_key, table["coordinate"], coordinates, f"coordinate = {shown(table['coordinate'])}")
             yield Problem(path, said)
     for name in settings.get("fixed") or ():
         if name not in coordinates:
-            yield Problem(("settings", "fixed", name), unknown_key(name, coordinates, "unknown coordinate"))
+            yield Problem(("settings", "fixed", name), partial(unknown_key, name, coordinates, "unknown coordinate"))
 
 
 def _how_many(config: Recipe, least: int, most: int, allowed: list[str]) -> str:
@@ -329,7 +343,7 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
                 if name in ("r", "V", "trigger") and config.get("law")
                 else "unknown parameter"
             )
-            yield Problem(("parameters", name), unknown_key(name, known, extra))
+            yield Problem(("parameters", name), partial(unknown_key, name, known, extra))
         elif name not in AMPLITUDES:
             try:
                 given[name] = number(value, name)

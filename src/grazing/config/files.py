@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import stat
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,20 +14,42 @@ from typing import Any
 from grazing.config.check import Recipe, checked
 from grazing.outcome import InputError
 
+#: Bytes of a configuration: room for a hundred thousand values, where a range says most things in a line.
+LARGEST = 2**21
+
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return what a TOML file says, unchecked, or raise InputError."""
     source = Path(path)
+    text = read_text(source)
     try:
-        return tomllib.loads(source.read_text(encoding="utf-8"))
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source} has too many tables or lists in each other") from None
+    except ValueError as error:  # of its syntax, a date that is none, a number of thousands of digits
+        raise InputError(f"{source} is not TOML: {error}") from None
+
+
+def read_text(source: Path) -> str:
+    """Return the text of a regular file of bounded size: a device has no end, and a pipe may never begin."""
+    try:
+        known = source.stat()
+        if not (stat.S_ISREG(known.st_mode) or stat.S_ISDIR(known.st_mode)):
+            raise InputError(f"{source} is a device or a pipe; give a file")
+        with source.open("rb") as file:
+            data = file.read(LARGEST + 1)
     except FileNotFoundError:
         raise InputError(f"there is no file {source}") from None
-    except OSError as error:
-        raise InputError(f"{source} cannot be read: {error.strerror or error}") from None
+    except (OSError, RuntimeError) as error:  # links in a circle, for one
+        raise InputError(f"{source} cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(data) > LARGEST:
+        raise InputError(
+            f"{source} is larger than {LARGEST // 2**20} MiB, and no configuration; write values as ranges"
+        )
+    try:
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{source} is no text; give a TOML file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source} is not TOML: {error}") from None
 
 
 def load_config(path: str | os.PathLike[str]) -> Recipe:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import stat
 import sys
 from pathlib import Path
 from typing import Any
 
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import GrazingError, InputError, UserCodeError
+from grazing.outcome import GrazingError, InputError, UserCodeError, shown
 
 
 def is_own(text: str) -> bool:
@@ -20,7 +22,10 @@ def is_own(text: str) -> bool:
 def located(text: str, folder: str | Path) -> str:
     """Return ``file.py:name`` with the file's whole path, found from a folder."""
     file, _, name = text.rpartition(":")
-    return f"{(Path(folder) / file).resolve()}:{name}"
+    try:
+        return f"{os.path.realpath(Path(folder) / file)}:{name}"
+    except (OSError, ValueError):  # it cannot be the name of a file, which is said where it is opened
+        return text
 
 
 def own_object(text: str) -> Map | Oscillator:
@@ -39,7 +44,14 @@ def own_object(text: str) -> Map | Oscillator:
     """
     file, _, name = text.rpartition(":")
     path = Path(file)
-    if not path.is_file():
+    try:
+        regular = stat.S_ISREG(path.stat().st_mode)
+    except FileNotFoundError:
+        regular = False
+    except (OSError, ValueError) as error:  # links in a circle, a name that is too long or holds a zero byte
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"{shown(file)} cannot be read: {why}; give file.py:name") from None
+    if not regular:
         raise InputError(f"there is no file {path}; give file.py:name")
     names = vars(_module(path))
     if name not in names:

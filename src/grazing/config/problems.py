@@ -5,29 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import partial
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 Path = tuple[str, ...]
 Label = Callable[[Path], str]
 
 
+#: Problems that a message lists; the rest is counted.
+MOST = 20
+#: Letters of a line.
+LONGEST = 600
+
+
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong, and where."""
+    """One thing that is wrong, and where; a message that takes long to find is found when it is shown."""
 
     path: Path
-    message: str
+    message: str | Callable[[], str]
 
     def line(self, label: Label) -> str:
         """Return it in one line."""
-        where, message = label(self.path), " ".join(self.message.split())
+        where, message = label(self.path), self.message if isinstance(self.message, str) else self.message()
+        message = " ".join(message.split())
         if self.path and message.startswith(f"{self.path[-1]} = "):
-            return where + message.removeprefix(self.path[-1])
-        return f"{where}: {message}" if where else message
+            said = where + message.removeprefix(self.path[-1])
+        else:
+            said = f"{where}: {message}" if where else message
+        return said if len(said) <= LONGEST else f"{said[:LONGEST]} ..."
 
 
 def dotted(path: Path) -> str:
@@ -49,18 +59,21 @@ def refusal(problems: Sequence[Problem], source: str, label: Label = dotted) -> 
 
 
 def _listed(problems: Sequence[Problem], source: str, label: Label) -> str:
-    lines = list(dict.fromkeys(problem.line(label) for problem in problems))
+    lines = list(dict.fromkeys(problem.line(label) for problem in problems[:MOST]))
+    more = len(problems) - MOST
+    if more > 0:
+        lines.append(f"... and {more} more")
     if len(lines) == 1:
         return f"{source}: {lines[0]}" if source else lines[0]
     of = f"{source} has" if source else "there are"
-    return "\n  ".join([f"{of} {len(lines)} errors:", *lines])
+    return "\n  ".join([f"{of} {len(problems) if more > 0 else len(lines)} errors:", *lines])
 
 
 def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> str:
     """Return what to say of a name that does not exist."""
     known = list(names)
-    near = get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    near = get_close_matches(name[:200], known, n=1)
+    hint = f"did you mean {shown(near[0])}? " if near else ""
     return f"{what}; {hint}allowed are {', '.join(known)}" if known else f"{what}; none is allowed here"
 
 
@@ -75,16 +88,16 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
     if kind == "value_error":
         return Problem(path, str(item["ctx"]["error"]))
     if kind == "extra_forbidden":
-        return Problem(path, unknown_key(path[-1], _keys(schema, path[:-1])))
+        return Problem(path, partial(unknown_key, path[-1], _keys(schema, path[:-1])))
     if kind == "missing":
         return Problem(path, f"missing; give {_meaning(schema, path)}")
     if kind == "literal_error":
-        return Problem(path, f"{path[-1]} = {got!r}; allowed are {item['ctx']['expected'].replace(' or ', ', ')}")
+        return Problem(path, f"{path[-1]} = {shown(got)}; allowed are {item['ctx']['expected'].replace(' or ', ', ')}")
     if kind in ("model_type", "dict_type"):
-        return Problem(path, f"{path[-1]} = {got!r}; give a table")
+        return Problem(path, f"{path[-1]} = {shown(got)}; give a table")
     if kind == "string_type":
-        return Problem(path, f"{path[-1]} = {got!r}; give a text")
-    return Problem(path, f"{path[-1]} = {got!r}: {item['msg']}")
+        return Problem(path, f"{path[-1]} = {shown(got)}; give a text")
+    return Problem(path, f"{path[-1]} = {shown(got)}: {item['msg']}")
 
 
 def _keys(schema: type[BaseModel], path: Path) -> list[str]:

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
 from grazing.config import values
 from grazing.config.parameters import Table
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def _whole(low: int, says: str) -> Callable[[str, Any], Any]:
 def _choice(choices: tuple[str, ...], says: str) -> Callable[[str, Any], Any]:
     def check(value: Any, name: str) -> str:
         if value not in choices:
-            raise InputError(f"{name} = {value!r}; allowed are {', '.join(choices)}")
+            raise InputError(f"{name} = {shown(value)}; allowed are {', '.join(choices)}")
         return str(value)
 
     return _setting(check, {"enum": list(choices)}, says)
@@ -94,7 +94,7 @@ def _choice(choices: tuple[str, ...], says: str) -> Callable[[str, Any], Any]:
 
 def _text(value: Any, name: str) -> str:
     if not isinstance(value, str) or not value:
-        raise InputError(f"{name} = {value!r}; give a name")
+        raise InputError(f"{name} = {shown(value)}; give a name")
     return value
 
 
@@ -103,7 +103,7 @@ def _switch(says: str) -> Callable[[str, Any], Any]:
         if isinstance(value, str) and value.lower() in ("true", "false"):
             return value.lower() == "true"
         if not isinstance(value, bool):
-            raise InputError(f"{name} = {value!r}; allowed are true and false")
+            raise InputError(f"{name} = {shown(value)}; allowed are true and false")
         return value
 
     return _setting(check, {"type": "boolean"}, says)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import real, whole
 
 #: More values along one axis than any grid has; a typing error, not a wish.
@@ -47,7 +47,7 @@ def numbers(value: Any, name: str, least: int = 1) -> list[float]:
     if isinstance(items, (int, float)) and not isinstance(items, bool):
         items = [items]
     if not isinstance(items, (list, tuple)) or len(items) < least:
-        raise InputError(f"{name} = {value!r}; give a list of numbers")
+        raise InputError(f"{name} = {shown(value)}; give a list of numbers")
     return [number(item, f"{name}[{i}]") for i, item in enumerate(items)]
 
 
@@ -62,13 +62,13 @@ def wholes(value: Any, name: str) -> list[int]:
     if isinstance(value, str) and ":" in value:
         low, high = (count(item, name, 1) for item in pair(value, name))
         if high - low >= MANY:
-            raise InputError(f"{name} = {value!r}: more than {MANY} numbers; give a shorter range")
+            raise InputError(f"{name} = {shown(value)}: more than {MANY} numbers; give a shorter range")
         return list(range(low, high + 1))
     items = value.split(",") if isinstance(value, str) else value
     if not isinstance(items, (list, tuple)):
         items = [items]
     if not items:
-        raise InputError(f"{name} = {value!r}; give whole numbers >= 1, such as 2,3,5 or 2:7")
+        raise InputError(f"{name} = {shown(value)}; give whole numbers >= 1, such as 2,3,5 or 2:7")
     return sorted({count(item, name, 1) for item in items})
 
 
@@ -76,7 +76,7 @@ def pair(value: Any, name: str) -> list[float]:
     """Return [low, high] from a list of two numbers or text such as ``-1:1``."""
     items = value.split(":") if isinstance(value, str) else value
     if not isinstance(items, (list, tuple)) or len(items) != 2:
-        raise InputError(f"{name} = {value!r}; give low:high, or [low, high] in a file")
+        raise InputError(f"{name} = {shown(value)}; give low:high, or [low, high] in a file")
     low, high = (number(item, name) for item in items)
     if not low < high:
         raise InputError(f"{name} = {low:g}:{high:g}; the lower end must come first")
@@ -88,7 +88,7 @@ def pairs(value: Any, name: str) -> list[list[float]]:
     items = value.split(",") if isinstance(value, str) else value
     if not isinstance(items, (list, tuple)) or not items:
         raise InputError(
-            f"{name} = {value!r}; give low:high for each coordinate, commas between them, or a list of [low, high]"
+            f"{name} = {shown(value)}; give low:high for each coordinate, commas between them, or a list of [low, high]"
         )
     return [pair(item, name) for item in items]
 
@@ -102,7 +102,7 @@ def states(value: Any, name: str) -> int | list[list[float]]:
             return count(value, name, 1)
         except InputError:
             raise InputError(
-                f"{name} = {value!r}; allowed is a whole number >= 1, or states: 0.1,0;0.2,0 or a list of lists"
+                f"{name} = {shown(value)}; allowed is a whole number >= 1, or states: 0.1,0;0.2,0 or a list of lists"
             ) from None
     return [numbers(item, f"{name}[{i}]") for i, item in enumerate(value)]
 
@@ -112,10 +112,10 @@ def by_name(value: Any, name: str) -> dict[str, float]:
     if isinstance(value, str):
         parts = [part.partition("=") for part in value.split(",")]
         if not all(equals for _name, equals, _number in parts):
-            raise InputError(f"{name} = {value!r}; give coordinate=value, commas between several")
+            raise InputError(f"{name} = {shown(value)}; give coordinate=value, commas between several")
         value = {key.strip(): item for key, _equals, item in parts}
     if not isinstance(value, Mapping):
-        raise InputError(f"{name} = {value!r}; give a table of coordinates, such as {{ v = 0.0 }}")
+        raise InputError(f"{name} = {shown(value)}; give a table of coordinates, such as {{ v = 0.0 }}")
     return {str(key): number(item, f"{name}.{key}") for key, item in value.items()}
 
 
@@ -133,7 +133,7 @@ def range_of(value: Any, name: str) -> str | list[float]:
         return text
     if isinstance(value, (list, tuple)) or (isinstance(value, str) and "," in value):
         return numbers(value, name)
-    raise InputError(f"{name} = {value!r}; give {RANGE_FORM}")
+    raise InputError(f"{name} = {shown(value)}; give {RANGE_FORM}")
 
 
 def values_of(written: str | list[float]) -> NDArray[np.float64]:
@@ -163,7 +163,7 @@ def bounds_of(value: Any, name: str) -> str:
     if value == DEFAULT:
         return DEFAULT
     if isinstance(value, str) and value.count(":") in (2, 3):
-        raise InputError(f"{name} = {value!r}; give low:high, without a count: the steps are chosen along the way")
+        raise InputError(f"{name} = {shown(value)}; give low:high, without a count: the steps are chosen along the way")
     low, high = pair(value, name)
     if isinstance(value, str):
         return ":".join(part.strip() for part in value.split(":"))
@@ -182,7 +182,7 @@ def bounds_by_name(value: Any, name: str) -> dict[str, list[float]]:
         key, equals, text = value.partition("=")
         value = {key.strip(): text} if equals else value
     if not isinstance(value, Mapping) or len(value) != 1 or "" in value:
-        raise InputError(f"{name} = {value!r}; give one parameter and its range, NAME=LOW:HIGH, such as V=0.1:0.6")
+        raise InputError(f"{name} = {shown(value)}; give one parameter and its range, NAME=LOW:HIGH, such as V=0.1:0.6")
     return {str(key): pair(item, f"{name} {key}") for key, item in value.items()}
 
 
@@ -218,19 +218,19 @@ def _ends(text: str, name: str) -> tuple[float, float, int, bool]:
     """Return (start, stop, count, log) of a range in words, or raise InputError."""
     parts = text.split(":")
     if not (len(parts) == 3 or (len(parts) == 4 and parts[3] == "log")):
-        raise InputError(f"{name} = {text!r}; give {RANGE_FORM}")
+        raise InputError(f"{name} = {shown(text)}; give {RANGE_FORM}")
     try:
         start, stop = number(parts[0], "start"), number(parts[1], "stop")
         n = count(parts[2], "count", 1)
     except InputError as error:
-        raise InputError(f"{name} = {text!r}: {error}") from None
+        raise InputError(f"{name} = {shown(text)}: {error}") from None
     if n > MOST:
-        raise InputError(f"{name} = {text!r}: {n} values are more than {MOST}; give a smaller count")
+        raise InputError(f"{name} = {shown(text)}: {n} values are more than {MOST}; give a smaller count")
     log = len(parts) == 4
     if log and not (start > 0.0 and stop > 0.0):
-        raise InputError(f"{name} = {text!r}: a logarithm needs both ends > 0")
+        raise InputError(f"{name} = {shown(text)}: a logarithm needs both ends > 0")
     if n > 1 and start == stop:
-        raise InputError(f"{name} = {text!r}: both ends are {start:g}; give different ends or count 1")
+        raise InputError(f"{name} = {shown(text)}: both ends are {start:g}; give different ends or count 1")
     if not math.isfinite(stop - start):
-        raise InputError(f"{name} = {text!r}: the ends are too far apart")
+        raise InputError(f"{name} = {shown(text)}: the ends are too far apart")
     return start, stop, n, log

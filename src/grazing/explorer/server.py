@@ -75,7 +75,11 @@ class Handler(BaseHTTPRequestHandler):
         if not self.known():
             self.send_error(HTTPStatus.FORBIDDEN, "asked for under another name")
             return
-        path = unquote(urlsplit(self.path).path)
+        try:
+            path = unquote(urlsplit(self.path).path)
+        except ValueError:  # a host in brackets without an end
+            self.send_error(HTTPStatus.BAD_REQUEST)
+            return
         if path == "/":
             self.send_response(HTTPStatus.FOUND)
             self.send_header("Location", "/page/")

@@ -242,7 +242,7 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
             f"v^2 - 2A(u - sigma) = {x:g} must not"
         )
     delta, root = time_to_wall(y, v, A)
-    V2 = model.reset.law(-root, p)
+    V2 = model.reset(-root)
     U3 = -delta * V2 + 0.5 * A * delta * delta
     rows = [(y, v), (0.0, -root), (0.0, V2), (U3, V2 - delta * A)]
     return ZeroTime(np.array(rows) + np.array([model.sigma, 0.0]), delta, A, x)

@@ -21,7 +21,7 @@ from grazing.maps.pointed import Derived
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError
+from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, told
 from grazing.parameter import Parameter, checked_box, checked_params, parameter_tuple, updated, whole
 
 #: Letters that are not counts: completed chatter and stuck throughout.
@@ -400,7 +400,7 @@ def _normalised(P: Map) -> Callable[..., Any]:
         result = step(middle, P.prepare(p) if P.prepare is not None else p)
     except Exception as error:
         raise UserCodeError(
-            f"the step of {P.name} raised {type(error).__name__}: {error} (state {middle}, parameters {dict(P.params)})"
+            f"the step of {P.name} raised {told(error)} (state {middle}, parameters {dict(P.params)})"
         ) from error
     form = _form(result, dimension)
     if form == 0:

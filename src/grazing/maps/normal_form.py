@@ -15,6 +15,7 @@ from grazing.maps.map import Map
 from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
 from grazing.oscillator.constants import Constants, constants_of, steady_response
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.reset import in_python
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
 from grazing.parameter import parameters, unknown
 
@@ -275,11 +276,11 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)
-    found = reduction_of(at.reset.law, at.reset.slope)(c)
+    found = reduction_of(in_python(at.reset.law), in_python(at.reset.slope))(c)
     A, b, r, V = found.acceleration, found.b, found.r, found.V
     if A <= 1e-12 * c.size:
         raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
-    at_speed = at.reset.law(-1e-3, c.p)
+    at_speed = at.reset(-1e-3)
     if not abs(at_speed - V - 1e-3 * r) <= 1e-4 * (1.0 + V):
         raise OutsideForm(
             f"the reset law {at.reset.name} is not linear near zero speed (v_plus = {V:g} at rest, {at_speed:g} at "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache, partial
 from typing import Any
 
@@ -18,7 +19,7 @@ from grazing.maps.starting import boxes_at, strobe_box
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
-from grazing.outcome import CHATTER, InputError
+from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
 
 INFINITY = float("inf")
@@ -124,7 +125,11 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         said = []
 
         def watched(v: float, p: Any) -> float:
-            w = law.law(v, p)
+            try:
+                w = law.law(v, p)
+            except Exception as error:
+                said.append(f"the reset law {law.name} raised {told(error)} for v_minus = {v:g}")
+                raise
             if not 0.0 <= w < INFINITY:
                 said.append(
                     f"the reset law {law.name} returned {w:g} for v_minus = {v:g}; allowed is a finite v_plus >= 0"
@@ -132,7 +137,9 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
             return w
 
         p = parameters(P.params)
-        period_of(watched, law.slope, law.contraction, False)(state, constants_of(model.harmonics, section_phase)(p))
+        period = period_of(watched, law.slope, law.contraction, False)
+        with suppress(Exception):  # the law's own error has been noted, any other is one of plain Python alone
+            period(state, constants_of(model.harmonics, section_phase)(p))
         return said[0] if said else f"the reset law {law.name} returned what it must not"
 
     return Map(

@@ -35,7 +35,12 @@ def events_of(branch: Branch) -> NDArray[np.int8]:
         one = np.zeros(len(piece.orbits), np.int8)
         one[list(piece.events)] = 1
         flags.append(one)
-    return np.concatenate(flags)
+    return _joined(flags, np.int8)
+
+
+def _joined(parts: list[NDArray[Any]], kind: type) -> NDArray[Any]:
+    """Return arrays as one: of a branch without pieces none, of the same kind."""
+    return np.concatenate(parts) if parts else np.empty(0, kind)
 
 
 def branch_table(branch: Branch) -> xr.Dataset:
@@ -62,7 +67,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     orbits = list(branch)
     most = max((orbit.period for orbit in orbits), default=1)
     points = np.full((len(orbits), most, P.dimension), np.nan)
-    rolls = np.concatenate([shifts(piece) for piece in branch.pieces])
+    rolls = _joined([shifts(piece) for piece in branch.pieces], np.int64)
     for i, (orbit, roll) in enumerate(zip(orbits, rolls.tolist(), strict=True)):
         points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
     about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
@@ -78,7 +83,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     roots = np.array([orbit.multipliers for orbit in orbits]).reshape(len(orbits), P.dimension)
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in SPECIAL.items())
     table: dict[str, Any] = {
-        name: ("point", np.concatenate([piece.values for piece in branch.pieces]), value),
+        name: ("point", _joined([piece.values for piece in branch.pieces], np.float64), value),
         "piece": column("point", np.repeat(range(len(branch.pieces)), [len(p.orbits) for p in branch.pieces]), "piece"),
         "period": column("point", [orbit.period for orbit in orbits], "period", units="1"),
         "word": text("point", [orbit.word for orbit in orbits], "word"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
-from math import gcd
+from math import gcd, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from grazing.orbits.impact_equations import SHORTEST, ImpactEquations
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import triggered_law
-from grazing.parameter import parameters
+from grazing.outcome import UserCodeError
 
 Floats = NDArray[np.float64]
 Pieces = tuple[int, ...]
@@ -201,7 +201,10 @@ class Solutions:
                 yield (*pieces[:i], *pieces[i + 1 :]), less
 
     def _kick(self, speed: float) -> float:
-        return float(self.model.reset.law(-speed, parameters(self.model.reset.params)))
+        try:
+            return self.model.reset(-speed)
+        except UserCodeError:  # a law that fails at this speed gives no guess
+            return nan
 
     def doublings(self, N: int) -> None:
         """Look for orbits of N periods beside the known ones of N/2, in the direction in which those would double."""

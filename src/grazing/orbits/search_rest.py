@@ -16,7 +16,6 @@ from grazing.orbits.word import word
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import FATAL, STUCK
-from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
 
@@ -38,8 +37,7 @@ def presses(model: Oscillator) -> list[float]:
 
 def resting_starts(P: Map, model: Oscillator) -> list[Floats]:
     """Return states of a map of an oscillator from which the ball rests, or has just rested, before each release."""
-    law = model.reset
-    if float(law.law(0.0, parameters(law.params))) != 0.0:  # the bumper kicks a ball that touches it
+    if model.reset(0.0) != 0.0:  # the bumper kicks a ball that touches it
         return []
     c = FreeEquations(model, ()).constants(np.empty(0))
     times = presses(model)

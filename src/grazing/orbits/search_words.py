@@ -10,7 +10,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.word import least_rotation, letters_of, primitive, word
 from grazing.oscillator.model import Forcing, Oscillator
-from grazing.oscillator.reset import active_law, newton
+from grazing.oscillator.reset import active_law, contraction_at, newton
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.parameter import parameters
@@ -44,14 +44,14 @@ def _check_rests(model: Oscillator, text: str, letters: tuple[int, ...]) -> None
     """Raise InputError for a rest that the law, or the letter before it, does not allow."""
     if min(letters) >= 0:
         return
-    law, p = model.reset, parameters(model.reset.params)
-    kick = float(law.law(0.0, p))
+    law = model.reset
+    kick = law(0.0)
     if kick > 0.0:
         raise InputError(
             f"no orbit has word {text!r}: with {law!r} a ball that touches the wall leaves it at {kick:g}, so it never "
             "rests; C and S need a law that gives 0 for no speed (V = 0)"
         )
-    ratio, speed = law.contraction(p)
+    ratio, speed = contraction_at(law, parameters(law.params))
     if CHATTER_LETTER in letters and not (0.0 < ratio < 1.0 and speed > 0.0):
         raise InputError(
             f"no orbit has word {text!r}: {law!r} is not known to contract slow impacts, so no chatter is completed; "

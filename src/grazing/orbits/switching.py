@@ -20,7 +20,6 @@ from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError
-from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
 
@@ -167,7 +166,7 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
 
 def kick_of(model: Oscillator) -> float:
     """Return the velocity that the law gives a ball that touches the wall with no speed."""
-    return float(model.reset.law(0.0, parameters(model.reset.params)))
+    return model.reset(0.0)
 
 
 def allowed(equations: Equations, x: Floats, p: Floats) -> bool:

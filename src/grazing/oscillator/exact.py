@@ -16,7 +16,7 @@ from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.reset import Reset
+from grazing.oscillator.reset import Reset, contraction_at
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from grazing.parameter import parameter_tuple
 
@@ -467,7 +467,7 @@ class Wall:
         kind = parameter_tuple(tuple(params))
         self.motion, self.windows, self.reset = motion, windows, reset
         self.p = kind(*(Sure(x) for x in params.values()))
-        self.ratio, self.speed = reset.contraction(kind(*params.values()))
+        self.ratio, self.speed = contraction_at(reset, kind(*params.values()))
 
     def answer(self, v: arb) -> arb | None:
         """Return the velocity after an impact, None if the law breaks its promise."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import KNOWN, Reset, active, linear_part, probe
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, real, updated
 
 PARAMETERS = {
@@ -87,11 +87,24 @@ class Forcing:
         object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
 
 
+def _series(force: Any) -> str:
+    """Say which forces are possible, to who gave something else."""
+    if not callable(force):
+        return "give a gz.Forcing(omega=..., ...)"
+    return (
+        "a force is a Fourier series here, not a function: give gz.Forcing(omega=..., offset=a0, cos=(a1, ...), "
+        "sin=(b1, ...)) with its coefficients, which numpy.fft.rfft finds from a period of samples"
+    )
+
+
 def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
     try:
         items = tuple(values)
     except TypeError:
-        raise InputError(f"{name} = {values!r}; give one amplitude per harmonic, such as {name}=(1.0, 0.5)") from None
+        raise InputError(
+            f"{name} = {shown(values)}; give one amplitude per harmonic, such as {name}=(1.0, 0.5)"
+            + (f": {_series(values)}" if callable(values) else "")
+        ) from None
     return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
 
 
@@ -151,6 +164,11 @@ class Oscillator:
     paper: bool = field(default=False, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.sigma, Sequence) and not isinstance(self.sigma, (str, bytes)):
+            raise InputError(
+                f"sigma = {shown(self.sigma)}; an oscillator has one wall, at one number, below the ball; two stops "
+                "are impossible: give the lower one alone where the upper one is never reached"
+            )
         for name in ("alpha", "k", "sigma"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
         for name in ("alpha", "k"):
@@ -159,7 +177,7 @@ class Oscillator:
                     f"{name} = {getattr(self, name):g}; allowed is {name} <= 1e100: beyond, numbers overflow"
                 )
         if not isinstance(self.forcing, Forcing):
-            raise InputError(f"forcing is {self.forcing!r}; give a gz.Forcing(omega=..., ...)")
+            raise InputError(f"forcing is {shown(self.forcing)}; {_series(self.forcing)}")
         if not isinstance(self.reset, Reset):
             raise InputError(f"reset is {self.reset!r}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
         clash = [name for name in self.reset.params if means_model(name)]

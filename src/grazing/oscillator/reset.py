@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.kernel.compile import digest
-from grazing.outcome import InputError, UserCodeError
+from grazing.outcome import InputError, UserCodeError, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
@@ -242,7 +242,7 @@ def reset(
 
 def probe(made: Reset, scale: float) -> None:
     """Try a law at rest and at a few speeds up to a scale, and where it is said to contract; raise if it is wrong."""
-    ratio, speed = made.contraction(parameters(made.params))
+    ratio, speed = contraction_at(made, parameters(made.params))
     for v in (
         0.0,
         -1e-3 * scale,
@@ -268,6 +268,17 @@ def linear_part(made: Reset, params: Mapping[str, float], speed: float) -> tuple
     return min(max(gain, 0.0), 1.0), kick
 
 
+def contraction_at(made: Reset, p: Any) -> tuple[float, float]:
+    """Return (ratio, speed) of a law at its parameters, in plain Python."""
+    try:
+        ratio, speed = (float(x) for x in made.contraction(p))
+    except Exception as error:
+        raise UserCodeError(
+            f"the contraction of the reset law {made.name} raised {told(error)}; it must return (ratio, speed)"
+        ) from error
+    return ratio, speed
+
+
 def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -> float:
     """Apply a law in plain Python and say what is wrong with its answer, if anything."""
     v_minus = real(v_minus, "v_minus", "give a velocity towards the wall, v_minus <= 0")
@@ -277,15 +288,30 @@ def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -
     try:
         v_plus = made.law(v_minus, p)
     except Exception as error:
-        raise UserCodeError(
-            f"the reset law {made.name} raised {type(error).__name__}: {error} (v_minus = {v_minus:g}, {dict(params)})"
-        ) from error
+        raise UserCodeError(_raised(made.name, error, v_minus, params)) from error
     if isinstance(v_plus, bool) or not isinstance(v_plus, (int, float)) or not 0.0 <= v_plus < inf:
         raise UserCodeError(
             f"the reset law {made.name} returned {v_plus!r} for v_minus = {v_minus:g}; "
             "allowed is a finite v_plus >= 0, away from the wall"
         )
     return float(v_plus)
+
+
+@lru_cache(maxsize=256)
+def in_python(law: Callable[..., float]) -> Callable[..., float]:
+    """Return a law, or its slope, for plain Python: what it raises there comes with its name and its own line."""
+
+    def tried(v: float, p: Any) -> float:
+        try:
+            return law(v, p)
+        except Exception as error:
+            raise UserCodeError(_raised(getattr(law, "__name__", "law"), error, v, p._asdict())) from error
+
+    return tried
+
+
+def _raised(name: str, error: Exception, v: float, params: Mapping[str, float]) -> str:
+    return f"the reset law {name} raised {told(error)} (v_minus = {v:g}, {dict(params)})"
 
 
 def fingerprint(made: Reset) -> str:

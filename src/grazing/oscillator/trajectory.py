@@ -138,6 +138,7 @@ def flown_legs(
         tables.append(legs[:count])
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
+            law(float(bad[0, V_MINUS]))  # which says where, if it raises
             raise UserCodeError(
                 f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
                 f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "

@@ -135,7 +135,9 @@ def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool
 def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: bool) -> list[tuple[Any, Any]]:
     """Draw the special points at the first point of their orbits, with their names."""
     artists = []
-    span = float(np.ptp(table["special_value"].values)) or 1.0
+    places = table["special_value"].values
+    span = float(np.ptp(places)) if places.size else 0.0
+    span = span or 1.0
     seen: set[tuple[str, int]] = set()
     for i, kind in enumerate(table["special_type"].values.astype(str).tolist()):
         if not virtual and not table["special_admissible"].values[i]:

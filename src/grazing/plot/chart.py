@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm, to_rgba_array
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from grazing.outcome import InputError
 from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of
-from grazing.plot.curves import lay_curves
+from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -38,7 +35,7 @@ def chart(
     *,
     by: str = "period",
     stripes: bool = True,
-    curves: Mapping[str, tuple[ArrayLike, ArrayLike]] | xr.Dataset | None = None,
+    curves: Any = None,
     legend: bool = True,
 ) -> dict[str, Any]:
     """Draw a chart of two parameters.
@@ -56,9 +53,9 @@ def chart(
         Whether attractors that coexist share a cell: diagonal stripes about 1.5 mm apart, whatever the size of the
         cells, as wide as their shares of the starts, so that the area of a colour is its share; a white line parts
         attractors of one colour. Else a cell has the colour of the most common one.
-    curves : xarray.Dataset or mapping of str to (x, y), optional
-        Boundaries to be laid on top: what :func:`grazing.boundaries` returns for these two parameters, or any curves;
-        each name is written on its curve.
+    curves : xarray.Dataset, Locus, list of them, or mapping of str to (x, y), optional
+        Boundaries to be laid on top: what :func:`grazing.boundaries` or :func:`grazing.locus` returns for these two
+        parameters (of a locus the part on orbits that the map has), or any curves; each name is written on its curve.
     legend : bool
         Whether a legend, or a colour bar for exponents, stands beside the chart.
 
@@ -77,8 +74,7 @@ def chart(
     choice(by, "by", ("period", "exponent", "attractors"))
     needed = {"period": plane, "share": plane} | ({"exponent": plane} if by == "exponent" else {})
     first, second, _rank = expect(result, "chart", needed)
-    if isinstance(curves, xr.Dataset):
-        curves = _joined(curves, first, second)
+    curves = curves_of(curves, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
     period, share = (np.asarray(result[name].values)[i][:, j] for name in ("period", "share"))
     if "done" in result:  # the store of a sweep that is not complete: what is missing stays white
@@ -109,21 +105,6 @@ def chart(
         "curves": drawn,
         "provenance": provenance_of(result),
     }
-
-
-def _joined(found: xr.Dataset, first: str, second: str) -> dict[str, tuple[Floats, Floats]]:
-    """Return boundaries as curves by name: edges of one name are one line in pieces."""
-    for name in (first, second, "label"):
-        if name not in found:
-            known = ", ".join(map(str, found.data_vars))
-            raise InputError(
-                f"curves have {known}, but no {name}; give gz.boundaries(P, ({first!r}, low, high), ({second!r}, ...))"
-            )
-    pieces: dict[str, list[Floats]] = {}
-    for k, name in enumerate(found["label"].values):
-        x, y = (np.asarray(found[side].values[k], np.float64) for side in (first, second))
-        pieces.setdefault(str(name), []).append(np.append(np.stack([x, y]), [[np.nan], [np.nan]], axis=1))
-    return {name: tuple(np.concatenate(several, axis=1)) for name, several in pieces.items()}
 
 
 def _periods(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from grazing.outcome import InputError
 from grazing.plot.style import INK
@@ -19,14 +20,51 @@ Floats = NDArray[np.float64]
 SAMPLES = 160
 
 
-def lay_curves(ax: Axes, curves: Mapping[str, tuple[ArrayLike, ArrayLike]] | None) -> dict[str, Any]:
+def curves_of(given: Any, first: str, second: str) -> Mapping[str, Any]:
+    """Return curves by name: as they are given, or made of boundaries and loci in the plane of two parameters.
+
+    Edges of one name are one line in pieces.
+    """
+    if given is None or (isinstance(given, Mapping) and not isinstance(given, xr.Dataset)):
+        return given or {}
+    several = given if isinstance(given, (list, tuple)) else [given]
+    pieces: dict[str, list[Floats]] = {}
+    for one in several:
+        for name, x, y in _lines(one, first, second):
+            pieces.setdefault(name, []).append(np.append(np.stack([x, y]), [[np.nan], [np.nan]], axis=1))
+    return {name: tuple(np.concatenate(parts, axis=1)) for name, parts in pieces.items()}
+
+
+def _lines(one: Any, first: str, second: str) -> Iterator[tuple[str, Floats, Floats]]:
+    """Yield the lines of boundaries or of a locus, each with its name."""
+    found = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
+    wanted = f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), a gz.locus in {first} and {second}"
+    if not isinstance(found, xr.Dataset) or not {"label", "meeting_type"} & {*found.variables}:
+        raise InputError(
+            f"no curve can be drawn from this {type(one).__name__}; give {wanted}, a list of these, "
+            "or a mapping of names to (x, y)"
+        )
+    for name in (first, second):
+        if name not in found:
+            known = ", ".join(map(str, found.variables))
+            raise InputError(f"curves have {known}, but no {name}; give {wanted}")
+    x, y = (np.asarray(found[side].values, np.float64) for side in (first, second))
+    if "label" in found:
+        for k, name in enumerate(found["label"].values):
+            yield str(name), x[k], y[k]
+        return
+    there = found["admissible"].values == 1  # a chart shows what the map has
+    yield f"{found.attrs['word']} {found.attrs['type']}", np.where(there, x, np.nan), np.where(there, y, np.nan)
+
+
+def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:
     """Draw curves with a light rim and write their names on them, where they are far from each other and the frame.
 
     Parameters
     ----------
     ax : matplotlib Axes
         With its limits set.
-    curves : mapping of str to (x, y), optional
+    curves : mapping of str to (x, y)
         NaN breaks a curve.
 
     Returns
@@ -34,7 +72,7 @@ def lay_curves(ax: Axes, curves: Mapping[str, tuple[ArrayLike, ArrayLike]] | Non
     dict
         Name to ``(line, text)``; the text is None for a curve that is not in the axes.
     """
-    plain = {str(name): _checked(str(name), curve) for name, curve in (curves or {}).items()}
+    plain = {str(name): _checked(str(name), curve) for name, curve in curves.items()}
     left, right, low, high = *ax.get_xlim(), *ax.get_ylim()
     drawn: dict[str, Any] = {}
     rim = [withStroke(linewidth=2.0, foreground="white", alpha=0.85)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgba_array
 from matplotlib.lines import Line2D
-from numpy.typing import ArrayLike
 
 from grazing.plot.classes import legend_beside, patch
-from grazing.plot.curves import lay_curves
+from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -36,7 +34,7 @@ def validity(
     ax: Axes | None = None,
     *,
     by: str = "agreement",
-    curves: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
+    curves: Any = None,
     legend: bool = True,
 ) -> dict[str, Any]:
     """Draw where the words of a reduction are those of the flow.
@@ -49,8 +47,9 @@ def validity(
         Default: a new figure between one and two columns wide.
     by : {"agreement", "overlap"}
         What is shown: the classes, or the overlap of the shares of the words.
-    curves : mapping of str to (x, y), optional
-        Further curves to be laid on top, such as edges of windows; each name is written on its curve.
+    curves : xarray.Dataset, Locus, list of them, or mapping of str to (x, y), optional
+        Further curves to be laid on top, such as edges of windows, as :func:`grazing.plot.chart` takes them; each name
+        is written on its curve.
     legend : bool
         Whether a legend, or a colour bar, stands beside.
 
@@ -90,7 +89,7 @@ def validity(
                 bar.set_label("overlap of the shares of the words")
                 bar.outline.set_linewidth(0.4)
         line = _graze(ax, result, first, (x[0], x[-1]), (y[0], y[-1]))
-        drawn = lay_curves(ax, curves)
+        drawn = lay_curves(ax, curves_of(curves, first, second))
         if line is not None:
             handles.append(Line2D([], [], color=GRAZE, lw=line.get_linewidth(), ls=line.get_linestyle(), label="graze"))
         if legend and by == "agreement":

@@ -1,0 +1,83 @@
+"""A law that raises or returns what it must not, somewhere: each study says so, once, with the law's own line."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing import InputError, UserCodeError
+
+
+def no_number(v, p):
+    return float("nan") if -0.99 < v < -0.11 else -v * p.r
+
+
+def by_zero(v, p):
+    return -v / (v - v) if -0.99 < v < -0.11 else -v * p.r
+
+
+def by_parameter(v, p):
+    return -v * p.r / p.c
+
+
+def model(law):
+    made = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=2.8), sigma=-0.1, reset=gz.reset(law, r=0.5, c=1.0))
+    return made.replace(c=0.0) if law is by_parameter else made
+
+
+LAWS = {no_number: "returned nan", by_zero: "-v / (v - v)", by_parameter: "-v * p.r / p.c"}
+OMEGA = np.linspace(2.0, 3.0, 4)
+STUDIES = {
+    "iterate": lambda P: P.iterate((0.5, 0.0), 20),
+    "diagram": lambda P: gz.orbit_diagram(P, "omega", OMEGA, starts=4, transient=20, keep=5),
+    "lyapunov": lambda P: gz.lyapunov(P, "omega", OMEGA, starts=4, steps=20),
+    "chart": lambda P: gz.chart(P, {"omega": OMEGA, "alpha": [0.1, 0.2]}, starts=4, transient=20, keep=10),
+    "bifurcations": lambda P: gz.bifurcation_diagram(P, "omega", OMEGA, starts=4, transient=20, keep=10),
+}
+
+
+@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("law", LAWS)
+def test_a_study_warns_with_the_law_and_its_line(law, study):
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        try:
+            STUDIES[study](gz.stroboscopic_map(model(law)))
+        except UserCodeError as error:
+            said = str(error)
+        else:
+            said = str(seen[0].message)
+    assert LAWS[law] in said and f"the reset law {law.__name__}" in said
+    assert len(seen) <= 2
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("run", [
+    lambda m: gz.trajectory(m, (0.5, 0.0)), gz.testing.check_model,
+    lambda m: gz.testing.check_map(gz.stroboscopic_map(m)),
+])  # fmt: skip
+def test_what_needs_a_whole_law_raises_with_its_line_and_nothing_before(law, run):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserCodeError) as error:
+            run(model(law))
+    assert LAWS[law] in str(error.value)
+
+
+def test_closed_forms_try_the_law_in_python():
+    with pytest.raises(UserCodeError, match=r"ZeroDivisionError.*in line \d+ of .*-v \* p\.r / p\.c"):
+        gz.normal_form(model(by_parameter), "offset")
+    with pytest.raises(UserCodeError, match=r"contraction .*ZeroDivisionError"):
+        gz.reset(no_number, contraction=lambda p: (1.0 / (p.r - p.r), 1.0), r=0.5)
+
+
+def test_two_stops_and_a_force_as_a_function_are_told_what_is_possible():
+    forcing, law = gz.Forcing(omega=1.0), gz.newton(0.5)
+    for sigma in ((-1.0, 1.0), [0.0]):
+        with pytest.raises(InputError, match="an oscillator has one wall"):
+            gz.Oscillator(alpha=0.1, k=1, forcing=forcing, sigma=sigma, reset=law)
+    with pytest.raises(InputError, match=r"Fourier series.*gz\.Forcing.*rfft"):
+        gz.Oscillator(alpha=0.1, k=1, forcing=np.cos, reset=law)
+    with pytest.raises(InputError, match=r"one amplitude per harmonic.*Fourier series"):
+        gz.Forcing(omega=1.0, cos=np.cos)

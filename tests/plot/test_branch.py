@@ -1,0 +1,68 @@
+"""Branches with and without special points, and loci on a chart."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing import InputError, plot
+from grazing.cli import main
+from tests.plot import results
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A branch on which nothing happens."""
+    orbit = gz.periodic_orbits(gz.gap_map(lam=0.5, mu=0.1, l=0.2), period=2)[0]
+    branch = gz.continuation(orbit.map, orbit, "mu", (0.099, 0.101))
+    assert not branch.special
+    return branch
+
+
+@pytest.fixture(scope="module")
+def locus():
+    orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
+    special = next(s for s in gz.continuation(orbit.map, orbit, "d", (0.09, 0.13)).special if s.type == "pd")
+    return gz.locus(special, ("d", "V"), ((0.08, 0.14), (0.35, 0.45)))
+
+
+def test_a_branch_without_special_points_is_lines_alone(plain):
+    for result in (plain, plain.dataset, [plain, plain]):
+        drawn = plot.branch(result)
+        assert drawn["lines"] and not drawn["markers"] and not drawn["names"]
+
+
+def test_the_command_draws_a_branch_without_special_points(tmp_path, capsys):
+    tokens = ["branch", "mu=0.099:0.101", "--map", "gap", "--lam", "0.5", "--l", "0.2", "--word", "LR", "-q"]
+    files = [tmp_path / name for name in ("a.png", "a.nc")]
+    assert main([*tokens, *(part for file in files for part in ("-o", str(file)))]) == 0, capsys.readouterr().err
+    assert all(file.stat().st_size for file in files)
+    assert main(["plot", str(files[1]), "-o", str(tmp_path / "b.pdf")]) == 0, capsys.readouterr().err
+
+
+def on_chart():
+    return results.chart(x=np.linspace(0.08, 0.14, 9), y=np.linspace(0.35, 0.45, 7)).rename(mu="d", l="V")
+
+
+def test_loci_are_curves_of_a_chart(locus):
+    name = f"{locus.orbits[0].word} pd"
+    for curves in (locus, locus.dataset, [locus], (locus, locus.dataset)):
+        drawn = plot.chart(on_chart(), curves=curves)["curves"]
+        assert list(drawn) == [name]
+        line = drawn[name][0]
+        there = np.array([orbit.admissible for orbit in locus.orbits])
+        x, y = (np.asarray(side)[: len(there)] for side in (line.get_xdata(), line.get_ydata()))
+        assert there.any()
+        np.testing.assert_array_equal(x[there], locus.values[there, 0])
+        np.testing.assert_array_equal(y[there], locus.values[there, 1])
+        assert np.isnan(x[~there]).all()
+
+
+@pytest.mark.parametrize("curves", [5, "pd", [1.0, 2.0], np.zeros((2, 3)), [None], {"a": 1.0}, {"a": "bc"}, [[]]])
+def test_what_is_no_curve_is_refused_with_what_is_one(curves):
+    with pytest.raises(InputError, match=r"gz\.boundaries.*gz\.locus.*mapping of names|not a pair"):
+        plot.chart(results.chart(), curves=curves)
+
+
+def test_a_locus_in_other_parameters_is_refused(locus):
+    with pytest.raises(InputError, match=r"but no mu; give .*gz\.locus in mu and l"):
+        plot.chart(results.chart(), curves=locus)
