@@ -13,7 +13,6 @@ from grazing.sweep.files import Print, clear_way, print_of, read_file, remove, w
 from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, LAYOUT, UNBOUND, Layout, laid_out
 from grazing.sweep.manifest import (
-    CHUNKS,
     MANIFEST,
     SEAL,
     TEMPLATE,
@@ -95,9 +94,8 @@ def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
     """Count chunks as missing, and remove what stands where their files belong."""
     store.unseal()
     for number in numbers:
-        remove(store.file(DONE, number))
-        keys = [key for name in [*store.layout.variables, DONE] for key in store.files(name, number)]
-        for key in [*keys, f"{CHUNKS}/{number}"]:
+        remove(store.path / store.file(number))
+        for key in store.files_of(number):
             clear_way(store.path, key)
 
 

@@ -108,31 +108,42 @@ class Store:
 
     # ---- which chunks are there
 
-    def file(self, name: str, number: int) -> Path:
-        """Return the file that holds the first corner of a chunk of an array."""
-        return self.path / next(iter(self.files(name, number)))
+    def file(self, number: int) -> str:
+        """Return the file that says whether a chunk is done."""
+        return "/".join([DONE, "c", *map(str, self.grid.place(number))])
 
-    def files(self, name: str, number: int | None) -> dict[str, tuple[Slices, Slices]]:
-        """Return the files of a chunk of an array, or of a coordinate: the cells and the rest of the array in each."""
-        spec = self.arrays[name]
-        n = 0 if number is None else len(self.grid.shape)
+    def files(self, name: str, number: int | None) -> dict[str, Slices]:
+        """Return the files of a chunk of a variable, or of a coordinate (number None), each with its part of it.
+
+        That is the part along the dimensions that are not those of the cells; a cell that is huge has several files.
+        """
         place = () if number is None else self.grid.place(number)
-        cells = () if number is None else self.grid.block(number)
-        if name == DONE:
-            return {"/".join([name, "c", *map(str, place)]): (cells, ())}
-        further = list(zip(spec.shape[n:], spec.chunk[n:], strict=True))
+        above = "/".join([name, "c", *map(str, place)])
+        return {above + below: part for below, part in self._parts[name].items()}
+
+    @cached_property
+    def _parts(self) -> dict[str, dict[str, Slices]]:
         found = {}
-        for rest in product(*(range(ceil(length / size)) for length, size in further)):
-            inner = (
-                slice(i * size, min((i + 1) * size, length)) for i, (length, size) in zip(rest, further, strict=True)
-            )
-            found["/".join([name, "c", *map(str, (*place, *rest))])] = (cells, tuple(inner))
+        for name, spec in self.arrays.items():
+            n = len(self.grid.shape) if name in self.layout.variables else 0
+            sides = list(zip(spec.shape[n:], spec.chunk[n:], strict=True))
+            found[name] = {
+                "".join(f"/{i}" for i in place): tuple(
+                    slice(i * size, min((i + 1) * size, length)) for i, (length, size) in zip(place, sides, strict=True)
+                )
+                for place in product(*(range(ceil(length / size)) for length, size in sides))
+            }
         return found
+
+    def files_of(self, number: int) -> list[str]:
+        """Return all files of a chunk."""
+        data = [key for name in self.layout.variables for key in self.files(name, number)]
+        return [*data, f"{CHUNKS}/{number}", self.file(number)]
 
     def is_done(self, number: int) -> bool:
         """Whether a chunk is finished."""
         try:
-            return read_file(self.file(DONE, number), 1) == THERE
+            return read_file(f"{self.path}/{self.file(number)}", 1) == THERE
         except (OSError, ValueError):
             return False
 
@@ -164,7 +175,7 @@ class Store:
             return True
         try:
             files = self.record(number, sealed=False).files
-            return all(os.path.getsize(self.path / key) == length for key, (length, _digest) in files.items())
+            return all(os.path.getsize(f"{self.path}/{key}") == length for key, (length, _digest) in files.items())
         except (OSError, ValueError):
             return False
 
@@ -178,26 +189,24 @@ class Store:
         OSError, ValueError
             If a file is missing, or is not what was written there.
         """
-        spec, parts = self.arrays[name], self.files(name, number)
-        n = 0 if number is None else len(self.grid.shape)
-        blocks = []
-        for key, (cells, inner) in parts.items():
-            shape = tuple(part.stop - part.start for part in (*cells, *inner))
-            whole = decode(self._content(key, prints, longest(spec.chunk, spec.dtype)), spec.chunk, spec.dtype)
-            blocks.append((inner, whole[tuple(slice(size) for size in shape)]))
-        if len(blocks) == 1:
-            return blocks[0][1]
-        cells = () if number is None else self.grid.block_shape(number)
-        array = np.empty((*cells, *spec.shape[n:]), spec.dtype)
-        for inner, block in blocks:
-            array[(..., *inner) if inner else ...] = block
+        spec, cells = self.arrays[name], () if number is None else self.grid.block_shape(number)
+        parts = self.files(name, number)
+        array = np.empty((*cells, *spec.shape[len(cells) :]), spec.dtype)
+        for key, inner in parts.items():
+            block = decode(self._content(key, prints, longest(spec.chunk, spec.dtype)), spec.chunk, spec.dtype)
+            shape = (*cells, *(part.stop - part.start for part in inner))
+            if block.shape != shape:
+                block = block[tuple(map(slice, shape))]
+            if len(parts) == 1:
+                return block
+            array[(..., *inner)] = block
         return array
 
     def _content(self, key: str, prints: Mapping[str, Print] | None, most: int) -> bytes:
         """Return the bytes of a file, if they are those that were written there."""
         wanted = None if prints is None else prints[key]
         try:
-            content = read_file(self.path / key, most if wanted is None else wanted[0])
+            content = read_file(f"{self.path}/{key}", most if wanted is None else wanted[0])
         except (FileNotFoundError, NotADirectoryError) as error:
             raise ValueError(f"{key}: its file is missing") from error
         except (OSError, ValueError) as error:
@@ -219,14 +228,14 @@ class Store:
         files: dict[str, Print] = {}
         try:
             self.refuse_if_gone()
-            self.file(DONE, number).unlink(missing_ok=True)
+            (self.path / self.file(number)).unlink(missing_ok=True)
             for name, values in stored_chunk(plan, self.grid.block_shape(number), arrays).items():
-                for key, (_cells, inner) in self.files(name, number).items():
+                for key, inner in self.files(name, number).items():
                     content = encode(values[(..., *inner)] if inner else values, self.arrays[name].chunk)
                     self._put(key, content)
                     files[key] = print_of(content)
             self._put(f"{CHUNKS}/{number}", record_lines(self.token, number, files, made_by(plan)))
-            self._put(next(iter(self.files(DONE, number))), THERE)
+            self._put(self.file(number), THERE)
         except OSError as error:
             raise self._lost(error) from error
 
@@ -269,8 +278,7 @@ class Store:
     def remove_partials(self, numbers: Iterable[int]) -> None:
         """Remove what a killed process left beside these chunks; others may be about to finish theirs."""
         wanted = list(numbers)
-        ours = {key for number in wanted for name in [*self.layout.variables, DONE] for key in self.files(name, number)}
-        ours |= {f"{CHUNKS}/{number}" for number in wanted} | {SEAL}
+        ours = {key for number in wanted for key in self.files_of(number)} | {SEAL}
         for name in [*self.layout.variables, DONE, MANIFEST]:
             for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
