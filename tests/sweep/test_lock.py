@@ -14,6 +14,7 @@ OTHER = {"host": "elsewhere", "pid": 7, "shard": "", "since": "2026-01-01T00:00:
 
 @pytest.fixture
 def folder(tmp_path):
+    (tmp_path / "a.zarr").mkdir()
     return tmp_path / "a.zarr" / ".grazing" / "locks"
 
 

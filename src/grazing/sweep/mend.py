@@ -11,7 +11,7 @@ from grazing.outcome import InputError
 from grazing.studies.plan import Plan
 from grazing.sweep.files import Print, clear_way, print_of, read_file, remove, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, UNBOUND, Layout, laid_out
+from grazing.sweep.layout import DONE, FORMAT, LAYOUT, Layout, laid_out
 from grazing.sweep.manifest import (
     MANIFEST,
     SEAL,
@@ -45,7 +45,7 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
     InputError
         If what is left does not say what was there.
     """
-    if not (path / MANIFEST).is_dir() and (plan is None or _format(path) == UNBOUND):
+    if not (path / MANIFEST).is_dir() and _format(path) != FORMAT:
         return []
     mended = []
     try:
@@ -118,14 +118,15 @@ def _format(path: Path) -> int | None:
 def _template_again(path: Path, plan: Plan | None, error: Exception) -> bytes:
     """Make the manifest's template again: it is the right one if the old one, or a record, names its identity."""
     named = identities_named(path)
+    content = None
     for content in _candidates(path, plan):
         if template_of(content).identity in named:
             return content
-    if not named and plan is not None:
-        raise InputError(f"{path} is damaged beyond repair: nothing says what it was; begin another store")
+    if content is not None and not named and plan is not None:  # no chunk claims anything: all are computed again
+        return content
     raise InputError(
-        f"{path} is damaged: {TEMPLATE} cannot be used ({in_one_line(error)}), and neither its metadata nor the plan "
-        f"make it again. Give the plan with the versions that it was begun with, or begin another store"
+        f"{path} is damaged: {TEMPLATE} cannot be used ({in_one_line(error)}), and neither its metadata nor a plan "
+        f"make it again. Give the plan, with the versions that it was begun with, or begin another store"
     )
 
 

@@ -20,6 +20,7 @@ from grazing.parameter import real, whole
 from grazing.studies.plan import Plan, Progress, empty_arrays
 from grazing.sweep.layout import laid_out
 from grazing.sweep.lock import locked
+from grazing.sweep.manifest import MANIFEST
 from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
 from grazing.sweep.same import refuse_another
 from grazing.sweep.store import ASIDE, Store, folder_of, in_one_line, open_existing, stored_chunk
@@ -152,7 +153,8 @@ def verify(
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
     path = folder_of(store)
-    with locked(path / ASIDE / "locks", None) if repair and path.is_dir() else nullcontext():
+    ours = any((path / name).is_dir() for name in (ASIDE, MANIFEST))
+    with locked(path / ASIDE / "locks", None) if repair and ours else nullcontext():
         mended = mend_metadata(path, plan) if repair else []
         found = open_existing(path)
         if repair and found.template is None:
