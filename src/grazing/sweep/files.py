@@ -86,6 +86,31 @@ def write_file(root: Path, key: str, content: bytes, fsync: bool = False) -> Non
             fsync_folder(folder)
 
 
+def append_line(path: Path, line: str) -> None:
+    """Append a line to a file; nothing waits for a pipe that nobody reads.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NONBLOCK", 0), 0o666)
+    try:
+        os.write(handle, f"{line}\n".encode())
+    finally:
+        os.close(handle)
+
+
+def is_plain(root: Path, key: str) -> bool:
+    """Whether a file is there, in folders below ``root`` of which none is a link; nor is it one itself."""
+    here = root
+    for part in key.split("/")[:-1]:
+        here = here / part
+        if here.is_symlink():
+            return False
+    return not (root / key).is_symlink() and (root / key).is_file()
+
+
 def clear_way(root: Path, key: str) -> None:
     """Remove what stands where a file and its folders belong: links, pipes, files for folders, folders for files."""
     here = root

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
-from grazing.sweep.files import Print, clear_way, print_of, read_file, remove, write_file
+from grazing.sweep.files import Print, clear_way, is_plain, print_of, read_file, remove, write_file
 from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, FORMAT, LAYOUT, Layout, laid_out
 from grazing.sweep.manifest import (
@@ -57,7 +57,7 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
         template = template_of(content)
     for file, text in template.metadata.items():
         try:
-            if read_file(path / file) == text.encode():
+            if is_plain(path, file) and read_file(path / file) == text.encode():
                 continue
         except (OSError, ValueError):
             pass
@@ -92,9 +92,8 @@ def mend_coordinates(store: Store, plan: Plan, names: Iterable[str]) -> list[str
 
 def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
     """Count chunks as missing, and remove what stands where their files belong."""
-    store.unseal()
     for number in numbers:
-        remove(store.path / store.file(number))
+        remove(store.path / store.file(number))  # first of all: from now on the others say nothing
         for key in store.files_of(number):
             clear_way(store.path, key)
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from grazing.outcome import GrazingError, InputError
 from grazing.studies.plan import Plan, empty_arrays
-from grazing.sweep.files import read_file
+from grazing.sweep.files import append_line, read_file, write_file
 from grazing.sweep.made_by import made_by
 from grazing.sweep.same import listed, refuse_another
 from grazing.sweep.store import Arrays, Store, open_existing
@@ -60,8 +60,7 @@ def note_time(store: Store, number: int, seconds: float) -> None:
     file = _times(store) / f"{socket.gethostname()}-{os.getpid()}"
     with suppress(OSError):  # the chunk is safe; a disk that is full says so with the next one
         file.parent.mkdir(exist_ok=True)
-        with open(file, "a", encoding="ascii") as times:
-            times.write(f"{number} {seconds:.6f}\n")
+        append_line(file, f"{number} {seconds:.6f}")
 
 
 def time_of_work(store: Store) -> float:
@@ -100,10 +99,8 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
         content = _pickled(plan)
         name = hashlib.sha256(content).hexdigest()
         file = store.aside / f"plan-{name}.pickle"
-        new = file.with_suffix(f".{os.getpid()}")
         try:
-            new.write_bytes(content)
-            os.replace(new, file)
+            write_file(store.aside, file.name, content, store.fsync)
             for old in store.aside.glob("plan-*"):
                 if old != file:
                     old.unlink(missing_ok=True)
@@ -237,5 +234,5 @@ def _unpickled(store: Store, name: str, where: str) -> Plan:
 
 def note_run(store: Store, line: dict[str, Any]) -> None:
     """Append a line to the history of the store."""
-    with suppress(OSError), open(store.aside / "history.jsonl", "a", encoding="utf-8") as history:
-        history.write(json.dumps(line) + "\n")
+    with suppress(OSError):
+        append_line(store.aside / "history.jsonl", json.dumps(line))

@@ -173,8 +173,9 @@ def verify(
         differences.sort(key=lambda one: (-1 if one.chunk is None else one.chunk, one.variable))
         bad = sorted({one.chunk for one in differences if one.chunk is not None}) if repair else []
         if bad:
-            forget_chunks(found, bad)
+            found.unseal()
         if repair:
+            forget_chunks(found, sorted({*range(found.grid.count)} - {*done.tolist()} | {*bad}))
             mended += mend_coordinates(found, plan, sorted({one.variable for one in differences if one.chunk is None}))
             found.seal_if_complete()
     return Verified(
