@@ -1,11 +1,13 @@
 """``grazing sweep``: stores, shards, exit codes, interruption."""
 
+import io
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -99,6 +101,55 @@ def test_damage_is_found_and_repaired(folder, capsys):
     assert "no difference" in said(capsys, 0, "verify", "a.zarr", "-q", "--share", "1")
 
 
+def test_metadata_are_put_back(folder, capsys):
+    said(capsys, 0, "run", "study.toml", "a.zarr", "--chunk", "10", "-q")
+    head = folder / "a.zarr" / "zarr.json"
+    before = head.read_bytes()
+    head.write_bytes(before.replace(b"grazing_code", b"grazing_kode"))
+    assert "verify --repair" in said(capsys, 2, "status", "a.zarr")
+    assert "repaired: zarr.json" in said(capsys, 1, "verify", "a.zarr", "--repair", "-q")
+    assert head.read_bytes() == before
+    assert "no difference" in said(capsys, 0, "verify", "a.zarr", "-q")
+
+
+def test_a_lock_is_taken_away(folder, capsys):
+    said(capsys, 3, "run", "study.toml", "a.zarr", "--chunk", "10", "--shard", "1/2", "-q", "--fsync")
+    assert "a.zarr is not locked" in said(capsys, 0, "unlock", "a.zarr")
+    lock = {"host": "elsewhere", "pid": 7, "shard": "", "since": "2026-01-01T00:00:00+00:00"}
+    (folder / "a.zarr" / ".grazing" / "locks" / "all.lock").write_text(json.dumps(lock))
+    assert "process 7 on elsewhere" in said(capsys, 2, "resume", "a.zarr", "-q")
+    assert "--force" in said(capsys, 2, "unlock", "a.zarr")
+    assert json.loads(said(capsys, 0, "unlock", "a.zarr", "--force", "--json"))["removed"][0]["host"] == "elsewhere"
+    assert "4 of 4 chunks" in said(capsys, 0, "resume", "a.zarr", "-q")
+
+
+@pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("\n", 2), ("n\n", 2), ("", 2), (None, 2)])
+def test_other_code_is_asked_for_on_a_terminal(folder, capsys, monkeypatch, answer, code):
+    said(capsys, 3, "run", "study.toml", "a.zarr", "--chunk", "10", "--shard", "1/2", "-q")
+    monkeypatch.setattr("grazing.__version__", "9.9")
+    monkeypatch.setattr("sys.stdin", io.StringIO(answer or ""))
+    if answer is not None:
+        monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+        monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    text = said(capsys, code, "resume", "a.zarr", "-q")
+    assert "grazing is " in text and "'9.9' here" in text
+    assert ("Go on with this code all the same? [y/N]" in text) == (answer is not None)
+    assert ("mixture: 2 of 4 chunks by the code that the sweep was begun with; 2 by other" in text) == (code == 0)
+    if code == 0:
+        assert main(["info", "a.zarr"]) == 0
+        assert "mixture:   2 of 4 chunks by the code" in capsys.readouterr().out
+    else:
+        assert "4 of 4 chunks" in said(capsys, 0, "resume", "a.zarr", "-q", "--other-code")
+
+
+def test_a_store_of_version_0_1(folder, capsys):
+    with zipfile.ZipFile(Path(__file__).parents[1] / "sweep" / "store_0_1.zip") as packed:
+        packed.extractall("old.zarr")
+    assert "unbound: made by version 0.1" in said(capsys, 0, "status", "old.zarr")
+    assert main(["info", "old.zarr"]) == 0
+    assert "unbound:   made by version 0.1" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("tokens", "text"),
     [
@@ -116,6 +167,7 @@ def test_damage_is_found_and_repaired(folder, capsys):
         (["run", "study.toml"], "STORE"),
         (["resume", "no.zarr"], "no.zarr"),
         (["status", "study.toml"], "study.toml"),
+        (["unlock", "no.zarr"], "there is no sweep in"),
         (["walk"], "walk"),
     ],
 )

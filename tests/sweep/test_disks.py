@@ -3,29 +3,28 @@ import resource
 import shutil
 import subprocess
 import tempfile
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
 
 import grazing as gz
+import grazing.sweep.files
 from grazing import sweep
 from tests.sweep.plans import files, plan
 
 
 def test_a_failing_disk_is_said_once_and_the_store_goes_on(tmp_path, monkeypatch):
-    from zarr.storage import LocalStore
+    store, writes, write = tmp_path / "a.zarr", [], os.write
 
-    store, writes, put = tmp_path / "a.zarr", [], LocalStore.set
-
-    async def full(self, key, value, *args, **options):
-        writes.append(key)
-        if len(writes) > 12:
+    def full(handle, content):
+        writes.append(handle)
+        if len(writes) > 24:
             raise OSError(28, "No space left on device")
-        return await put(self, key, value, *args, **options)
+        return write(handle, content)
 
     sweep.run(plan(9), store, chunk=1, shard=(9, 9))
-    monkeypatch.setattr(LocalStore, "set", full)
+    monkeypatch.setattr("grazing.sweep.files.os.write", full)
     said = (
         "a.zarr cannot be written: No space left on device. What is done is kept: make room or put it right, and resume"
     )
@@ -144,3 +143,46 @@ def test_a_store_that_goes_away_is_not_made_again(tmp_path):
     with pytest.raises(gz.GrazingError, match=r"cannot be written: it was removed while it was being computed"):
         sweep.run(some, store, chunk=1, threads=1)
     assert not (store / "points").exists()
+
+
+@pytest.mark.parametrize("how", ["removed", "moved", "head", "aside", "array", "manifest"])
+@pytest.mark.parametrize("when", ["computing", "writing", "recording"])
+def test_what_goes_away_under_a_run_is_a_plain_error_and_is_not_made_again(tmp_path, monkeypatch, how, when):
+    store = tmp_path / "a.zarr"
+    gone = {"head": "zarr.json", "aside": ".grazing", "array": "points", "manifest": "manifest"}.get(how, "")
+    write = grazing.sweep.files.write_file
+
+    def go():
+        if (store / gone).exists():
+            os.rename(store / gone, tmp_path / "gone")
+            if how == "removed":
+                shutil.rmtree(tmp_path / "gone")
+
+    def writing(root, key, content, fsync=False):
+        if key == {"writing": "period/c/4", "recording": "manifest/chunks/4"}.get(when):
+            go()
+        write(root, key, content, fsync)
+
+    some, compute = plan(9), plan(9).compute
+
+    def computing(cells, arrays):
+        if when == "computing" and cells[0] == 4:
+            go()
+        yield from compute(cells, arrays)
+
+    object.__setattr__(some, "compute", computing)
+    monkeypatch.setattr("grazing.sweep.store.write_file", writing)
+    with suppress(gz.GrazingError):  # what a run does not need, it does not miss
+        found = sweep.run(some, store, chunk=1, threads=2)
+        assert how in ("aside", "array", "manifest") and found.chunks_done
+    monkeypatch.undo()
+    if how in ("removed", "moved"):
+        assert not store.exists()
+        with pytest.raises(gz.InputError, match="there is no sweep in"):
+            sweep.status(store)
+        return
+    with suppress(gz.InputError):
+        sweep.open_store(store)
+    sweep.verify(store, plan=plan(9), repair=True)
+    assert sweep.run(plan(9), store).complete
+    assert sweep.verify(store, 1.0, plan=plan(9)).ok

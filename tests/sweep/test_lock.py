@@ -2,18 +2,22 @@ import json
 import os
 import socket
 import threading
+from contextlib import suppress
 
 import pytest
 
 import grazing as gz
+from grazing import sweep
 from grazing.sweep import lock
 from grazing.sweep.lock import holders, locked
+from tests.sweep.plans import plan
 
 OTHER = {"host": "elsewhere", "pid": 7, "shard": "", "since": "2026-01-01T00:00:00+00:00"}
 
 
 @pytest.fixture
 def folder(tmp_path):
+    (tmp_path / "a.zarr").mkdir()
     return tmp_path / "a.zarr" / ".grazing" / "locks"
 
 
@@ -185,3 +189,82 @@ def test_a_fork_does_not_keep_the_lock(folder):
 def test_whether_a_process_exists():
     assert lock.process_exists(os.getpid()) and lock.process_exists(1)
     assert not lock.process_exists(2**22 + 1) and not lock.process_exists(10**30)
+
+
+# ---- what a hand, or another clock, leaves
+
+
+def test_a_lock_from_the_future_is_taken_over(folder):
+    put(folder, "all.lock", OTHER, age=-lock.STALE * 2)
+    with locked(folder, None):
+        assert [found.pid for found in holders(folder)] == [os.getpid()]
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "link to nothing", "loop", "endless"])
+@pytest.mark.parametrize("name", ["all.lock", "gate", "0123.new"])
+def test_what_is_no_file_is_no_lock(folder, kind, name):
+    folder.mkdir(parents=True)
+    if kind == "pipe":
+        os.mkfifo(folder / name)
+    elif kind == "folder":
+        (folder / name / "inner").mkdir(parents=True)
+    else:
+        (folder / name).symlink_to({"loop": name, "endless": "/dev/zero"}.get(kind, "/nowhere/at all"))
+    assert holders(folder) == []
+    with locked(folder, None):
+        assert len(holders(folder)) == 1
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"host": ["a"]}, {"pid": "7"}, {"pid": 10**30}, {"pid": -1}, {"shard": 3}, {"since": None}, {"pid": None}],
+)
+def test_a_lock_with_odd_entries_is_plain(folder, changed):
+    put(folder, "all.lock", OTHER | changed)
+    for found in holders(folder):
+        assert "process" in str(found)
+    with suppress(gz.InputError), locked(folder, (1, 2)):
+        pass
+
+
+@pytest.fixture
+def store(tmp_path):
+    sweep.run(plan(), tmp_path / "a.zarr", chunk=2, shard=(1, 2))
+    return tmp_path / "a.zarr"
+
+
+def test_unlocking_says_who_and_removes_what_is_dead(store):
+    folder = store / ".grazing" / "locks"
+    assert sweep.unlock(store) == []
+    put(folder, "all.lock", OTHER, age=lock.STALE * 2)
+    put(folder, "shard-1-of-2.lock", "rubbish")
+    (one, two) = sweep.unlock(store)
+    assert (one.host, one.pid, one.since) == ("elsewhere", 7, OTHER["since"]) and "last seen 20" in str(one)
+    assert "unknown" in str(two)
+    assert [file.name for file in folder.iterdir()] == ["gate"]
+
+
+def test_unlocking_the_living_needs_force(store):
+    folder = store / ".grazing" / "locks"
+    put(folder, "all.lock", OTHER)
+    with pytest.raises(gz.InputError, match=r"process 7 on elsewhere, since 2026-01-01.*last seen 20.*force=True"):
+        sweep.unlock(store)
+    assert (folder / "all.lock").exists()
+    with pytest.raises(gz.InputError, match=r"sweep.unlock removes a lock that is in the way"):
+        sweep.run(plan(), store)
+    assert [found.pid for found in sweep.unlock(store, force=True)] == [7]
+    assert sweep.run(plan(), store).complete
+    with locked(folder, None):
+        with pytest.raises(gz.InputError, match=rf"process {os.getpid()} on"):
+            sweep.unlock(store)
+        assert len(sweep.unlock(store, force=True)) == 1
+    assert sweep.unlock(store) == []
+
+
+def test_unlocking_what_is_no_store(tmp_path):
+    with pytest.raises(gz.InputError, match=r"there is no sweep in"):
+        sweep.unlock(tmp_path / "b.zarr")
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(gz.InputError, match=r"is not empty and holds no sweep"):
+        sweep.unlock(tmp_path)
+    assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]

@@ -7,6 +7,7 @@ import xarray as xr
 
 import grazing as gz
 from grazing import sweep
+from grazing.io import load, save
 from grazing.studies.plan import Plan, run_plan
 from grazing.sweep.template import _host
 from tests.sweep.plans import Orbits, files, finish, own_map, plan
@@ -153,16 +154,22 @@ def test_other_code_is_refused_unless_allowed(tmp_path):
     store = tmp_path / "a.zarr"
     first = plan(P=own_map(), name="a")
     sweep.run(first, store, shard=(1, 2), chunk=2)
-    with pytest.raises(gz.InputError, match=r"was begun by other code: grazing_code_sha256 is '.*other_code=True"):
+    with pytest.raises(gz.InputError, match=r"was begun by other code: code is '.*other_code=True"):
         sweep.run(of(logistic), store)
     assert sweep.run(of(logistic), store, other_code=True).complete
     assert not sweep.verify(store, 1.0, plan=first).ok  # it has noticed the mixture
+    found = sweep.open_store(store)
+    assert found.made_by.values.tolist() == [0, 0, 1, 1, 0, 0, 1]
+    assert found.made_by.attrs["flag_meanings"] == "missing begun_by other_1"
+    said = "2 of 4 chunks by the code that the sweep was begun with; 2 by other code (code is '"
+    assert found.attrs["grazing_mixture"].startswith(said) and f"mixture: {said}" in str(sweep.status(store))
+    assert load(save(found, tmp_path / "a.nc")).identical(found)
 
 
 def test_another_version_is_refused_by_name(tmp_path, monkeypatch):
     sweep.run(plan(), tmp_path / "a.zarr")
     monkeypatch.setattr(gz, "__version__", "9.9")
-    said = r"source is 'grazing .*' there and 'grazing 9.9' here; of the versions, grazing is '.*' there and '9.9' here"
+    said = r"was begun by other code: grazing is '.*' there and '9.9' here. Go on with"
     with pytest.raises(gz.InputError, match=said):
         sweep.run(plan(), tmp_path / "a.zarr")
 

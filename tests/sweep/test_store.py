@@ -4,6 +4,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 import grazing as gz
 from grazing import sweep
@@ -23,13 +24,15 @@ def test_the_template_is_there_before_any_work(tmp_path):
     some = plan(7)
     create(tmp_path / "a.zarr", some, grid_of(some, 3))
     names = {"points", "mean", "period", "word", "mu", "label", "x0", "done"}
-    assert {name.removesuffix("/zarr.json") for name in files(tmp_path / "a.zarr") if name.count("/") == 1} == names
+    there = {name for name in files(tmp_path / "a.zarr") if name.count("/") == 1}
+    assert there == {f"{name}/zarr.json" for name in names} | {"manifest/template"}
     found = open_existing(tmp_path / "a.zarr")
     assert not found.done().any() and len(found.done()) == 3
-    assert found.arrays["points"].shape == (7, 3, 4) and found.arrays["points"].chunks == (3, 3, 4)
-    assert found.arrays["done"].chunks == (1,) and found.arrays["done"].dtype == np.uint8
-    assert np.isnan(found.arrays["points"].fill_value) and found.arrays["period"].fill_value == 0
-    assert found.arrays["mu"][...].tolist() == some.axes["mu"].tolist()
+    assert found.arrays["points"].shape == (7, 3, 4) and found.arrays["points"].chunk == (3, 3, 4)
+    assert found.arrays["done"].chunk == (1,) and found.arrays["done"].dtype == "uint8"
+    assert found.read("mu", None, found.template.coordinates).tolist() == some.axes["mu"].tolist()
+    group = zarr.open_group(str(tmp_path / "a.zarr"), mode="r")
+    assert np.isnan(group["points"].fill_value) and group["period"].fill_value == 0
     assert [file.name for file in tmp_path.iterdir()] == ["a.zarr"]
 
 
@@ -82,14 +85,10 @@ def foreign_folder(path):
 
 
 def foreign_zarr(path):
-    import zarr
-
     zarr.open_group(str(path), mode="w", zarr_format=3).create_array("x", shape=(3,), dtype="f8")
 
 
 def foreign_old_zarr(path):
-    import zarr
-
     zarr.open_group(str(path), mode="w", zarr_format=2)
 
 
@@ -190,12 +189,16 @@ def test_a_store_without_its_head_is_not_taken_for_a_foreign_folder(store):
         sweep.run(plan(5, 3), store)
 
 
-def test_a_note_in_the_attributes_does_no_harm(store):
-    import zarr
-
-    zarr.open_array(str(store / "points"), mode="r+").attrs["note"] = "mine"
-    assert sweep.run(plan(5, 3), store).complete
-    assert sweep.open_store(store).points.attrs["note"] == "mine"
+def test_a_changed_attribute_is_damage(store):
+    before = files(store)
+    zarr.open_array(str(store / "points"), mode="r+").attrs["units"] = "m"
+    for act in (sweep.open_store, sweep.status, lambda store: sweep.verify(store, 1.0, plan=plan(5, 3))):
+        with pytest.raises(
+            gz.InputError, match=r"points/zarr.json cannot be used \(it is not what the manifest says\)"
+        ):
+            act(store)
+    assert "repaired: points/zarr.json" in str(sweep.verify(store, plan=plan(5, 3), repair=True))
+    assert files(store) == before
 
 
 def test_an_edited_configuration_is_damage(store):
@@ -207,8 +210,8 @@ def test_an_edited_configuration_is_damage(store):
 
 def test_a_store_of_a_later_format(store):
     text = (store / "zarr.json").read_text()
-    (store / "zarr.json").write_text(text.replace('{\\"format\\":1', '{\\"format\\":9'))
-    with pytest.raises(gz.InputError, match=r"a.zarr cannot be opened: it has format 9, this version reads 1"):
+    (store / "zarr.json").write_text(text.replace('{\\"format\\":2', '{\\"format\\":9'))
+    with pytest.raises(gz.InputError, match=r"a.zarr cannot be opened: it has format 9, this version reads 1 and 2"):
         sweep.status(store)
 
 
@@ -230,10 +233,10 @@ def test_a_huge_cell_is_cut_into_several_files(tmp_path, monkeypatch):
 
 def test_names_that_a_store_keeps_for_itself(tmp_path):
     some = plan()
-    for name in ("done", "a b", "a/b", ".x"):
+    for name in ("done", "manifest", "made_by", "a b", "a/b", ".x"):
         some.variables.clear()
         some.variables[name] = plan().variables["mean"]
-        with pytest.raises(gz.InputError, match=r"a store keeps 'done' for itself"):
+        with pytest.raises(gz.InputError, match=r"a store keeps 'done', 'manifest' and 'made_by' for itself"):
             sweep.run(some, tmp_path / "a.zarr")
     some.variables.clear()
     some.variables["mu"] = plan().variables["mean"]

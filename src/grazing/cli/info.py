@@ -87,6 +87,7 @@ def described(path: Path) -> dict[str, Any]:
 
         known = status(path)
         found |= {"complete": known.complete, "progress": f"{known.cells_done} of {known.cells} cells"}
+        found |= {"bound": known.bound, "mixture": known.mixture}
     return found | again(result.attrs, axes_of(result), (str(path),))
 
 
@@ -132,6 +133,10 @@ def lines(found: Mapping[str, Any]) -> list[str]:
         said.append(f"saved:     {found['created']}")
     if "progress" in found:
         said.append(f"complete:  {'yes' if found['complete'] else 'no'}, {found['progress']}")
+    if found.get("bound") is False:
+        said.append("unbound:   made by version 0.1, without a manifest that says what its files must hold")
+    if found.get("mixture"):
+        said.append(f"mixture:   {found['mixture']}")
     if found.get("sizes"):
         said.append(f"sizes:     {', '.join(f'{name} {size}' for name, size in found['sizes'].items())}")
     if found.get("variables"):

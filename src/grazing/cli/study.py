@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from inspect import Parameter as Argument
 from pathlib import Path
 from typing import Annotated, Any
@@ -151,11 +152,11 @@ def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:
     """Compute a plan chunk by chunk into a store, which can be resumed, and open it."""
     from grazing.cli.plot import loaded
-    from grazing.cli.sweep import resumable
+    from grazing.cli.sweep import asked, resumable
     from grazing.sweep import run
 
     with resumable(store):
-        run(plan, store, threads=threads, progress=show)
+        asked(partial(run, plan, store, threads=threads, progress=show), False)
     return loaded(str(store))
 
 

@@ -6,9 +6,10 @@ import json as text
 import re
 import shlex
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -62,8 +63,14 @@ Threads = Annotated[
     ),
 ]
 OtherCode = Annotated[
-    bool, Parameter(help="Go on although this is not the version that the store was begun with.", show_default=False)
+    bool,
+    Parameter(
+        help="Go on although this is other code, or another version, than the store was begun with. "
+        "On a terminal it is asked for.",
+        show_default=False,
+    ),
 ]
+Fsync = Annotated[bool, Parameter(help="Force every chunk to the disk before it counts as done.", show_default=False)]
 Json = Annotated[bool, Parameter(help="Print the result as one JSON object.", show_default=False)]
 Quiet = Annotated[bool, Parameter(help="Show no progress.", show_default=False, alias="-q")]
 
@@ -84,6 +91,7 @@ def run(
         bool, Parameter(help="Print size, memory and estimated time, and compute nothing.", show_default=False)
     ] = False,
     other_code: OtherCode = False,
+    fsync: Fsync = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -110,16 +118,8 @@ def run(
         _executor(cluster, workers, cluster_option) as executor,
         progress.counted("cells", quiet) as show,
     ):
-        status = sweep.run(
-            plan,
-            store,
-            chunk=pieces,
-            shard=share,
-            executor=executor,
-            threads=threads,
-            progress=show,
-            other_code=other_code,
-        )
+        options = {"shard": share, "executor": executor, "threads": threads, "progress": show, "fsync": fsync}
+        status = asked(partial(sweep.run, plan, store, chunk=pieces, **options), other_code)
     return _report(status, json)
 
 
@@ -134,6 +134,7 @@ def resume(
     cluster_option: Extra = None,
     threads: Threads = None,
     other_code: OtherCode = False,
+    fsync: Fsync = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -149,9 +150,8 @@ def resume(
         _executor(cluster, workers, cluster_option) as executor,
         progress.counted("cells", quiet) as show,
     ):
-        status = sweep.resume(
-            store, shard=share, executor=executor, threads=threads, progress=show, other_code=other_code
-        )
+        options = {"shard": share, "executor": executor, "threads": threads, "progress": show, "fsync": fsync}
+        status = asked(partial(sweep.resume, store, **options), other_code)
     return _report(status, json)
 
 
@@ -176,7 +176,9 @@ def verify(
     repair: Annotated[
         bool,
         Parameter(
-            help="Mark chunks with differences as missing, so that resume computes them again.", show_default=False
+            help="Put back metadata and coordinates, and mark chunks with differences as missing, so that resume "
+            "computes them again.",
+            show_default=False,
         ),
     ] = False,
     threads: Threads = None,
@@ -186,7 +188,7 @@ def verify(
 ) -> int:
     """Read a store, compute a sample of it again and compare the bits.
 
-    Exit codes: 0 no differences, 1 differences, 3 no differences in a store that is not complete.
+    Exit codes: 0 no differences, 1 differences (or files put back), 3 no differences in a store that is not complete.
     """
     from grazing import sweep
 
@@ -196,6 +198,39 @@ def verify(
     if not found.ok:
         return FAILED
     return DONE if sweep.status(store).complete else INCOMPLETE
+
+
+@app.command(sort_key=4)
+def unlock(
+    store: Store,
+    /,
+    *,
+    force: Annotated[
+        bool, Parameter(help="Remove the lock of a process that still seems to run, too.", show_default=False)
+    ] = False,
+    json: Json = False,
+) -> int:
+    """Remove the locks of processes that are dead, and say whose they were."""
+    from grazing import sweep
+
+    removed = sweep.unlock(store, force)
+    words = "\n".join(f"removed the lock of {lock}" for lock in removed) or f"{store} is not locked"
+    return _say({"removed": [asdict(lock) for lock in removed]}, words, json)
+
+
+def asked(go: Callable[..., Any], other_code: bool) -> Any:
+    """Run or resume; on a terminal, ask whether other code may go on."""
+    from grazing.sweep.same import OtherCodeError
+
+    try:
+        return go(other_code=other_code)
+    except OtherCodeError as error:
+        if not (sys.stdin.isatty() and sys.stderr.isatty()):
+            raise
+        print(f"{error}\nGo on with this code all the same? [y/N] ", end="", file=sys.stderr, flush=True)
+        if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+            raise
+        return go(other_code=True)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from grazing.sweep.cluster import cluster as cluster
 from grazing.sweep.estimate import Estimate as Estimate
 from grazing.sweep.estimate import estimate as estimate
 from grazing.sweep.lock import Lock as Lock
+from grazing.sweep.lock import unlock as unlock
 from grazing.sweep.reading import open_store as open_store
 from grazing.sweep.run import resume as resume
 from grazing.sweep.run import run as run

@@ -18,14 +18,19 @@ from functools import partial
 from grazing.outcome import GrazingError
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.store import Store, in_one_line
-from grazing.sweep.task import compute_chunk, send_plan
+from grazing.sweep.task import code_of, compute_chunk, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.
 WINDOW = 2000
 
 
 def run_on_executor(
-    plan: Plan, store: Store, numbers: Sequence[int], executor: Executor, progress: Progress | None
+    plan: Plan,
+    store: Store,
+    numbers: Sequence[int],
+    executor: Executor,
+    progress: Progress | None,
+    other_code: bool = False,
 ) -> None:
     """Compute chunks on an executor.
 
@@ -37,7 +42,8 @@ def run_on_executor(
         If workers or the executor are lost for good; the store can be resumed.
     """
     name = send_plan(plan, store, needed=not isinstance(executor, ThreadPoolExecutor))
-    task = partial(compute_chunk, os.fspath(store.path), store.token, name, plan.document["grazing_code_sha256"])
+    code = "" if other_code else code_of(plan)
+    task = partial(compute_chunk, os.fspath(store.path), store.token, name, code, store.fsync)
     waiting = iter(numbers)
     pending: set[Future[int]] = set()
     finished = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, prod
 
 import numpy as np
@@ -47,7 +48,7 @@ class Grid:
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """Number of chunks along each axis."""
         return tuple(ceil(length / size) for length, size in zip(self.shape, self.chunk, strict=True))
@@ -59,7 +60,11 @@ class Grid:
 
     def place(self, number: int) -> tuple[int, ...]:
         """Return where a chunk stands among the chunks, by axis."""
-        return tuple(int(i) for i in np.unravel_index(number, self.counts)) if self.counts else ()
+        place: tuple[int, ...] = ()
+        for count in reversed(self.counts):
+            number, i = divmod(number, count)
+            place = (i, *place)
+        return place
 
     def block(self, number: int) -> tuple[slice, ...]:
         """Return the cells of a chunk, by axis."""

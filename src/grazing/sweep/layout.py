@@ -13,13 +13,18 @@ from numpy.typing import NDArray
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
 from grazing.sweep.grid import Grid
-from grazing.sweep.letters import Types, encoded, stored_attrs, width_of
+from grazing.sweep.letters import TEXT, Types, encoded, stored_attrs, width_of
+from grazing.sweep.manifest import MANIFEST
 
-#: Attributes of the whole store: what this module decided, and from what the plan can be made again.
-LAYOUT, RECIPE = "grazing_sweep", "grazing_recipe"
-#: To be raised when a store is laid out in another way.
-FORMAT = 1
+#: Attributes of the whole store: what this module decided, from what the plan can be made again, who began it.
+LAYOUT, RECIPE, MADE_BY = "grazing_sweep", "grazing_recipe", "grazing_made_by"
+#: To be raised when a store is laid out in another way. Version 0.1 wrote stores without a manifest.
+FORMAT, UNBOUND = 2, 1
+#: Chunks of a store: a number beyond it is a mistake, and would take hours to look at.
+MOST = 10**7
 DONE = "done"
+#: What a result says where chunks were made by different code.
+WHO = "made_by"
 #: Bytes of one file beyond which an array that one chunk of cells fills is cut further.
 LARGEST_FILE = 2**28
 
@@ -55,11 +60,12 @@ class Layout:
     coords: Mapping[str, str]
     types: Types
     finish: bool
+    format: int = FORMAT
 
     def text(self) -> str:
         """Return the layout as JSON, for the attributes of the store."""
         record = {
-            "format": FORMAT,
+            "format": self.format,
             "axes": self.axes,
             "shape": self.grid.shape,
             "chunk": self.grid.chunk,
@@ -74,15 +80,23 @@ class Layout:
     def read(cls, text: str) -> Layout:
         """Return the layout that :meth:`text` wrote."""
         record = json.loads(text)
-        if record["format"] != FORMAT:
-            raise InputError(f"it has format {record['format']}, this version reads {FORMAT}; update grazing")
+        if record["format"] not in (UNBOUND, FORMAT):
+            raise InputError(
+                f"it has format {record['format']}, this version reads {UNBOUND} and {FORMAT}; update grazing"
+            )
+        shape, chunk = (tuple(map(int, record[name])) for name in ("shape", "chunk"))
+        if not len(shape) == len(chunk) == len(record["axes"]) or min((*shape, *chunk), default=1) < 0 or 0 in chunk:
+            raise ValueError("its cells are not cut into chunks")
+        if Grid(shape, chunk).count > MOST:
+            raise ValueError(f"it has more than {MOST} chunks")
         return cls(
-            Grid(tuple(record["shape"]), tuple(record["chunk"])),
+            Grid(shape, chunk),
             tuple(record["axes"]),
-            record["variables"],
-            record["coords"],
-            record["types"],
-            record["finish"],
+            dict(record["variables"]),
+            dict(record["coords"]),
+            dict(record["types"]),
+            bool(record["finish"]),
+            record["format"],
         )
 
 
@@ -96,6 +110,8 @@ def laid_out(plan: Plan, grid: Grid) -> tuple[Layout, dict[str, Spec]]:
     """
     import xarray as xr
 
+    if grid.count > MOST:
+        raise InputError(f"the sweep has {grid.count} chunks, a store holds {MOST}; make chunks larger")
     types: Types = {}
     specs: dict[str, Spec] = {}
     for name, variable in plan.variables.items():
@@ -138,7 +154,7 @@ def _spec(
     if kind == "text":
         width = width_of(longest)
         dims, shape, chunk = (*dims, f"{width}_letters"), (*shape, width), (*chunk, width)
-        attrs = {**attrs, "grazing_text": "UTF-8 letters, zeros behind the last one"}
+        attrs = {**attrs, TEXT: "UTF-8 letters, zeros behind the last one"}
     return Spec(dims, shape, _cut(chunk, size), kind, attrs)
 
 
@@ -168,9 +184,10 @@ def _cut(chunk: tuple[int, ...], size: int) -> tuple[int, ...]:
 
 def _refuse_names(plan: Plan, coords: Mapping[str, str]) -> None:
     for name in [*plan.variables, *coords]:
-        if name == DONE or name.startswith(".") or "/" in name or " " in name:
+        if name in (DONE, MANIFEST, WHO) or name.startswith(".") or "/" in name or " " in name:
             raise InputError(
-                f"a variable is named {name!r}; a store keeps 'done' for itself and allows no space, / or ."
+                f"a variable is named {name!r}; a store keeps 'done', 'manifest' and 'made_by' for itself, "
+                f"and allows no space, / or ."
             )
     both = sorted(set(plan.variables) & set(coords))
     if both:

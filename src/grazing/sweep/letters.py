@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from grazing.outcome import GrazingError, InputError
 
 Types = dict[str, str]
+#: The attribute of an array that holds text.
+TEXT = "grazing_text"
 
 
 # ---- texts

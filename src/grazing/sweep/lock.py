@@ -2,9 +2,9 @@
 
 A lock file is complete, and locked by the operating system, before it gets its name. That system lock goes away with
 its process however it ends, so that nobody has to guess from a process number. Across machines, where it may not
-reach, a running process touches its file now and then; one that has not been touched for two minutes is taken
-over. That
-is safe even if its process is only asleep: two processes that compute a chunk write the same bytes.
+reach, a running process touches its file now and then; one that has not been touched for two minutes, or that was
+touched in the future, is taken over. That is safe even if its process is only asleep: two processes that compute a
+chunk write the same bytes.
 """
 
 from __future__ import annotations
@@ -12,16 +12,19 @@ from __future__ import annotations
 import json
 import os
 import socket
+import stat
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event, Thread
 from uuid import uuid4
 
 from grazing.outcome import InputError
+from grazing.sweep.files import remove
+from grazing.sweep.store import ASIDE, folder_of, open_existing
 
 try:
     import fcntl
@@ -50,16 +53,22 @@ if hasattr(os, "register_at_fork"):
 
 @dataclass(frozen=True)
 class Lock:
-    """Who works on a store: ``shard`` is ``"1/3"``, or empty for all of it."""
+    """Who works on a store: ``shard`` is ``"1/3"``, or empty for all of it; ``seen`` is its last sign of life."""
 
     host: str
     pid: int
     shard: str
     since: str
+    seen: str = ""
 
     def __str__(self) -> str:
         what = f"shard {self.shard}" if self.shard else "a run of the whole sweep"
-        return f"{what} (process {self.pid} on {self.host}, since {self.since})"
+        seen = f", last seen {self.seen}" if self.seen else ""
+        return f"{what} (process {self.pid} on {self.host}, since {self.since}{seen})"
+
+
+#: What is said of a lock that nobody can read.
+UNKNOWN = Lock("an unknown machine", 0, "", "an unknown time")
 
 
 @contextmanager
@@ -81,12 +90,14 @@ def locked(folder: Path, shard: tuple[int, int] | None) -> Iterator[None]:
     me = Lock(socket.gethostname(), os.getpid(), "" if shard is None else f"{shard[0]}/{shard[1]}", _now())
     file = folder / ("all.lock" if shard is None else f"shard-{shard[0]}-of-{shard[1]}.lock")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with _one_at_a_time(folder):
-            _refuse_others(folder, me, None)
+        _make(folder)
+        with _one_at_a_time(folder) as now:
+            _refuse_others(folder, me, None, now)
             handle = _place(file, me)
             try:
-                _refuse_others(folder, me, file)  # where the system has no locks, both of two that start together stop
+                _refuse_others(
+                    folder, me, file, now
+                )  # where the system has no locks, both of two that start together stop
             except InputError:
                 _release(file, handle)
                 raise
@@ -106,7 +117,62 @@ def locked(folder: Path, shard: tuple[int, int] | None) -> Iterator[None]:
 
 def holders(folder: Path) -> list[Lock]:
     """Return who works on a store now."""
-    return [lock for _file, lock in _living(folder)]
+    return [lock for _file, lock in _living(folder, time.time())]
+
+
+def unlock(store: str | os.PathLike[str], force: bool = False) -> list[Lock]:
+    """Remove the locks of a store whose holders are dead.
+
+    A run does that by itself; this is for a lock that it believes. The lock of a process that still runs is removed
+    by force only, and that loses nothing: two processes that compute the same chunk write the same bytes.
+
+    Parameters
+    ----------
+    store : path-like
+    force : bool
+        Remove the locks of living holders, too.
+
+    Returns
+    -------
+    list of Lock
+        Whose locks were removed, with the time of the last sign of life.
+
+    Raises
+    ------
+    InputError
+        If there is no store, or somebody works on it, naming who and since when; then nothing is removed.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, grazing as gz
+    >>> from grazing import sweep
+    >>> G = gz.gap_map(lam=0.8, mu=0.1, l=0.2)
+    >>> plan = gz.plans.density(G, "mu", np.linspace(0.0, 0.3, 8), starts=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     done = sweep.run(plan, f"{folder}/a.zarr")
+    ...     sweep.unlock(f"{folder}/a.zarr")
+    []
+    """
+    path = folder_of(store)
+    folder = path / ASIDE / "locks"
+    if not folder.is_dir():
+        open_existing(path)  # there may be none, which is said there
+        return []
+    try:
+        with _one_at_a_time(folder) as now:
+            living = dict(_living(folder, now))
+            if living and not force:
+                raise InputError(
+                    f"{path} is being worked on by {'; '.join(map(str, living.values()))}. Wait until it has ended or "
+                    f"stop it; force=True (--force) removes the lock all the same"
+                )
+            removed = []
+            for file in sorted(folder.glob("*.lock")):
+                removed.append(living.get(file) or _read(file) or UNKNOWN)
+                remove(file)
+            return removed
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def process_exists(pid: int) -> bool:
@@ -129,17 +195,26 @@ def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
+def _make(folder: Path) -> None:
+    """Make the folder of the locks; not the store: one that was removed is not made again."""
+    folder.parent.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True)
+
+
 @contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Let one process at a time look at the locks and place its own; touches the file, for the clock of the disk."""
-    handle = os.open(folder / "gate", os.O_RDWR | os.O_CREAT, 0o666)
+def _one_at_a_time(folder: Path) -> Iterator[float]:
+    """Let one process at a time look at the locks and place its own; give the time, by the clock of the disk."""
+    gate = folder / "gate"
+    if os.path.lexists(gate) and not stat.S_ISREG(os.lstat(gate).st_mode):
+        remove(gate)
+    handle = os.open(gate, os.O_RDWR | os.O_CREAT, 0o666)
     try:
         os.write(handle, b".")
         os.ftruncate(handle, 0)
         last = time.monotonic() + PATIENCE
         while _try_lock(handle) is False and time.monotonic() < last:
             time.sleep(0.01)
-        yield
+        yield os.fstat(handle).st_mtime
     finally:
         os.close(handle)
 
@@ -207,52 +282,80 @@ def _touch(handle: int, over: Event) -> None:
 # ---- who else is there
 
 
-def _refuse_others(folder: Path, me: Lock, own: Path | None) -> None:
+def _refuse_others(folder: Path, me: Lock, own: Path | None, now: float) -> None:
     """Raise InputError if somebody works on the store who is no other shard of the same number; bury the dead."""
     count = me.shard.partition("/")[2]
-    for file, lock in _living(folder, bury=True):
+    for file, lock in _living(folder, now, bury=True):
         if file == own or (me.shard and lock.shard.partition("/")[2] == count and lock.shard != me.shard):
             continue
         raise InputError(
             f"{folder.parent.parent} is being worked on by {lock}; wait until it has ended, or stop it. "
-            f"Only shards of the same number work on a store together"
+            f"Only shards of the same number work on a store together; sweep.unlock removes a lock that is in the way"
         )
 
 
-def _living(folder: Path, bury: bool = False) -> list[tuple[Path, Lock]]:
+def _living(folder: Path, now: float, bury: bool = False) -> list[tuple[Path, Lock]]:
     """Return the lock files of living processes; if asked, remove those of dead ones."""
     found = []
     for file in folder.glob("*.new") if bury else ():
         with suppress(OSError):
-            if (folder / "gate").stat().st_mtime - file.stat().st_mtime > STALE:
-                file.unlink()
+            if abs(now - file.lstat().st_mtime) > STALE:
+                remove(file)
     for file in sorted(folder.glob("*.lock")):
+        handle = _opened(file)
         try:
-            handle = os.open(file, os.O_RDWR)
-        except FileNotFoundError:
-            continue
-        except OSError:  # not ours to lock; it can still be read
-            handle = os.open(file, os.O_RDONLY)
-        try:
-            lock = Lock(**json.loads(os.read(handle, 10_000)))
-            if not _dead(folder, handle, lock):
+            lock = None if handle is None else _read_from(handle)
+            if handle is not None and lock is not None and not _dead(now, handle, lock):
                 found.append((file, lock))
-            elif bury and _is(file, handle):
-                file.unlink(missing_ok=True)
-        except (ValueError, TypeError):  # not written by us, or torn by a power cut
-            if bury:
-                file.unlink(missing_ok=True)
+            elif bury and (handle is None or _is(file, handle)):
+                with suppress(FileNotFoundError):
+                    remove(file)
         finally:
-            os.close(handle)
+            if handle is not None:
+                os.close(handle)
     return found
 
 
-def _dead(folder: Path, handle: int, lock: Lock) -> bool:
+def _opened(file: Path) -> int | None:
+    """Open a lock file; None for what is none, such as a pipe or a folder."""
+    for way in (os.O_RDWR, os.O_RDONLY):  # one that is not ours to lock can still be read
+        try:
+            handle = os.open(file, way | getattr(os, "O_NONBLOCK", 0))
+        except OSError:
+            continue
+        if stat.S_ISREG(os.fstat(handle).st_mode):
+            return handle
+        os.close(handle)
+    return None
+
+
+def _read(file: Path) -> Lock | None:
+    handle = _opened(file)
+    if handle is None:
+        return None
+    try:
+        return _read_from(handle)
+    finally:
+        os.close(handle)
+
+
+def _read_from(handle: int) -> Lock | None:
+    """Return what a lock file says; None if it was not written by us, or torn by a power cut."""
+    try:
+        said = json.loads(os.read(handle, 10_000))
+        lock = Lock(str(said["host"]), int(said["pid"]), str(said["shard"]), str(said["since"]))
+        return replace(lock, seen=datetime.fromtimestamp(os.fstat(handle).st_mtime, UTC).isoformat(timespec="seconds"))
+    except (ValueError, TypeError, KeyError, OSError, OverflowError, RecursionError):
+        return None
+
+
+def _dead(now: float, handle: int, lock: Lock) -> bool:
     free = _try_lock(handle, alone=False)
     if free is False:
         return False
     if lock.host == socket.gethostname() and (free or not process_exists(lock.pid)):
         return True
-    with suppress(OSError):  # by the clock of the disk, which the gate has; machines differ in theirs
-        return (folder / "gate").stat().st_mtime - os.fstat(handle).st_mtime > STALE
+    # By the clock of the disk, since machines differ in theirs; a file of the future is touched by nobody any more.
+    with suppress(OSError):
+        return abs(now - os.fstat(handle).st_mtime) > STALE
     return False

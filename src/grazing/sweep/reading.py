@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +13,20 @@ from numpy.typing import NDArray
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
-from grazing.sweep.layout import DONE, LAYOUT
-from grazing.sweep.letters import decoded, restored_attrs
+from grazing.sweep.codec import fill_value
+from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
+from grazing.sweep.letters import TEXT, decoded, restored_attrs
+from grazing.sweep.manifest import Record
 from grazing.sweep.same import refuse_another
 from grazing.sweep.store import Store, folder_of, in_one_line, open_existing
 from grazing.sweep.task import plan_from_recipe
-from grazing.sweep.writers import wait_for_zarr
+from grazing.sweep.who import shares_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
+MIXTURE, UNBOUND = "grazing_mixture", "grazing_unbound"
 
 
 def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Dataset:
@@ -39,7 +43,9 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     -------
     xarray.Dataset
         In memory, texts decoded. While chunks are missing it has a variable ``done``, by cell, and an attribute
-        ``grazing_incomplete``; numbers of missing cells are NaN or 0, texts empty.
+        ``grazing_incomplete``; numbers of missing cells are NaN or 0, texts empty. If chunks were not all made by the
+        code that the sweep was begun with, it has a variable ``made_by``, by cell, and an attribute
+        ``grazing_mixture``; if the store has no manifest to hold it to, an attribute ``grazing_unbound``.
 
     Raises
     ------
@@ -65,49 +71,94 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     size = sum(prod(found.arrays[name].shape) * np.dtype(found.arrays[name].dtype).itemsize for name in names)
     refuse_too_large(size, f"open a part of it with xarray.open_zarr({str(found.path)!r})")
     done = found.done()
-    result = _dataset(found, done)
+    records = _records(found, done)
+    result = _dataset(found, done, records)
+    finished = done.all() and found.layout.finish
+    if finished and plan is None and found.recipe is None:
+        result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
+    elif finished:
+        plan = plan_from_recipe(found) if plan is None else plan
+        result = result if plan.finish is None else plan.finish(result)
+    _say_who(found, records, result)
     if not done.all():
         result[DONE] = (found.layout.axes, _by_cell(found, done), {"long_name": "whether a cell has been computed"})
         result.attrs[INCOMPLETE] = f"{int((~done).sum())} of {len(done)} chunks are missing"
-        return result
-    if not found.layout.finish:
-        return result
-    if plan is None and found.recipe is None:
-        result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
-        return result
-    plan = plan_from_recipe(found) if plan is None else plan
-    return result if plan.finish is None else plan.finish(result)
+    return result
 
 
-def _dataset(store: Store, done: NDArray[np.bool_]) -> xr.Dataset:
+def _records(store: Store, done: NDArray[np.bool_]) -> dict[int, Record | None]:
+    """Return the records of the chunks that are there; None for each of an unbound store."""
+    found: dict[int, Record | None] = {}
+    for number in map(int, np.flatnonzero(done)):
+        try:
+            found[number] = None if store.template is None else store.record(number)
+        except (OSError, ValueError) as error:
+            raise _damaged(store, f"the record of chunk {number}", error) from error
+    return found
+
+
+def _say_who(store: Store, records: Mapping[int, Record | None], result: xr.Dataset) -> None:
+    """Say in a result which cells were made by what, if not all by the code that the sweep was begun with."""
+    if store.template is None:
+        result.attrs[UNBOUND] = "made by version 0.1, without a manifest: chunks are not held to what was written"
+        return
+    shares = shares_of(store, records)
+    if not shares.mixed:
+        return
+    who = np.full(store.grid.shape, -1, np.int32)
+    for number, which in shares.who.items():
+        who[store.grid.block(number)] = which
+    result[WHO] = (store.layout.axes, who, shares.attrs)
+    result.attrs[MIXTURE] = str(shares)
+
+
+def _dataset(store: Store, done: NDArray[np.bool_], records: Mapping[int, Record | None]) -> xr.Dataset:
     import xarray as xr
 
     layout = store.layout
     data: dict[str, Any] = {}
     for name, kind in {**layout.variables, **layout.coords}.items():
-        array = store.arrays[name]
-        dims = tuple(array.metadata.dimension_names or ())
-        try:
-            for number in np.flatnonzero(done) if name in layout.variables else ():
-                if not store.file(name, int(number)).is_file():  # Zarr would answer with its fill value
-                    raise FileNotFoundError("a file is missing")
-            values = np.asarray(array[...])
-        except Exception as error:  # damaged bytes can fail anywhere in the reader
-            wait_for_zarr()
-            said = in_one_line(error)
-            raise InputError(
-                f"{store.path} is damaged: {name} cannot be read ({said}); sweep.verify finds where"
-            ) from error
-        attrs = dict(array.attrs)
-        if attrs.pop("grazing_text", None) is not None:
-            values, dims = decoded(values), dims[:-1]
-            values = values.astype(kind) if kind not in ("text", "object") else values
+        spec = store.arrays[name]
+        dims, attrs = spec.dims, dict(spec.attrs)
+        values = _values(store, name, records) if name in layout.variables else _coordinate(store, name)
+        if attrs.pop(TEXT, None) is not None:
+            try:
+                values, dims = decoded(values), dims[:-1]
+                values = values.astype(kind) if kind not in ("text", "object") else values
+            except (ValueError, TypeError) as error:
+                raise _damaged(store, name, error) from error
         data[name] = (dims, values, restored_attrs(attrs, name, layout.types))
-    attrs = {name: value for name, value in store.attrs.items() if name not in (LAYOUT, "coordinates")}
+    attrs = {name: value for name, value in store.attrs.items() if name not in (LAYOUT, MADE_BY, "coordinates")}
     return xr.Dataset(
         {name: data[name] for name in layout.variables},
         {name: data[name] for name in layout.coords},
         restored_attrs(attrs, "", layout.types),
+    )
+
+
+def _values(store: Store, name: str, records: Mapping[int, Record | None]) -> NDArray[Any]:
+    """Return a variable, every chunk held to its record."""
+    spec = store.arrays[name]
+    values = np.full(spec.shape, fill_value(spec.dtype), spec.dtype)
+    for number, record in records.items():
+        try:
+            values[store.grid.block(number)] = store.read(name, number, None if record is None else record.files)
+        except (OSError, ValueError) as error:
+            raise _damaged(store, f"{name} in chunk {number}", error) from error
+    return values
+
+
+def _coordinate(store: Store, name: str) -> NDArray[Any]:
+    try:
+        return store.read(name, None, None if store.template is None else store.template.coordinates)
+    except (OSError, ValueError, KeyError) as error:
+        raise _damaged(store, name, error) from error
+
+
+def _damaged(store: Store, what: str, error: Exception) -> InputError:
+    return InputError(
+        f"{store.path} is damaged: {what} cannot be read ({in_one_line(error)}); sweep.verify finds all that is, and "
+        f"with repair=True (grazing sweep verify --repair) marks it as missing, so that resume computes it again"
     )
 
 

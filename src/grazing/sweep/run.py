@@ -22,6 +22,7 @@ from grazing.studies.plan import Plan, Progress
 from grazing.sweep.executors import run_on_executor
 from grazing.sweep.grid import Chunk, grid_of
 from grazing.sweep.lock import locked
+from grazing.sweep.manifest import SEAL
 from grazing.sweep.same import refuse_another
 from grazing.sweep.status import Status, status_of
 from grazing.sweep.store import Store, exists, folder_of, open_existing
@@ -43,6 +44,7 @@ def run(
     threads: int | None = None,
     progress: Progress | None = None,
     other_code: bool = False,
+    fsync: bool = False,
 ) -> Status:
     """Compute a plan into a store, chunk by chunk; what is there already is kept.
 
@@ -67,7 +69,10 @@ def run(
     progress : callable, optional
         ``progress(done, total)``, called now and then with a number of cells, earlier ones included.
     other_code : bool
-        Go on although the step, or this package, is not the one that the store was begun with.
+        Go on although the step, this package or one that it computes with is not the one that the store was begun
+        with; the result then says which cells were made by what.
+    fsync : bool
+        Force every chunk to the disk before it counts as done, so that a power cut loses no more than a crash.
 
     Returns
     -------
@@ -103,11 +108,17 @@ def run(
     grid = grid_of(plan, chunk)
     tidy(path)
     if not exists(path):
-        create(path, plan, grid)
-    found = open_existing(path, writable=True)
+        create(path, plan, grid, fsync)
+    found = open_existing(path, fsync)
+    if found.template is None:
+        raise InputError(
+            f"{path} was begun by version 0.1, which wrote no manifest: it can be read, but nothing says that its "
+            f"chunks are what was written, so it is not gone on with; give another folder"
+        )
     refuse_another(found, plan, chunk, other_code)
-    if len(_missing(found, shard)):
-        _complete(found, plan, shard, executor, threads, progress)
+    if len(_missing(found, shard)) or _to_be_sealed(found):
+        _complete(found, plan, shard, executor, threads, progress, other_code)
+        found = open_existing(path)  # its seal was written
     return status_of(found)
 
 
@@ -120,6 +131,7 @@ def resume(
     threads: int | None = None,
     progress: Progress | None = None,
     other_code: bool = False,
+    fsync: bool = False,
 ) -> Status:
     """Go on with a sweep.
 
@@ -128,7 +140,7 @@ def resume(
     store : path-like
     plan : Plan, optional
         Needed if the store keeps no recipe to make it from: that of a map or a law of one's own.
-    shard, executor, threads, progress, other_code
+    shard, executor, threads, progress, other_code, fsync
         See :func:`run`.
 
     Returns
@@ -154,7 +166,7 @@ def resume(
     found = open_existing(folder_of(store))
     plan = plan_from_recipe(found) if plan is None else plan
     options: dict[str, Any] = {"shard": shard, "executor": executor, "threads": threads, "progress": progress}
-    return run(plan, found.path, other_code=other_code, **options)
+    return run(plan, found.path, other_code=other_code, fsync=fsync, **options)
 
 
 def _checked(shard: Any, executor: Any, threads: Any) -> Shard:
@@ -184,13 +196,24 @@ def _share(store: Store, shard: Shard) -> NDArray[np.int64]:
 
 
 def _missing(store: Store, shard: Shard) -> NDArray[np.int64]:
-    """Return the chunks that are ours and not done."""
+    """Return the chunks that are ours and not done, or not whole."""
     share = _share(store, shard)
-    return share[[not store.is_done(int(number)) for number in share]] if len(share) else share
+    return share[[not store.is_whole(int(number)) for number in share]] if len(share) else share
+
+
+def _to_be_sealed(store: Store) -> bool:
+    """Whether a run ended after its last chunk and before the seal."""
+    return not os.path.lexists(store.path / SEAL) and bool(store.done().all())
 
 
 def _complete(
-    store: Store, plan: Plan, shard: Shard, executor: Executor | None, threads: int | None, progress: Progress | None
+    store: Store,
+    plan: Plan,
+    shard: Shard,
+    executor: Executor | None,
+    threads: int | None,
+    progress: Progress | None,
+    other_code: bool,
 ) -> None:
     """Compute the missing chunks of our share, alone on it."""
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
@@ -199,6 +222,8 @@ def _complete(
         refuse_too_large(workers * size, f"use smaller chunks {store.grid.chunk}, or fewer threads ({workers})")
     with locked(store.locks, shard):
         numbers = [int(number) for number in _missing(store, shard)]
+        if numbers:
+            store.unseal()
         store.remove_partials(numbers)
         note_run(store, _line(shard, executor))
         total, left = (sum(store.grid.size(int(i)) for i in some) for some in (_share(store, shard), numbers))
@@ -208,9 +233,10 @@ def _complete(
                 progress(total - round(left * (count - done) / count), total)
 
         if executor is not None:
-            run_on_executor(plan, store, numbers, executor, finished)
+            run_on_executor(plan, store, numbers, executor, finished, other_code)
         else:
             run_tasks([partial(chunk_task, plan, store, number) for number in numbers], workers, finished)
+        store.seal_if_complete()
 
 
 def _line(shard: Shard, executor: Executor | None) -> dict[str, Any]:

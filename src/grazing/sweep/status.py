@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -10,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from grazing.sweep.lock import Lock, holders
+from grazing.sweep.manifest import Record
 from grazing.sweep.store import Store, folder_of, open_existing
 from grazing.sweep.task import time_of_work
+from grazing.sweep.who import shares_of
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,12 @@ class Status:
         On the disk, of the result.
     running : tuple of Lock
         Who works on it now.
+    bound : bool
+        Whether a manifest says what its files must hold; False for a store of version 0.1.
+    damaged : int
+        Finished chunks whose record is missing or not theirs. Their numbers are not read here: verify does.
+    mixture : str
+        Who made how many chunks, if not all were made by the code that the sweep was begun with.
     """
 
     path: Path
@@ -47,6 +56,9 @@ class Status:
     seconds: float
     bytes: int
     running: tuple[Lock, ...]
+    bound: bool = True
+    damaged: int = 0
+    mixture: str = ""
 
     @property
     def complete(self) -> bool:
@@ -60,6 +72,12 @@ class Status:
             f"{self.chunks_done} of {self.chunks} chunks ({share:.1%}), {self.cells_done} of {self.cells} cells",
             f"{self.seconds:.3g} s of work, {self.bytes / 1e6:.3g} MB",
         ]
+        if not self.bound:
+            lines.append("unbound: made by version 0.1, without a manifest; it can be read, and is not gone on with")
+        if self.damaged:
+            lines.append(f"damaged: the records of {self.damaged} chunks; verify the store")
+        if self.mixture:
+            lines.append(f"mixture: {self.mixture}")
         return "\n".join([*lines, *(f"running: {lock}" for lock in self.running)])
 
 
@@ -98,6 +116,11 @@ def status_of(store: Store) -> Status:
     """Say how far an open store is."""
     grid, axes = store.grid, store.layout.axes
     done = store.done()
+    records: dict[int, Record | None] = {}
+    for number in map(int, np.flatnonzero(done)) if store.template is not None else ():
+        with suppress(OSError, ValueError):
+            records[number] = store.record(number)
+    shares = shares_of(store, records)
     return Status(
         store.path,
         str(store.attrs.get("title", "")),
@@ -110,6 +133,9 @@ def status_of(store: Store) -> Status:
         time_of_work(store),
         _size(store),
         tuple(holders(store.locks)),
+        store.template is not None,
+        int(done.sum()) - len(records) if store.template is not None else 0,
+        str(shares) if shares.mixed else "",
     )
 
 
@@ -120,7 +146,7 @@ def _size(store: Store) -> int:
             folders.remove(store.aside.name)
         for file in files:
             try:
-                total += os.path.getsize(os.path.join(folder, file))
-            except FileNotFoundError:  # a temporary file that has got its name
+                total += os.lstat(os.path.join(folder, file)).st_size
+            except OSError:  # a temporary file that has got its name
                 continue
     return total

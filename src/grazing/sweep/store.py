@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from math import ceil
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -17,16 +18,31 @@ from numpy.typing import NDArray
 
 from grazing.outcome import GrazingError, InputError
 from grazing.studies.plan import Plan
+from grazing.sweep.codec import CODECS, decode, encode, longest
+from grazing.sweep.files import PARTIAL, Print, print_of, read_file, remove, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, RECIPE, Layout
-from grazing.sweep.letters import encoded
-from grazing.sweep.template import ASIDE
-from grazing.sweep.writers import wait_for_zarr
+from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, RECIPE, UNBOUND, Layout, Spec
+from grazing.sweep.letters import TEXT, encoded
+from grazing.sweep.made_by import made_by
+from grazing.sweep.manifest import (
+    CHUNKS,
+    MANIFEST,
+    SEAL,
+    Record,
+    Template,
+    read_record,
+    read_seal,
+    read_template,
+    record_lines,
+    seal_lines,
+)
 
 Arrays = Mapping[str, NDArray[Any]]
-#: What Zarr writes beside a chunk before the chunk gets its name.
-_PARTIAL = re.compile(r"(?P<last>[^.]+)\.[0-9a-f]{32}\.partial")
-_setting = Lock()
+#: Locks, times and the history: what differs between two runs, and so is no part of the result.
+ASIDE = ".grazing"
+#: A cell of ``done``.
+THERE = b"\x01"
+Slices = tuple[slice, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +55,27 @@ class Store:
     attrs : dict
         Attributes of the whole, as stored.
     layout : Layout
-    arrays : dict
-        The open Zarr arrays.
+    arrays : dict of str to Spec
+        What the metadata says of the arrays.
+    template : Template or None
+        What the manifest says of metadata and coordinates; None for a store that is *unbound*: version 0.1 wrote no
+        manifest.
+    seal : list of str or None
+        The hashes of all records of a complete store, as they were when it was opened.
     token : str
-        SHA-256 of the metadata of the whole: what a worker has read is still what is there.
+        The identity of the store: what a worker has read is still what is there.
+    fsync : bool
+        Whether what is written is forced to the disk at once.
     """
 
     path: Path
     attrs: Mapping[str, Any]
     layout: Layout
-    arrays: Mapping[str, Any]
+    arrays: Mapping[str, Spec]
+    template: Template | None
+    seal: list[str] | None
     token: str
+    fsync: bool = False
 
     @property
     def grid(self) -> Grid:
@@ -71,67 +97,193 @@ class Store:
         """From which the plan can be made again."""
         return json.loads(self.attrs[RECIPE]) if RECIPE in self.attrs else None
 
-    def file(self, name: str, number: int) -> Path:
-        """Return the file that holds the first corner of a chunk of an array."""
-        further = self.arrays[name].ndim - len(self.grid.shape) if name != DONE else 0
-        place = (*self.grid.place(number), *(0,) * further)
-        return self.path.joinpath(name, "c", *map(str, place))
+    @cached_property
+    def begun_by(self) -> Mapping[str, str]:
+        """Who began the sweep; of an unbound store less is known."""
+        if MADE_BY in self.attrs:
+            begun: dict[str, str] = json.loads(self.attrs[MADE_BY])
+            return begun
+        versions = json.loads(self.attrs["grazing_versions"])
+        return {"code": self.attrs["grazing_code_sha256"], "processor": self.attrs["grazing_processor"], **versions}
+
+    # ---- which chunks are there
+
+    def file(self, number: int) -> str:
+        """Return the file that says whether a chunk is done."""
+        return "/".join([DONE, "c", *map(str, self.grid.place(number))])
+
+    def files(self, name: str, number: int | None) -> dict[str, Slices]:
+        """Return the files of a chunk of a variable, or of a coordinate (number None), each with its part of it.
+
+        That is the part along the dimensions that are not those of the cells; a cell that is huge has several files.
+        """
+        place = () if number is None else self.grid.place(number)
+        above = "/".join([name, "c", *map(str, place)])
+        return {above + below: part for below, part in self._parts[name].items()}
+
+    @cached_property
+    def _parts(self) -> dict[str, dict[str, Slices]]:
+        found = {}
+        for name, spec in self.arrays.items():
+            n = len(self.grid.shape) if name in self.layout.variables else 0
+            sides = list(zip(spec.shape[n:], spec.chunk[n:], strict=True))
+            found[name] = {
+                "".join(f"/{i}" for i in place): tuple(
+                    slice(i * size, min((i + 1) * size, length)) for i, (length, size) in zip(place, sides, strict=True)
+                )
+                for place in product(*(range(ceil(length / size)) for length, size in sides))
+            }
+        return found
+
+    def files_of(self, number: int) -> list[str]:
+        """Return all files of a chunk."""
+        data = [key for name in self.layout.variables for key in self.files(name, number)]
+        return [*data, f"{CHUNKS}/{number}", self.file(number)]
 
     def is_done(self, number: int) -> bool:
         """Whether a chunk is finished."""
         try:
-            return self.file(DONE, number).read_bytes() == b"\x01"
-        except (FileNotFoundError, NotADirectoryError):
+            return read_file(f"{self.path}/{self.file(number)}", 1) == THERE
+        except (OSError, ValueError):
             return False
 
     def done(self) -> NDArray[np.bool_]:
         """Return which chunks are finished, by number."""
         return np.fromiter((self.is_done(number) for number in range(self.grid.count)), bool, self.grid.count)
 
-    def read(self, name: str, number: int) -> NDArray[Any]:
-        """Return a chunk of an array that is done.
+    def record(self, number: int, sealed: bool = True) -> Record:
+        """Return the record of a chunk.
 
         Raises
         ------
-        FileNotFoundError
-            If its file is missing, where Zarr would answer with its fill value.
+        OSError, ValueError
+            If it is damaged, or not the record of this chunk of this store; if asked, also if it is another one than
+            the store was sealed with.
         """
-        if not self.file(name, number).is_file():
-            raise FileNotFoundError("its file is missing")
-        return np.asarray(self.arrays[name][self.grid.block(number)])
+        record = read_record(self.path, self.token, number)
+        if record.files.keys() != {key for name in self.layout.variables for key in self.files(name, number)}:
+            raise ValueError("it names other files")
+        if sealed and self.seal is not None and self.seal[number] != record.sha256:
+            raise ValueError("it is not the one that the complete store was sealed with: it was put back or replaced")
+        return record
+
+    def is_whole(self, number: int) -> bool:
+        """Whether a chunk is done, with a sound record and files of the right length; cheap, nothing is read."""
+        if not self.is_done(number):
+            return False
+        if self.template is None:
+            return True
+        try:
+            files = self.record(number, sealed=False).files
+            return all(os.path.getsize(f"{self.path}/{key}") == length for key, (length, _digest) in files.items())
+        except (OSError, ValueError):
+            return False
+
+    # ---- reading
+
+    def read(self, name: str, number: int | None, prints: Mapping[str, Print] | None) -> NDArray[Any]:
+        """Return a chunk of an array, or a coordinate (number None), held to its prints.
+
+        Raises
+        ------
+        OSError, ValueError
+            If a file is missing, or is not what was written there.
+        """
+        spec, cells = self.arrays[name], () if number is None else self.grid.block_shape(number)
+        parts = self.files(name, number)
+        array = np.empty((*cells, *spec.shape[len(cells) :]), spec.dtype)
+        for key, inner in parts.items():
+            block = decode(self._content(key, prints, longest(spec.chunk, spec.dtype)), spec.chunk, spec.dtype)
+            shape = (*cells, *(part.stop - part.start for part in inner))
+            if block.shape != shape:
+                block = block[tuple(map(slice, shape))]
+            if len(parts) == 1:
+                return block
+            array[(..., *inner)] = block
+        return array
+
+    def _content(self, key: str, prints: Mapping[str, Print] | None, most: int) -> bytes:
+        """Return the bytes of a file, if they are those that were written there."""
+        wanted = None if prints is None else prints[key]
+        try:
+            content = read_file(f"{self.path}/{key}", most if wanted is None else wanted[0])
+        except (FileNotFoundError, NotADirectoryError) as error:
+            raise ValueError(f"{key}: its file is missing") from error
+        except (OSError, ValueError) as error:
+            raise ValueError(f"{key}: {in_one_line(error)}") from error
+        if wanted is not None and print_of(content) != tuple(wanted):
+            raise ValueError(f"{key}: it does not hold what was written there")
+        return content
+
+    # ---- writing
 
     def write(self, plan: Plan, number: int, arrays: Arrays) -> None:
-        """Write a chunk: its variables, and last that it is done.
+        """Write a chunk: its variables, their record, and last that it is done.
 
         Raises
         ------
         GrazingError
             If the disk is full, or the store cannot be written or has gone; the chunk then counts as missing.
         """
+        files: dict[str, Print] = {}
         try:
-            if not (self.path / "zarr.json").is_file():  # Zarr would make the missing folders again
-                raise FileNotFoundError(2, "it was removed while it was being computed")
+            self.refuse_if_gone()
+            (self.path / self.file(number)).unlink(missing_ok=True)
             for name, values in stored_chunk(plan, self.grid.block_shape(number), arrays).items():
-                self.arrays[name][self.grid.block(number)] = values
-            self.arrays[DONE][self.grid.place(number) or ...] = 1
+                for key, inner in self.files(name, number).items():
+                    content = encode(values[(..., *inner)] if inner else values, self.arrays[name].chunk)
+                    self._put(key, content)
+                    files[key] = print_of(content)
+            self._put(f"{CHUNKS}/{number}", record_lines(self.token, number, files, made_by(plan)))
+            self._put(self.file(number), THERE)
         except OSError as error:
-            wait_for_zarr()
-            raise GrazingError(
-                f"{self.path} cannot be written: {error.strerror or error}. What is done is kept: "
-                f"make room or put it right, and resume"
-            ) from error
+            raise self._lost(error) from error
+
+    def seal_if_complete(self) -> None:
+        """Write the seal if all chunks are there, each with its record."""
+        try:
+            if self.template is not None and self.done().all():
+                records = [self.record(number, sealed=False).sha256 for number in range(self.grid.count)]
+                self._put(SEAL, seal_lines(self.token, records))
+        except OSError as error:
+            raise self._lost(error) from error
+        except ValueError:  # a record is damaged: not complete after all
+            return
+
+    def unseal(self) -> None:
+        """Take the seal away, before anything is computed again."""
+        try:
+            remove(self.path / SEAL)
+        except OSError as error:
+            raise self._lost(error) from error
+
+    def refuse_if_gone(self) -> None:
+        """Raise FileNotFoundError if the store was removed, or moved, in the meantime."""
+        if not (self.path / "zarr.json").is_file():
+            raise FileNotFoundError(2, "it was removed while it was being computed")
+
+    def _put(self, key: str, content: bytes) -> None:
+        write_file(self.path, key, content, self.fsync)
+
+    def _lost(self, error: OSError) -> GrazingError:
+        try:
+            self.refuse_if_gone()
+        except OSError as gone:
+            error = gone
+        return GrazingError(
+            f"{self.path} cannot be written: {error.strerror or error}. What is done is kept: "
+            f"make room or put it right, and resume"
+        )
 
     def remove_partials(self, numbers: Iterable[int]) -> None:
         """Remove what a killed process left beside these chunks; others may be about to finish theirs."""
-        ours = {self.grid.place(number) for number in numbers}
-        n = len(self.grid.shape)
-        for name in [*self.layout.variables, DONE]:
-            base = self.path / name / "c"
-            for folder, _folders, files in os.walk(base if n else base.parent):
-                above = Path(folder).relative_to(base).parts if n else ()
+        wanted = list(numbers)
+        ours = {key for number in wanted for key in self.files_of(number)} | {SEAL}
+        for name in [*self.layout.variables, DONE, MANIFEST]:
+            for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
-                    found = _PARTIAL.fullmatch(file)
-                    if found and (not n or tuple(map(int, (*above, found["last"])[:n])) in ours):
+                    found = PARTIAL.fullmatch(file)
+                    if found and Path(folder, found["name"]).relative_to(self.path).as_posix() in ours:
                         Path(folder, file).unlink(missing_ok=True)
 
 
@@ -171,8 +323,8 @@ def exists(path: Path) -> bool:
             return False
         if not path.is_dir():
             raise InputError(f"{path} is not a folder; a sweep is stored in a folder of its own: choose another name")
-        if (path / ASIDE).is_dir():
-            raise _damaged(path, "zarr.json", "it is missing")
+        if (path / ASIDE).is_dir() or (path / MANIFEST).is_dir():
+            raise damaged(path, "zarr.json", "it is missing")
         if any(path.iterdir()):
             raise InputError(f"{path} is not empty and holds no sweep; choose another folder, it is left alone")
     except OSError as error:
@@ -180,8 +332,8 @@ def exists(path: Path) -> bool:
     return False
 
 
-def open_existing(path: Path, writable: bool = False) -> Store:
-    """Open a store with every check that needs no plan.
+def open_existing(path: Path, fsync: bool = False) -> Store:
+    """Open a store with every check that needs no plan: its metadata are what the manifest says, byte for byte.
 
     Raises
     ------
@@ -190,64 +342,123 @@ def open_existing(path: Path, writable: bool = False) -> Store:
     """
     if not exists(path):
         raise InputError(f"there is no sweep in {path}")
-    try:
-        raw = (path / "zarr.json").read_bytes()
-        record = json.loads(raw)
-        attrs = dict(record.get("attributes", {}))
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
-    except (ValueError, TypeError, AttributeError) as error:
-        raise _damaged(path, "zarr.json", error) from error
+    record, raw = _json(path, "zarr.json")
+    attrs = record.get("attributes", {})
+    if not isinstance(attrs, dict):
+        raise damaged(path, "zarr.json", "it has no attributes")
     if LAYOUT not in attrs:
+        if (path / MANIFEST).is_dir():
+            raise damaged(path, "zarr.json", "it says nothing of a sweep")
         raise InputError(f"{path} was written by something else: it holds no sweep; choose another folder")
     try:
         layout = Layout.read(attrs[LAYOUT])
-        for part in ("grazing_config", "grazing_config_sha256", "grazing_code_sha256", "source"):
-            attrs[part]
+        for part in ("grazing_config", "grazing_config_sha256", "grazing_code_sha256", "grazing_versions", "source"):
+            attrs[part].encode()
+        listed = record["consolidated_metadata"]["metadata"] if layout.format == UNBOUND else {}
     except InputError as error:
         raise InputError(f"{path} cannot be opened: {error}") from None
-    except (ValueError, TypeError, KeyError) as error:
-        raise _damaged(path, "zarr.json", error) from error
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        raise damaged(path, "zarr.json", error) from error
     if hashlib.sha256(attrs["grazing_config"].encode()).hexdigest() != attrs["grazing_config_sha256"]:
-        raise _damaged(path, "zarr.json", "the configuration does not fit its hash")
-    listed = record.get("consolidated_metadata", {}).get("metadata", {})
-    arrays = _arrays(path, layout, listed, "r+" if writable else "r")
-    return Store(path, attrs, layout, arrays, hashlib.sha256(raw).hexdigest())
-
-
-def _arrays(path: Path, layout: Layout, listed: Any, mode: str) -> dict[str, Any]:
-    """Open the arrays of a store; each must be what the whole says it is."""
-    import zarr
-
+        raise damaged(path, "zarr.json", "the configuration does not fit its hash")
+    template = None if layout.format == UNBOUND else _template(path, layout, raw)
     arrays = {}
     for name in [*layout.variables, *layout.coords, DONE]:
-        file = path / name / "zarr.json"
+        file = f"{name}/zarr.json"
+        own, raw_own = _json(path, file)
         try:
-            own = json.loads(file.read_bytes())
-            if {**own, "attributes": {}} != {**listed[name], "attributes": {}}:  # anybody may add a note
+            if template is None and {**own, "attributes": {}} != {**listed[name], "attributes": {}}:
                 raise ValueError("it differs from what zarr.json of the store says")
-            # a file that is missing shall be damage, not zeros; and the setting is one for all threads
-            with _setting, zarr.config.set({"array.write_empty_chunks": True}):
-                array = zarr.open_array(str(path / name), mode=mode, zarr_format=3)
-        except Exception as error:  # what is not what it should be can fail anywhere in the reader
-            raise _damaged(path, f"{name}/zarr.json", error) from error
-        arrays[name] = array
-        cells = layout.grid.shape if name in layout.variables else ()
-        if (
-            tuple(array.shape[: len(cells)]) != cells
-            or tuple(array.chunks[: len(cells)]) != layout.grid.chunk[: len(cells)]
-        ):
-            raise _damaged(path, f"{name}/zarr.json", "its shape is not that of the sweep")
-    return arrays
+            if template is not None and raw_own != template.metadata[file].encode():
+                raise ValueError("it is not what the manifest says")
+            arrays[name] = _spec(own, name)
+            _refuse_misfit(arrays[name], name, layout)
+        except (ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
+            raise damaged(path, file, error) from error
+    if template is None:
+        return Store(path, attrs, layout, arrays, None, None, hashlib.sha256(raw).hexdigest(), fsync)
+    try:
+        seal = read_seal(path, template.identity, layout.grid.count)
+    except (OSError, ValueError) as error:
+        raise damaged(path, SEAL, error) from error
+    return Store(path, attrs, layout, arrays, template, seal, template.identity, fsync)
 
 
-def _damaged(path: Path, file: str, error: object) -> InputError:
+def _json(path: Path, file: str) -> tuple[dict[str, Any], bytes]:
+    """Return a file of metadata, and its bytes."""
+    try:
+        raw = read_file(path / file)
+        record = json.loads(raw)
+        if not isinstance(record, dict):
+            raise ValueError("it is no metadata of Zarr")
+    except PermissionError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise damaged(path, file, error) from error
+    return record, raw
+
+
+def _template(path: Path, layout: Layout, raw: bytes) -> Template:
+    """Return the template, if it is that of this store."""
+    try:
+        template = read_template(path)
+        wanted = {"zarr.json", *(f"{name}/zarr.json" for name in [*layout.variables, *layout.coords, DONE])}
+        fits = raw == template.metadata.get("zarr.json", "").encode()
+        if fits and template.metadata.keys() != wanted:
+            raise ValueError("it names other arrays")
+    except (OSError, ValueError) as error:
+        raise damaged(path, f"{MANIFEST}/template", error) from error
+    if not fits:
+        raise damaged(path, "zarr.json", "it is not what the manifest says")
+    return template
+
+
+def _spec(own: dict[str, Any], name: str) -> Spec:
+    """Return what the metadata of an array says, if it is an array as stores have them."""
+    codecs = tuple(codec["name"] for codec in own["codecs"])
+    endian = own["codecs"][0].get("configuration", {}).get("endian", "little")
+    if codecs != (CODECS[:1] if name == DONE else CODECS) or endian != "little" or own.get("storage_transformers"):
+        raise ValueError("its codecs are not those of a store")
+    key, grid = own["chunk_key_encoding"], own["chunk_grid"]
+    if (
+        key["name"] != "default"
+        or key.get("configuration", {}).get("separator", "/") != "/"
+        or grid["name"] != "regular"
+    ):
+        raise ValueError("its chunks are not cut as those of a store")
+    shape, chunk = (tuple(map(int, sizes)) for sizes in (own["shape"], grid["configuration"]["chunk_shape"]))
+    dims = tuple(map(str, own.get("dimension_names") or ()))
+    attrs, kind = own.get("attributes", {}), str(np.dtype(own["data_type"]))
+    if not len(shape) == len(chunk) == len(dims) or min(shape, default=0) < 0 or min(chunk, default=1) < 1:
+        raise ValueError("its shape is none")
+    return Spec(dims, shape, chunk, "text" if TEXT in attrs else kind, attrs)
+
+
+def _refuse_misfit(spec: Spec, name: str, layout: Layout) -> None:
+    """Raise ValueError if an array does not have the shape and the type that the sweep gave it."""
+    grid, n = layout.grid, len(layout.grid.shape)
+    if name == DONE:
+        if (spec.shape, spec.chunk, spec.kind) != (grid.counts, (1,) * n, "uint8"):
+            raise ValueError("its shape is not that of the sweep")
+        return
+    if name in layout.variables:
+        if spec.shape[:n] != grid.shape or spec.chunk[:n] != grid.chunk or spec.dims[:n] != layout.axes:
+            raise ValueError("its shape is not that of the sweep")
+        if spec.kind != layout.variables[name]:
+            raise ValueError("its type is not that of the sweep")
+    if spec.kind == "text" and not spec.shape:
+        raise ValueError("it is no text")
+
+
+def damaged(path: Path, file: str, error: object) -> InputError:
+    """Return what to say of a store with a file that cannot be used."""
     return InputError(
         f"{path} is damaged: {file} cannot be used ({in_one_line(error)}). "
-        f"Put that file back from a copy, or begin another store"
+        f"Put that file back from a copy, or let sweep.verify(..., repair=True) (grazing sweep verify --repair) do it"
     )
 
 
 def in_one_line(error: object) -> str:
     """Return the first line of what an error says."""
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+    said = getattr(error, "strerror", None) or str(error)
+    return str(said).splitlines()[0] if said else type(error).__name__

@@ -19,7 +19,9 @@ from typing import Any
 
 from grazing.outcome import GrazingError, InputError
 from grazing.studies.plan import Plan, empty_arrays
-from grazing.sweep.same import refuse_another
+from grazing.sweep.files import append_line, read_file, write_file
+from grazing.sweep.made_by import made_by
+from grazing.sweep.same import listed, refuse_another
 from grazing.sweep.store import Arrays, Store, open_existing
 
 #: Plans that a worker keeps.
@@ -57,9 +59,8 @@ def note_time(store: Store, number: int, seconds: float) -> None:
     """Append the time that a chunk took to a file of this process."""
     file = _times(store) / f"{socket.gethostname()}-{os.getpid()}"
     with suppress(OSError):  # the chunk is safe; a disk that is full says so with the next one
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with open(file, "a", encoding="ascii") as times:
-            times.write(f"{number} {seconds:.6f}\n")
+        file.parent.mkdir(exist_ok=True)
+        append_line(file, f"{number} {seconds:.6f}")
 
 
 def time_of_work(store: Store) -> float:
@@ -67,10 +68,11 @@ def time_of_work(store: Store) -> float:
     total = 0.0
     with suppress(OSError):
         for file in _times(store).iterdir():
-            for line in file.read_text(encoding="ascii", errors="replace").splitlines():
-                number, _, seconds = line.partition(" ")
-                with suppress(ValueError):  # the last line of a killed process
-                    total += float(seconds) if number else 0.0
+            with suppress(OSError, ValueError):
+                for line in read_file(file).decode("ascii", "replace").splitlines():
+                    number, _, seconds = line.partition(" ")
+                    with suppress(ValueError):  # the last line of a killed process
+                        total += float(seconds) if number else 0.0
     return total
 
 
@@ -97,10 +99,8 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
         content = _pickled(plan)
         name = hashlib.sha256(content).hexdigest()
         file = store.aside / f"plan-{name}.pickle"
-        new = file.with_suffix(f".{os.getpid()}")
         try:
-            new.write_bytes(content)
-            os.replace(new, file)
+            write_file(store.aside, file.name, content, store.fsync)
             for old in store.aside.glob("plan-*"):
                 if old != file:
                     old.unlink(missing_ok=True)
@@ -110,7 +110,7 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
     return name
 
 
-def compute_chunk(path: str, token: str, name: str, code: str, number: int) -> int:
+def compute_chunk(path: str, token: str, name: str, code: str, fsync: bool, number: int) -> int:
     """Compute one chunk on a worker and write it.
 
     Parameters
@@ -122,23 +122,30 @@ def compute_chunk(path: str, token: str, name: str, code: str, number: int) -> i
     name : str
         What :func:`send_plan` returned.
     code : str
-        SHA-256 of the step's code, as the run has it.
+        Who makes chunks in the run, see :func:`code_of`; empty if workers may differ from it.
+    fsync : bool
+        Whether to force what is written to the disk.
     number : int
         The chunk.
     """
-    plan, store = _plan_on_worker(path, token, name, code)
+    plan, store = _plan_on_worker(path, token, name, code, fsync)
     for _tile in chunk_task(plan, store, number):
         pass
     return number
 
 
-def _plan_on_worker(path: str, token: str, name: str, code: str) -> tuple[Plan, Store]:
+def code_of(plan: Plan) -> str:
+    """Return one hash of all that says who makes the chunks of a plan in this process."""
+    return hashlib.sha256(json.dumps(made_by(plan), sort_keys=True).encode()).hexdigest()
+
+
+def _plan_on_worker(path: str, token: str, name: str, code: str, fsync: bool) -> tuple[Plan, Store]:
     with _lock:
         if (path, token, name) in _plans:
             return _plans[path, token, name]
     where = f"worker {os.getpid()} on {socket.gethostname()}"
     try:
-        store = open_existing(Path(path), writable=True)
+        store = open_existing(Path(path), fsync)
     except InputError as error:
         raise GrazingError(f"{where}: {error}. The store must be on a disk that all workers share") from error
     if store.token != token:
@@ -148,8 +155,12 @@ def _plan_on_worker(path: str, token: str, name: str, code: str) -> tuple[Plan, 
         refuse_another(store, plan, other_code=True)  # whether that is allowed, the run has decided
     except InputError as error:
         raise GrazingError(f"{where} has another plan than the run: {error}") from error
-    if plan.document["grazing_code_sha256"] != code:
-        raise GrazingError(f"{where} has another code of the step than the run; use the same Python and packages there")
+    if code and code_of(plan) != code:
+        differs = listed(store.begun_by, made_by(plan)) or "the run has other code than the sweep was begun with"
+        raise GrazingError(
+            f"{where} has other code than the run: {differs}. Use the same Python, packages and kind of processor "
+            f"there, or allow the mixture with other_code=True"
+        )
     _keep((path, token, name), (plan, store))
     return plan, store
 
@@ -223,5 +234,5 @@ def _unpickled(store: Store, name: str, where: str) -> Plan:
 
 def note_run(store: Store, line: dict[str, Any]) -> None:
     """Append a line to the history of the store."""
-    with suppress(OSError), open(store.aside / "history.jsonl", "a", encoding="utf-8") as history:
-        history.write(json.dumps(line) + "\n")
+    with suppress(OSError):
+        append_line(store.aside / "history.jsonl", json.dumps(line))

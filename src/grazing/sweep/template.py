@@ -8,7 +8,9 @@ import re
 import shutil
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from itertools import product
+from math import ceil
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -17,14 +19,17 @@ import numpy as np
 
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
+from grazing.sweep.codec import encode, fill_value
+from grazing.sweep.files import Print, fsync_folder, print_of, read_file, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, RECIPE, Spec, laid_out
+from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, RECIPE, Spec, laid_out
 from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import process_exists
+from grazing.sweep.made_by import made_by
+from grazing.sweep.manifest import TEMPLATE, template_lines
+from grazing.sweep.store import ASIDE
 from grazing.sweep.writers import wait_for_zarr
 
-#: Locks, times and the history: what differs between two runs, and so is no part of the result.
-ASIDE = ".grazing"
 #: Seconds after which a half-made template of another machine is rubbish.
 OLD = 3600.0
 _HALF_MADE = re.compile(r"\.(?P<name>.+)-(?P<host>[^-]*)-(?P<pid>\d+)-[0-9a-f]{12}\.partial")
@@ -32,7 +37,7 @@ _HALF_MADE = re.compile(r"\.(?P<name>.+)-(?P<host>[^-]*)-(?P<pid>\d+)-[0-9a-f]{1
 PATIENCE, PAUSE = 20, 0.05
 
 
-def create(path: Path, plan: Plan, grid: Grid) -> None:
+def create(path: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
     """Create the store of a plan, whole or not at all; nothing happens if another process was faster.
 
     Raises
@@ -46,10 +51,12 @@ def create(path: Path, plan: Plan, grid: Grid) -> None:
     half = path.with_name(f".{path.name}-{_host()}-{os.getpid()}-{uuid4().hex[:12]}.partial")
     try:
         half.mkdir()
-        _write(half, plan, grid)
+        write_template(half, plan, grid, fsync)
         (half / ASIDE).mkdir()
         try:
             os.rename(half, path)
+            if fsync:
+                fsync_folder(path.parent)
         except OSError:
             if not (path / "zarr.json").is_file():  # else another process made the store in the meantime
                 raise
@@ -89,13 +96,14 @@ def tidy(path: Path) -> None:
             continue
 
 
-def _write(folder: Path, plan: Plan, grid: Grid) -> None:
-    """Write the metadata of all arrays, and the numbers of the coordinates."""
+def write_template(folder: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
+    """Write the metadata of all arrays, the numbers of the coordinates, and what the manifest says of both."""
     import zarr
 
     layout, specs = laid_out(plan, grid)
     extra = sorted(set(layout.coords) - set(plan.axes))
     attrs = stored_attrs(plan.document, "", {}) | {LAYOUT: layout.text()}
+    attrs[MADE_BY] = json.dumps(made_by(plan), sort_keys=True)
     if plan.recipe is not None:
         attrs[RECIPE] = json.dumps(plan.recipe, sort_keys=True)
     if extra:
@@ -104,6 +112,33 @@ def _write(folder: Path, plan: Plan, grid: Grid) -> None:
     for name, spec in specs.items():
         _array(group, name, spec)
     _consolidate(folder, specs)
+    coordinates = {}
+    for key, content in coordinate_files(specs).items():
+        write_file(folder, key, content, fsync)
+        coordinates[key] = print_of(content)
+    write_file(folder, TEMPLATE, manifest_of(folder, list(specs), coordinates), fsync)
+    for file in ["zarr.json", *(f"{name}/zarr.json" for name in specs)] if fsync else ():
+        write_file(folder, file, read_file(folder / file), fsync)
+
+
+def coordinate_files(specs: Mapping[str, Spec]) -> dict[str, bytes]:
+    """Return the files of the coordinates."""
+    found = {}
+    for name, spec in specs.items():
+        if spec.data is None:
+            continue
+        counts = (range(ceil(length / size)) for length, size in zip(spec.shape, spec.chunk, strict=True))
+        for place in product(*counts):
+            part = tuple(slice(i * size, (i + 1) * size) for i, size in zip(place, spec.chunk, strict=True))
+            values = np.asarray(spec.data).astype(spec.dtype, copy=False)[part]
+            found["/".join([name, "c", *map(str, place)])] = encode(np.asarray(values), spec.chunk)
+    return found
+
+
+def manifest_of(folder: Path, names: Iterable[str], coordinates: Mapping[str, Print]) -> bytes:
+    """Return what the manifest says of the metadata that are in a folder, and of coordinates."""
+    files = ["zarr.json", *(f"{name}/zarr.json" for name in names)]
+    return template_lines({file: read_file(folder / file).decode() for file in files}, coordinates)
 
 
 def _array(group: Any, name: str, spec: Spec) -> None:
@@ -111,21 +146,17 @@ def _array(group: Any, name: str, spec: Spec) -> None:
 
     # A checksum behind every chunk: a flipped byte becomes an error, never a number. A cell of `done` is one bare byte.
     codecs = None if name == DONE else [ZstdCodec(level=0), Crc32cCodec()]
-    kind = np.dtype(spec.dtype)
-    array = group.create_array(
+    group.create_array(
         name,
         shape=spec.shape,
         chunks=spec.chunk,
-        dtype=kind,
+        dtype=np.dtype(spec.dtype),
         compressors=codecs,
         filters=None,
-        fill_value=kind.type("nan") if kind.kind == "f" else np.zeros((), kind)[()],
+        fill_value=fill_value(spec.dtype),
         attributes=dict(spec.attrs),
         dimension_names=spec.dims,
-        config={"write_empty_chunks": True},
     )
-    if spec.data is not None and spec.data.size:
-        array[...] = spec.data
 
 
 def _consolidate(folder: Path, specs: Mapping[str, Spec]) -> None:

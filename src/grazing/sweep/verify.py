@@ -18,12 +18,16 @@ from grazing.kernel.pool import run_tasks
 from grazing.outcome import InputError
 from grazing.parameter import real, whole
 from grazing.studies.plan import Plan, Progress, empty_arrays
-from grazing.sweep.layout import DONE, laid_out
+from grazing.sweep.layout import laid_out
 from grazing.sweep.lock import locked
+from grazing.sweep.manifest import MANIFEST
+from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import Store, folder_of, in_one_line, open_existing, stored_chunk
+from grazing.sweep.store import ASIDE, Store, folder_of, in_one_line, open_existing, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
-from grazing.sweep.writers import wait_for_zarr
+
+#: What a difference names where the record of a chunk is at fault.
+RECORD = "record"
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class Verified:
         Those chunks.
     path : pathlib.Path
         The store.
+    mended : tuple of str
+        Files of metadata and coordinates that were put back, or removed.
     """
 
     read: int
@@ -66,27 +72,25 @@ class Verified:
     repaired: bool
     missing: tuple[int, ...]
     path: Path
+    mended: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
         """Whether everything agrees."""
-        return not self.differences
+        return not self.differences and not self.mended
 
     def __str__(self) -> str:
-        said = "no difference" if self.ok else f"{len(self.differences)} differences"
+        said = f"{len(self.differences)} differences" if self.differences else "no difference"
         first = f"{self.read} chunks read, {len(self.computed)} of them computed again: {said}"
         return "\n".join([first, *map(str, self.differences), *self._done_about_it()])
 
     def _done_about_it(self) -> Iterator[str]:
         """Yield what was repaired, and what cannot be."""
-        if not self.repaired or self.ok:
-            return
+        if self.mended:
+            yield f"repaired: {', '.join(self.mended)}"
         if self.missing:
             which = f"{len(self.missing)} chunk{'' if len(self.missing) == 1 else 's'}"
             yield f"repaired: {which} marked as missing ({', '.join(map(str, self.missing))}); resume {self.path}"
-        beyond = sorted({one.variable for one in self.differences if one.chunk is None})
-        if beyond:
-            yield f"not repaired: {', '.join(beyond)}: coordinates belong to no chunk; begin another store"
 
 
 def verify(
@@ -100,10 +104,11 @@ def verify(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Verified:
-    """Hold a store to its plan.
+    """Hold a store to its manifest and its plan.
 
-    Every finished chunk is read, so that its checksum tells damage done by a disk or a hand. A random share is
-    computed again and compared bit by bit, which also tells a wrong computation.
+    Metadata, coordinates and every finished chunk are held to what was written there, which tells what a disk or a
+    hand has changed, exchanged or put back. A random share is computed again and compared bit by bit, which also
+    tells a wrong computation.
 
     Parameters
     ----------
@@ -115,7 +120,9 @@ def verify(
     plan : Plan, optional
         Needed if the store keeps no recipe.
     repair : bool
-        Count the chunks with differences as missing, so that :func:`resume` computes them again.
+        Put metadata back from the manifest, and coordinates from the plan; count the chunks with differences as
+        missing, so that :func:`resume` computes them again. A manifest whose own template is damaged is made again
+        from the metadata, or from the plan if it is given.
     other_code : bool
         Compare although the step, or this package, is not the one that the store was begun with.
     threads, progress
@@ -128,7 +135,7 @@ def verify(
     Raises
     ------
     InputError
-        If there is no sweep or another one, or the plan is missing.
+        If there is no sweep or another one, the plan is missing, or metadata are damaged and not to be repaired.
 
     Examples
     --------
@@ -145,39 +152,53 @@ def verify(
     if not 0.0 <= share <= 1.0:
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
-    found = open_existing(folder_of(store))
-    plan = plan_from_recipe(found) if plan is None else plan
-    refuse_another(found, plan, other_code=other_code)
-    with locked(found.locks, None) if repair else nullcontext():
+    path = folder_of(store)
+    ours = any((path / name).is_dir() for name in (ASIDE, MANIFEST))
+    with locked(path / ASIDE / "locks", None) if repair and ours else nullcontext():
+        mended = mend_metadata(path, plan) if repair else []
+        found = open_existing(path)
+        if repair and found.template is None:
+            raise InputError(f"{path} has no manifest to repair it from: version 0.1 wrote none; begin another store")
+        plan = plan_from_recipe(found) if plan is None else plan
+        refuse_another(found, plan, other_code=other_code)
         done = np.flatnonzero(found.done())
         count = min(len(done), max(1, ceil(share * len(done))))
         chosen = np.sort(np.random.default_rng(seed).choice(done, count, replace=False)) if count else done
-        differences = [*_coordinates(found, plan)]
+        differences = list(_coordinates(found, plan))
         tasks = [
             partial(_check, plan, found, int(number), bool(again), differences)
             for number, again in zip(done, np.isin(done, chosen), strict=True)
         ]
         run_tasks(tasks, threads, progress)
-        if differences:
-            wait_for_zarr()
-        repaired = sorted({one.chunk for one in differences if one.chunk is not None}) if repair else []
-        for number in repaired:
-            found.file(DONE, number).unlink(missing_ok=True)
-    differences.sort(key=lambda one: (-1 if one.chunk is None else one.chunk, one.variable))
-    return Verified(len(done), tuple(map(int, chosen)), tuple(differences), repair, tuple(repaired), found.path)
+        differences.sort(key=lambda one: (-1 if one.chunk is None else one.chunk, one.variable))
+        bad = sorted({one.chunk for one in differences if one.chunk is not None}) if repair else []
+        if bad:
+            found.unseal()
+        if repair:
+            forget_chunks(found, sorted({*range(found.grid.count)} - {*done.tolist()} | {*bad}))
+            mended += mend_coordinates(found, plan, sorted({one.variable for one in differences if one.chunk is None}))
+            found.seal_if_complete()
+    return Verified(
+        len(done), tuple(map(int, chosen)), tuple(differences), repair, tuple(bad), found.path, tuple(mended)
+    )
 
 
 def _check(plan: Plan, store: Store, number: int, again: bool, differences: list[Difference]) -> Iterator[None]:
     """Read a chunk; if asked, compute it again and compare."""
     block = zip(store.layout.axes, store.grid.block(number), strict=True)
     where = ", ".join(f"{name} {part.start} to {part.stop - 1}" for name, part in block)
+    all_cells = tuple(map(int, store.grid.cells(number)))
     there: dict[str, NDArray[Any]] = {}
+    try:
+        files = None if store.template is None else store.record(number).files
+    except (OSError, ValueError) as error:
+        differences.append(Difference(RECORD, number, all_cells, where, f"cannot be used: {in_one_line(error)}"))
+        return
     for name in store.layout.variables:
         try:
-            there[name] = store.read(name, number)
-        except Exception as error:  # damaged bytes can fail anywhere in the reader
-            cells = tuple(map(int, store.grid.cells(number)))
-            differences.append(Difference(name, number, cells, where, f"cannot be read: {in_one_line(error)}"))
+            there[name] = store.read(name, number, files)
+        except (OSError, ValueError) as error:
+            differences.append(Difference(name, number, all_cells, where, f"cannot be read: {in_one_line(error)}"))
     yield
     if not again:
         return
@@ -199,11 +220,13 @@ def _unequal(one: NDArray[Any], other: NDArray[Any], cells: int) -> NDArray[np.b
 
 def _coordinates(store: Store, plan: Plan) -> Iterator[Difference]:
     """Compare the coordinates, which are small."""
+    prints = None if store.template is None else store.template.coordinates
     for name, spec in laid_out(plan, store.grid)[1].items():
         if spec.data is None:
             continue
         try:
-            if np.asarray(store.arrays[name][...]).tobytes() != np.ascontiguousarray(spec.data).tobytes():
+            there = store.read(name, None, prints)
+            if there.tobytes() != np.ascontiguousarray(spec.data).tobytes():
                 yield Difference(name, None, (), "", "its values are not those of the plan")
-        except Exception as error:  # damaged bytes can fail anywhere in the reader
+        except (OSError, ValueError, KeyError) as error:
             yield Difference(name, None, (), "", f"cannot be read: {in_one_line(error)}")

@@ -1,0 +1,44 @@
+"""Who made a chunk: the code and the versions that its bits depend on."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from functools import cache, lru_cache
+from pathlib import Path
+
+from grazing.kernel.compile import digest, processor
+from grazing.studies.labels import versions
+from grazing.studies.plan import Plan
+
+#: The parts of this package that numbers come from.
+COMPUTING = ("kernel", "oscillator", "maps", "orbits", "studies")
+#: What does not matter in strict arithmetic, which has the same bits everywhere.
+ANY = "any"
+
+
+@lru_cache(maxsize=8)
+def made_by(plan: Plan) -> dict[str, str]:
+    """Return what makes the chunks of a plan in this process.
+
+    ``code`` is the SHA-256 of the step, ``package`` that of the text of this package as far as numbers come from it;
+    then the arithmetic, the processor and the system, which are *any* in strict arithmetic, and the versions.
+    """
+    strict = plan.config.get("arithmetic") == "strict"
+    return {
+        "code": digest(plan.P.step),
+        "package": _package(),
+        "arithmetic": str(plan.config.get("arithmetic", "")),
+        "processor": ANY if strict else processor(),
+        "machine": ANY if strict else f"{platform.system()} {platform.machine()}",
+        **versions(),
+    }
+
+
+@cache
+def _package() -> str:
+    root, found = Path(__file__).parents[1], hashlib.sha256()
+    for part in COMPUTING:
+        for file in sorted((root / part).rglob("*.py")):
+            found.update(file.relative_to(root).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return found.hexdigest()
