@@ -395,8 +395,8 @@ def no_attractor_sentence(data: Mapping[str, Any]) -> str:
     lam, l, low, high = (text_of_double(data[name]) for name in ("lam", "l", "low", "high"))
     start = "(" if low == 0.0 else "["
     return (
-        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no attracting "
-        "periodic orbit: every periodic orbit has a multiplier of modulus above 1."
+        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no "
+        "attracting periodic orbit: every periodic orbit has a multiplier of modulus above 1."
     )
 
 

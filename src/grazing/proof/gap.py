@@ -128,7 +128,7 @@ def certify_gap_orbit(
     --------
     >>> from grazing.proof.gap import certify_gap_orbit
     >>> proof = certify_gap_orbit("LLR", 0.8, 0.5, 1.0)
-    >>> proof.proven, proof.document["data"]["stable"]
+    >>> proof.proven, proof.document["data"]["claims"]["stable"]
     (True, True)
     >>> print(certify_gap_orbit("LLR", 0.8, 0.9, 1.0).statement)
     Nothing is proven: LLR has no admissible orbit at lam = 0.8, mu = 0.9, l = 1.0.
