@@ -14,6 +14,11 @@ KINDS = (
     "gap map without attracting orbits",
 )
 
+GAP_NAMES = (
+    "R", "LLR", "LLRLR", "LLRLLR", "LLRR", "gap pd", "gap bc", "gap gr", "gap lp", "gap bc of two", "gap pd of R",
+    "small", "between", "narrow",
+)  # fmt: skip
+
 
 @cache
 def bases():
@@ -40,6 +45,7 @@ def gap_bases():
         "between": prove_no_attractor(0.9, 0.4, 0.28, 0.3),
         "narrow": prove_no_attractor(0.75, 0.0, 0.0, 0.02),
     }
+    assert tuple(proofs) == GAP_NAMES
     for name, one in proofs.items():
         assert one.document is not None, f"{name}: {one.statement}"
     return {name: one.document for name, one in proofs.items()}

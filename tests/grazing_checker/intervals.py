@@ -6,7 +6,7 @@ reaches from there to both ends. Nothing of FLINT is used.
 
 import importlib
 import sys
-from contextlib import contextmanager
+from math import isfinite
 from types import ModuleType
 
 from mpmath.libmp import (
@@ -15,13 +15,13 @@ from mpmath.libmp import (
     from_man_exp,
     fzero,
     mpf_add,
-    mpf_cmp,
     mpf_gt,
     mpf_le,
     mpf_lt,
+    mpf_neg,
+    mpf_shift,
     mpf_sub,
     round_ceiling,
-    round_floor,
     round_nearest,
     to_float,
     to_man_exp,
@@ -41,8 +41,6 @@ from mpmath.libmp.libmpi import (
     mpi_sub,
 )
 
-EVERYTHING = (from_float(float("-inf")), from_float(float("inf")))
-
 
 class Context:
     """The working precision."""
@@ -53,14 +51,11 @@ class Context:
 ctx = Context()
 
 
-def finite(ends):
-    return all(one == fzero or one[1] for one in ends)
-
-
 class arb:
-    """An interval that surely holds the number that is meant."""
+    """An interval that surely holds the number that is meant; its ends are None if nothing is known of it."""
 
     __hash__ = None
+    __slots__ = ("ends",)
 
     def __init__(self, middle=0, radius=None):
         if isinstance(middle, arb):
@@ -69,22 +64,18 @@ class arb:
             self.ends = (from_man_exp(*(int(one) for one in middle)),) * 2
         elif isinstance(middle, int):
             self.ends = (from_int(middle),) * 2
-        elif isinstance(middle, float):
+        elif isinstance(middle, float) and isfinite(middle):
             self.ends = (from_float(middle),) * 2
         else:
             raise TypeError(f"no interval can be made of {middle!r}")
         if radius is not None:
             reach = abs(arb(radius)).ends[1]
-            low, high = self.ends
-            self.ends = (
-                mpf_sub(low, reach, ctx.prec, round_floor),
-                mpf_add(high, reach, ctx.prec, round_ceiling),
-            )
+            self.ends = mpi_add(self.ends, (mpf_neg(reach), reach), ctx.prec)
 
     @classmethod
     def of(cls, ends):
         made = cls.__new__(cls)
-        made.ends = ends if finite(ends) else EVERYTHING
+        made.ends = ends
         return made
 
     @classmethod
@@ -92,11 +83,9 @@ class arb:
         return cls.of(mpi_pi(ctx.prec))
 
     def _with(self, other, operation, turned=False):
-        if not isinstance(other, (arb, int, float)):
-            return NotImplemented
-        one, two = self.ends, arb(other).ends
-        if not (finite(one) and finite(two)):
-            return arb.of(EVERYTHING)
+        one, two = self.ends, (other if type(other) is arb else arb(other)).ends
+        if one is None or two is None:
+            return arb.of(None)
         return arb.of(operation(two, one, ctx.prec) if turned else operation(one, two, ctx.prec))
 
     def __add__(self, other):
@@ -119,27 +108,32 @@ class arb:
     def __rtruediv__(self, other):
         return self._with(other, divided, turned=True)
 
+    def _of(self, function, *arguments):
+        return arb.of(None if self.ends is None else function(self.ends, *arguments, ctx.prec))
+
     def __neg__(self):
-        return arb.of(mpi_neg(self.ends))
+        return self._of(mpi_neg)
 
     def __pos__(self):
         return self
 
     def __abs__(self):
-        return arb.of(mpi_abs(self.ends, ctx.prec)) if finite(self.ends) else self
+        return self._of(mpi_abs)
 
     def __pow__(self, exponent):
-        if not isinstance(exponent, int):
-            raise TypeError(f"the exponent {exponent!r} is not whole")
-        return arb.of(mpi_pow_int(self.ends, exponent, ctx.prec)) if finite(self.ends) else self
+        if not isinstance(exponent, int) or exponent < 0:
+            raise TypeError(f"the exponent {exponent!r} is no whole number >= 0")
+        return self._of(mpi_pow_int, exponent)
 
     # true only if it holds for all numbers of both
 
     def __lt__(self, other):
-        return self._known(other) and mpf_lt(self.ends[1], arb(other).ends[0])
+        one, two = self.ends, arb(other).ends
+        return one is not None and two is not None and mpf_lt(one[1], two[0])
 
     def __le__(self, other):
-        return self._known(other) and mpf_le(self.ends[1], arb(other).ends[0])
+        one, two = self.ends, arb(other).ends
+        return one is not None and two is not None and mpf_le(one[1], two[0])
 
     def __gt__(self, other):
         return arb(other) < self
@@ -150,120 +144,93 @@ class arb:
     def __eq__(self, other):
         return self <= other and self >= other
 
-    def _known(self, other):
-        return finite(self.ends) and finite(arb(other).ends)
-
     # functions
 
     def sqrt(self):
-        known = finite(self.ends) and not mpf_lt(self.ends[0], fzero)
-        return arb.of(mpi_sqrt(self.ends, ctx.prec) if known else EVERYTHING)
+        return self._of(mpi_sqrt) if self >= 0 else arb.of(None)
 
     def exp(self):
-        return arb.of(mpi_exp(self.ends, ctx.prec) if finite(self.ends) else EVERYTHING)
+        return self._of(mpi_exp)
 
     def log(self):
-        known = finite(self.ends) and mpf_gt(self.ends[0], fzero)
-        return arb.of(mpi_log(self.ends, ctx.prec) if known else EVERYTHING)
+        return self._of(mpi_log) if self > 0 else arb.of(None)
 
     def sin_cos(self):
-        if not finite(self.ends):
+        if self.ends is None:
             return arb(0, 1), arb(0, 1)
         cosine, sine = mpi_cos_sin(self.ends, ctx.prec)
         return arb.of(sine), arb.of(cosine)
 
-    def gamma(self):
-        """Return (n - 1)! of an exact whole number."""
-        low, high = self.ends
-        n = round(to_float(low))
-        if low != high or from_int(n) != low or not 0 < n < 10**5:
-            raise ValueError("gamma of whole numbers only")
-        result = arb(1)
-        for i in range(2, n):
-            result *= i
-        return result
-
     # parts
 
     def is_finite(self):
-        return finite(self.ends)
+        return self.ends is not None
 
     def is_zero(self):
         return self.ends == (fzero, fzero)
 
     def lower(self):
-        return arb.of((self.ends[0],) * 2)
+        return arb.of((self.ends[0],) * 2 if self.ends else None)
 
     def upper(self):
-        return arb.of((self.ends[1],) * 2)
+        return arb.of((self.ends[1],) * 2 if self.ends else None)
 
     def mid(self):
-        low, high = self.ends
-        if not finite(self.ends):
+        """Return an exact number near the middle."""
+        if self.ends is None:
             return arb(0)
-        if low == high:
-            return self
-        total = mpf_add(low, high, ctx.prec, round_nearest)
-        return arb.of(mpi_mul((total, total), arb(0.5).ends, ctx.prec + 8))
+        low, high = self.ends
+        middle = low if low == high else mpf_shift(mpf_add(low, high, ctx.prec, round_nearest), -1)
+        return arb.of((middle, middle))
 
     def rad(self):
-        low, high = self.ends
-        if not finite(self.ends):
+        """Return an exact bound on how far all numbers are from ``mid``."""
+        if self.ends is None:
             return self
+        low, high = self.ends
         middle = self.mid().ends[0]
-        sides = [
-            mpf_sub(middle, low, ctx.prec, round_ceiling),
-            mpf_sub(high, middle, ctx.prec, round_ceiling),
-        ]
-        reach = max_of(sides)
+        below = mpf_sub(middle, low, ctx.prec, round_ceiling)
+        above = mpf_sub(high, middle, ctx.prec, round_ceiling)
+        reach = above if mpf_lt(below, above) else below
         return arb.of((reach, reach))
 
     def man_exp(self):
-        if self.ends[0] != self.ends[1]:
+        if self.ends is None or self.ends[0] != self.ends[1]:
             raise ValueError("not exact")
-        return to_man_exp(self.ends[0])
+        return to_man_exp(self.ends[0], signed=True)
 
     def __float__(self):
-        return to_float(self.mid().ends[0]) if finite(self.ends) else float("nan")
+        return to_float(self.mid().ends[0]) if self.ends else float("nan")
 
     def __repr__(self):
-        return f"[{to_float(self.ends[0])!r}, {to_float(self.ends[1])!r}]"
+        return f"[{to_float(self.ends[0])!r}, {to_float(self.ends[1])!r}]" if self.ends else "[unknown]"
 
     def str(self, *_digits, **_options):
         return repr(self)
 
 
-def max_of(numbers):
-    found = numbers[0]
-    for one in numbers[1:]:
-        if mpf_cmp(one, found) > 0:
-            found = one
-    return found
-
-
 def divided(one, two, prec):
     """Division, of which nothing is known where the divisor may be 0."""
     low, high = two
-    if mpf_gt(low, fzero) or mpf_lt(high, fzero):
-        return mpi_div(one, two, prec)
-    return EVERYTHING
+    return mpi_div(one, two, prec) if mpf_gt(low, fzero) or mpf_lt(high, fzero) else None
 
 
-@contextmanager
 def checker_on_intervals():
-    """Yield a fresh import of grazing_checker.check that computes with these intervals, not with flint."""
+    """Return a second grazing_checker.check that computes with these intervals and not with flint."""
     flint = ModuleType("flint")
     flint.arb, flint.ctx = arb, ctx
-    kept = {name: module for name, module in sys.modules.items() if name.split(".")[0] in ("flint", "grazing_checker")}
-    for name in kept:
-        del sys.modules[name]
+    kept = forgotten()
     sys.modules["flint"] = flint
     try:
         check = importlib.import_module("grazing_checker.check")
-        balls = importlib.import_module("grazing_checker.balls")
-        assert balls.arb is arb
-        yield check
+        assert sys.modules["grazing_checker.balls"].Ball is arb
     finally:
-        for name in [name for name in sys.modules if name.split(".")[0] in ("flint", "grazing_checker")]:
-            del sys.modules[name]
+        forgotten()
         sys.modules.update(kept)
+    return check
+
+
+def forgotten():
+    """Take flint and the checker out of what is imported, and return it."""
+    names = [name for name in sys.modules if name.split(".")[0] in ("flint", "grazing_checker")]
+    return {name: sys.modules.pop(name) for name in names}

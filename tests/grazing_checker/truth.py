@@ -4,7 +4,7 @@ Flights are exponentials of the linear system with its forcing as further states
 the gap map is iterated. Nothing of grazing_checker is used, and of the certificate only what its sentence is made of.
 """
 
-from functools import partial
+from functools import cache, partial
 from math import inf
 
 import numpy as np
@@ -12,6 +12,7 @@ from mpmath import mp, mpf
 
 from grazing import theory
 
+word_edges = cache(theory.word_edges)
 DIGITS = 36
 TINY = mpf(10) ** -30
 
@@ -173,7 +174,7 @@ def gap_edge(data):
     if at:
         hold(word[at - 1] == {"gr": "R", "bc": "L"}[kind], "the point has another letter")
     elif 0 < lam < 1:
-        values = getattr(theory.word_edges(word, float(lam), float(l)), kind)
+        values = getattr(word_edges(word, float(lam), float(l)), kind)
         near = [value for value in values if abs(value - z[k]) < 1e-7 * (1 + abs(z[k]))]
         hold(near, f"theory knows no {kind} there")
 
@@ -373,14 +374,13 @@ def oscillator_orbit(data):
         amplitudes = [j for j, (c, s) in enumerate(zip(rig.cos, rig.sin, strict=True), start=1) if c or s]
         hold(n or amplitudes, "rest has no least period")
     apart = [mpf(text) for text in claims["apart"]]
-    for signs in (1, -1):
-        guess = [a + signs * b * (-1) ** i / 2 for i, (a, b) in enumerate(zip(x, apart, strict=True))]
-        try:
-            other = solved(rig.equations, guess)
-        except Untrue:
-            continue
-        off = [abs(a - b) for a, b in zip(other, x, strict=True)]
-        hold(max(off) < mpf(10) ** -20 or any(a > b for a, b in zip(off, apart, strict=True)), "another is as near")
+    guess = [a + b * (-1) ** i / 2 for i, (a, b) in enumerate(zip(x, apart, strict=True))]
+    try:
+        other = solved(rig.equations, guess)
+    except Untrue:
+        return
+    off = [abs(a - b) for a, b in zip(other, x, strict=True)]
+    hold(max(off) < mpf(10) ** -20 or any(a > b for a, b in zip(off, apart, strict=True)), "another is as near")
 
 
 def oscillator_value(data):
