@@ -118,6 +118,7 @@ FORGED = [
     ("LLRLR", ("word",), "LLRLRLLRLRLLRLR", "centre is no list of 6"),
     ("LLRLR", ("word",), "LLLLL", "with an R"),
     ("LLRLR", ("word",), "L" * 1000 + "R", "1 to 1000 letters"),
+    ("LLRLR", ("word",), "L" + "R" * 301, "more than 300 letters R"),
     ("LLRLR", ("word",), ["L", "R"], "1 to 1000 letters"),
     ("LLRLR", ("claims", "stable"), True, "1 - multiplier"),
     ("LLRLR", ("claims", "stable"), "yes", "stable is not true or false"),
