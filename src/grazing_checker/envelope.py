@@ -88,7 +88,9 @@ def _written(document: Mapping[str, Any]) -> str:
 def _read(source: str | Path) -> str:
     try:
         path = Path(source)
-        if path.is_file() and path.stat().st_size > LARGEST:
+        if not path.is_file():  # a device or a pipe may have no end
+            raise OSError("there is no such file")
+        if path.stat().st_size > LARGEST:
             raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
         return path.read_text(encoding="utf-8")
     except (OSError, TypeError, UnicodeDecodeError) as error:

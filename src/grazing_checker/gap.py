@@ -16,8 +16,8 @@ from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, 
 
 #: Bits of the balls.
 BITS = 160
-#: Most letters of a word, and most blocks that are gone through for an interval of mu.
-LETTERS, BLOCKS = 1000, 5000
+#: Most letters of a word, most letters R of them, and most blocks that are gone through for an interval of mu.
+LETTERS, ROOTS, BLOCKS = 1000, 300, 5000
 ORBIT = ("lam", "mu", "l", "word", "centre", "radius", "unique", "preconditioner", "claims")
 EDGE = ("lam", "l", "word", "edge", "at", "centre", "radius", "unique", "preconditioner", "claims")
 NO_ATTRACTOR = ("lam", "l", "low", "high", "turns")
@@ -134,6 +134,7 @@ class Word:
             isinstance(letters, str) and 1 <= len(letters) <= LETTERS and set(letters) <= {"L", "R"} and "R" in letters,
             f"the word is not one of 1 to {LETTERS} letters L and R with an R",
         )
+        demand(letters.count("R") <= ROOTS, f"the word has more than {ROOTS} letters R")
         self.letters: str = letters
         self.least = (letters + letters).index(letters, 1)
         rights = [j for j, letter in enumerate(letters) if letter == "R"]
@@ -395,8 +396,8 @@ def no_attractor_sentence(data: Mapping[str, Any]) -> str:
     lam, l, low, high = (text_of_double(data[name]) for name in ("lam", "l", "low", "high"))
     start = "(" if low == 0.0 else "["
     return (
-        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no attracting "
-        "periodic orbit: every periodic orbit has a multiplier of modulus above 1."
+        f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no "
+        "attracting periodic orbit: every periodic orbit has a multiplier of modulus above 1."
     )
 
 

@@ -54,7 +54,11 @@ def other_value(value):
         return value + "x"
 
 
-@pytest.mark.parametrize("kind", NAMES)
+# The rest of them in the long run; the generator of forgeries takes all of them in either.
+EVERY = [pytest.param(kind, marks=[] if kind in ("stable", "free", "pd") else pytest.mark.long) for kind in NAMES]
+
+
+@pytest.mark.parametrize("kind", EVERY)
 def test_every_field_that_changes_is_found_even_sealed_again(made, kind):
     document = made[kind]
     paths = [path for path in leaves(document) if path[0] != "sha256"]
@@ -162,7 +166,7 @@ def test_a_value_that_is_not_proven_is_rejected_with_a_sentence_that_fits(made, 
         check(claiming(swapped))
     for other in {"pd", "lp", "ns"} - {kind}:
         forged = changed(document, ("data", "type"), lambda _old, other=other: other)
-        with pytest.raises(Rejected, match=r"does not surely change its sign|dip"):
+        with pytest.raises(Rejected, match=r"change its sign|no curve over its parameter|a dip in a"):
             check(claiming(forged))
 
 

@@ -97,7 +97,7 @@ def test_what_is_no_json_is_refused(tmp_path, text, said):
         opened(path)
 
 
-@pytest.mark.parametrize("source", ["no/such/file.json", 3])
+@pytest.mark.parametrize("source", ["no/such/file.json", 3, "/dev/zero", ".", "\0"])
 def test_what_is_no_file_is_refused(source):
     with pytest.raises(Rejected, match="no certificate can be read"):
         opened(source)

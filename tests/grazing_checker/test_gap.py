@@ -1,11 +1,13 @@
 """Certificates of the gap map: every hypothesis of their theorems is demanded, and what was forged is refused."""
 
 import json
+import random
 import re
 from copy import deepcopy
 
 import pytest
 
+from grazing.proof.gap import certify_gap_orbit
 from grazing_checker import Rejected, check, gap, orbit, oscillator, reading
 from grazing_checker.envelope import seal
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, bases, gap_bases
@@ -116,6 +118,7 @@ FORGED = [
     ("LLRLR", ("word",), "LLRLRLLRLRLLRLR", "centre is no list of 6"),
     ("LLRLR", ("word",), "LLLLL", "with an R"),
     ("LLRLR", ("word",), "L" * 1000 + "R", "1 to 1000 letters"),
+    ("LLRLR", ("word",), "L" + "R" * 301, "more than 300 letters R"),
     ("LLRLR", ("word",), ["L", "R"], "1 to 1000 letters"),
     ("LLRLR", ("claims", "stable"), True, "1 - multiplier"),
     ("LLRLR", ("claims", "stable"), "yes", "stable is not true or false"),
@@ -266,3 +269,18 @@ def test_places_are_those_of_the_word_wherever_it_begins(name):
         for j in range(n):
             root, q = turned.places[j]
             assert points[(i + j) % n] == ((root + before) % k, q)
+
+
+def test_what_is_proven_of_any_map_is_true():
+    rng, proven = random.Random(3), 0
+    while proven < 60:
+        word = "".join(rng.choice("LR") for _ in range(rng.randint(1, 6))) * rng.choice((1, 1, 1, 2))
+        lam, mu, l = (
+            rng.choice((rng.uniform(-1.3, 1.5), 0.0)),
+            rng.uniform(-0.3, 1.2),
+            rng.choice((0.0, rng.uniform(-1, 1))),
+        )
+        if "R" in word and (document := certify_gap_orbit(word, lam, mu, l).document):
+            assert check(document) == document["statement"]
+            assert is_true(ORBIT, document["data"]) == (True, "")
+            proven += 1

@@ -114,6 +114,7 @@ def test_what_cannot_be_proven_says_why():
     exactly = certify_gap_orbit("R", 0.5, 0.75, 0.0)  # the multiplier is -1, all numbers are exact
     assert not exactly.proven and "cannot be told from 1 in modulus" in exactly.statement
     assert "there is nothing to enclose" in certify_gap_orbit("L", 0.5, -0.1, 0.1).statement
+    assert "1 to 1000 letters" in certify_gap_edge("L" * 1000 + "R", "gr", 0.5, 0.1)[0].statement
 
 
 def of_another_map():

@@ -128,7 +128,7 @@ def certify_gap_orbit(
     --------
     >>> from grazing.proof.gap import certify_gap_orbit
     >>> proof = certify_gap_orbit("LLR", 0.8, 0.5, 1.0)
-    >>> proof.proven, proof.document["data"]["stable"]
+    >>> proof.proven, proof.document["data"]["claims"]["stable"]
     (True, True)
     >>> print(certify_gap_orbit("LLR", 0.8, 0.9, 1.0).statement)
     Nothing is proven: LLR has no admissible orbit at lam = 0.8, mu = 0.9, l = 1.0.
@@ -142,7 +142,7 @@ def certify_gap_orbit(
         return _nothing("the fixed point left of the border is mu/(1 - lam): there is nothing to enclose")
     if min(solution.roots) == 0.0:
         return _nothing(f"{solution.word} grazes at {where}: its slope is infinite there")
-    return in_balls(partial(_prove_orbit, solution, params, where))  # type: ignore[no-any-return]
+    return in_balls(partial(_prove_orbit, solution, params, where))
 
 
 def certify_gap_edge(word: str, edge: str, lam: float, l: float) -> tuple[GapProof, ...]:
@@ -186,10 +186,13 @@ def certify_gap_edge(word: str, edge: str, lam: float, l: float) -> tuple[GapPro
     return tuple(in_balls(partial(_prove_edge, word, edge, float(lam), float(l), mu)) for mu in values)
 
 
-def in_balls(call: Callable[[], Any]) -> Any:
+def in_balls(call: Callable[[], GapProof]) -> GapProof:
     """Call a function with the bits of the checker; they belong to the process, so one proof at a time."""
     with LOCK, precision(BITS):
-        return call()
+        try:
+            return call()
+        except Rejected as error:  # a word that is too long for the checker
+            return _nothing(str(error))
 
 
 class Writer:

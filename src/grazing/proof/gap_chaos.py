@@ -15,9 +15,7 @@ from grazing.outcome import InputError
 from grazing.parameter import real
 from grazing.proof.gap import NO_ATTRACTOR, GapProof, in_balls, sealed
 from grazing.theory import geometric_sum, mu_bc, mu_pd, multiplier
-
-#: More blocks than so many are not gone through: mu is then too near to 0.
-MOST = 5000
+from grazing_checker.gap import BLOCKS
 
 
 def prove_no_attractor(lam: float, l: float, low: float, high: float) -> GapProof:
@@ -65,11 +63,11 @@ def prove_no_attractor(lam: float, l: float, low: float, high: float) -> GapProo
             return turn
         turns.append(turn.hex())
         n += 1
-        if n > MOST:
-            why = f"blocks of more than {MOST} letters occur at mu = {low!r}; begin further from 0"
+        if n > BLOCKS:
+            why = f"blocks of more than {BLOCKS} letters occur at mu = {low!r}; begin further from 0"
             return GapProof(False, f"Nothing is proven: {why}.", None)
     data: dict[str, Any] = {"lam": lam.hex(), "l": l.hex(), "low": low.hex(), "high": high.hex(), "turns": turns}
-    return in_balls(lambda: sealed(NO_ATTRACTOR, data))  # type: ignore[no-any-return]
+    return in_balls(lambda: sealed(NO_ATTRACTOR, data))
 
 
 def _checked(lam: float, l: float, low: float, high: float) -> tuple[float, float, float, float]:
