@@ -20,7 +20,8 @@ def rows_of(described, model, phase, name, values, order=0.0):
     rows = np.empty((len(values), len(described["fields"])))
     for i, value in enumerate(values):
         changed = model.replace(**{name: value}) if name != "phase" else model
-        rows[i] = row_of(described, model.reset.name, order=order, **{**changed.params, "phase": phase}, paper=float(model.paper))
+        own = {**changed.params, "phase": phase, "paper": float(model.paper)}
+        rows[i] = row_of(described, model.reset.name, order=order, **own)
     return rows
 
 

@@ -135,7 +135,7 @@ def test_impacts_after_many_periods_and_none_at_all_are_told_without_doubt(dampi
         else:
             late += due > 30.0 * m.period
             assert segment.points[1, 0] + segment.letters[0] * m.period == pytest.approx(due, rel=1e-9, abs=1e-7)
-    assert (none if damping else late), (none, late)
+    assert none if damping else late, (none, late)
 
 
 def test_chatter_and_sticking_end_at_the_release():

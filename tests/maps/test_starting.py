@@ -95,7 +95,7 @@ def test_the_pinball_keeps_its_boxes():
     """The paper's figures are drawn from starts in them; its unit of length is that of its force, 1."""
     for model in (gz.pinball(), gz.pinball(V=0.0, d=-3.0, k=0.2), gz.pinball().replace(d=0.3, alpha=0.1, cos1=1.0)):
         strobe, impact, local = maps_of(model)
-        assert strobe.box == local.replace(r=0.1).box[:0] + ((0.001, 0.1), (-0.3, 0.3))
+        assert strobe.box == strobe.replace(r=0.1).box == ((0.001, 0.1), (-0.3, 0.3))
         assert impact.box == ((0.0, model.period), (0.0, 1.0))
         assert local.box == ((0.0, 0.1), (-0.3, 0.3))
     width = 4.0 * gz.pinball(omega=50.0).period ** 2
@@ -110,3 +110,30 @@ def test_the_default_starts_find_all_five_attractors_of_a_bouncing_ball():
     for seed in (0, 1):
         found = gz.coexistence(P, "r", [0.85], starts=200, transient=3000, keep=64, seed=seed)
         assert {"C", "1", "01", "001", "021"} <= {*found.word.values.tolist()}
+
+
+RIG = dict(alpha=0.1, k=1.0, omega=2.8, t0=0.0, offset=0.0, sigma=-0.1, cos=[1.0], sin=[], law="newton", r=0.9, V=0.0)
+
+
+def told(model):
+    """What studies and searches say of a model, but for its units: words, periods, shares, multipliers."""
+    P = gz.stroboscopic_map(model)
+    shares = gz.coexistence(P, "r", [0.5, 0.8], starts=40, transient=400, keep=48)
+    found = gz.periodic_orbits(P, [1, 2], starts=100)
+    low, high = np.array(P.box).T
+    grid = {"u": np.linspace(low[0], high[0], 8), "v": np.linspace(low[1], high[1], 8)}
+    reached = gz.basins(P, grid, transient=300, keep=32)
+    windows = gz.windows(model.replace(r=0.6), "omega", N=[1, 2], span=None, samples=60)
+    yield shares.word.values.tolist(), shares.share.values.tolist(), shares.period.values.tolist()
+    yield [(orbit.word, orbit.admissible, orbit.stable, orbit.multipliers.tolist()) for orbit in found]
+    yield [(orbit.word, orbit.admissible, orbit.phase) for N in (1, 2, 3) for orbit in gz.one_impact_orbits(model, N)]
+    yield reached.basin.values.tolist(), reached.word.values.tolist()
+    yield windows.N.values.tolist(), windows.low.values.tolist(), windows.low_type.values.tolist()
+
+
+def test_a_machine_means_the_same_in_every_unit_of_length():
+    """A power of two rounds nothing, so that every number agrees to the bit unless something has a length of its own."""
+    here = list(told(made(RIG)))
+    for length in (2.0**10, 2.0**-40):
+        for mine, theirs in zip(here, told(made(RIG, length)), strict=True):
+            assert mine == theirs

@@ -148,7 +148,7 @@ def test_budget_of_impacts_ends_by_name():
 
 def breaks(v, p):
     """A law that breaks its promise for middling impacts only, which the first look at a law does not see."""
-    if -0.9 < v < -0.15:
+    if -0.9 < v < -0.3:
         return -0.1 if p.kind == 0.0 else (math.inf if p.kind == 1.0 else math.inf - math.inf)
     return 0.1
 

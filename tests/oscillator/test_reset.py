@@ -108,7 +108,7 @@ def into_the_wall(v, p):
     [
         (
             into_the_wall,
-            r"the reset law into_the_wall returned -0.0005 for v_minus = -0.001; allowed is a finite v_plus >= 0",
+            r"the reset law into_the_wall returned -5e-10 for v_minus = -1e-09; allowed is a finite v_plus >= 0",
         ),
         (lambda v, p: math.nan, r"returned nan for v_minus = 0"),
         (lambda v, p: None, r"returned None"),
@@ -119,6 +119,30 @@ def into_the_wall(v, p):
 def test_a_law_that_fails_is_named_with_its_velocity(law, words):
     with pytest.raises(gz.UserCodeError, match=words):
         gz.reset(law)
+
+
+def fading(v, p):
+    return -v * (1.0 + p.c * v)
+
+
+def test_a_law_is_tried_at_the_speeds_of_its_model():
+    """Valid up to 0.5 m/s: right for a slow rig, in millimetres too, and wrong for a fast one."""
+    law = gz.reset(fading, c=2.0)
+    assert [law(-0.1), law(-0.5)] == [pytest.approx(0.08), 0.0]
+    rig = {"alpha": 0.1, "k": 1.0, "forcing": gz.Forcing(omega=2.0, offset=-0.1, cos=(0.1,))}
+    assert gz.Oscillator(**rig, reset=law).reset(-0.05) == pytest.approx(0.045)
+    small = {**rig, "forcing": gz.Forcing(omega=2.0, offset=-100.0, cos=(100.0,))}
+    assert gz.Oscillator(**small, reset=gz.reset(fading, c=2e-3)).reset(-50.0) == pytest.approx(45.0)
+    with pytest.raises(gz.UserCodeError, match=r"the reset law fading returned -\d.* for v_minus = -\d+"):
+        gz.Oscillator(**small, reset=law)
+
+
+def test_a_contraction_is_tried_where_it_is_said_to_hold():
+    with pytest.raises(gz.InputError, match=r"contraction says v_plus <= 0\.5"):
+        gz.reset(lambda v, p: -0.4 * v if v > -1e3 else -0.9 * v, contraction=(0.5, 1e4))
+    fast = gz.reset(lambda v, p: -0.4 * v if v > -1.0 else -0.9 * v, contraction=(0.5, math.inf))
+    with pytest.raises(gz.InputError, match=r"contraction says v_plus <= 0\.5"):
+        gz.Oscillator(0.0, 1.0, gz.Forcing(2.0, cos=(30.0,)), fast)
 
 
 def test_a_parameter_of_the_law_must_not_hide_one_of_the_model():

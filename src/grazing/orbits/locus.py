@@ -206,8 +206,9 @@ def edge(orbit: Orbit) -> bool:
     clearance = getattr(orbit, "clearance", None)
     if clearance is None:
         return orbit.admissible
-    fast = getattr(orbit, "incoming", np.empty(0))
-    return bool(clearance > -1e-9 and (fast < 1e-9).all())
+    fast, model = getattr(orbit, "incoming", np.empty(0)), orbit.map.model
+    height, speed = (1.0, 1.0) if model is None else (model.reach.height, model.reach.speed)  # units of its own
+    return bool(clearance > -1e-9 * height and (fast < 1e-9 * speed).all())
 
 
 def on_the_circle(orbit: Orbit) -> bool:
