@@ -272,22 +272,20 @@ def follow(
     h, here = min(FIRST, step), first
     while len(path.points) < limit:
         there, steps = advanced(equations, here, h)
-        end = None
+        met = None
         if there is None:  # beyond the end of the range there may be no equations
             ahead = here.z + h * here.tangent
             if not low <= ahead[-1] <= high and here.z[-1] not in (low, high):
                 end = Point(ahead, here.tangent, ())
                 there = at_value(equations, here, end, min(max(float(ahead[-1]), low), high))
                 there = there if there is not None and np.linalg.norm(there.z - here.z) <= 2.0 * h else None
-        if equations.pieced and (h <= SHORTEST if there is None else strays(equations, here, there)) or (
-            equations.pieced and there is None and not on_piece(equations, (here.z + h * here.tangent)[None])[0]
-        ):
-            there, end = last(equations, here, h)
+        if equations.pieced and over(equations, here, there, h):
+            there, met = last(equations, here, h)
             h, steps = min(h, FIRST), STEPS
-            if end is None and there is here:
+            if met is None and there is here:
                 path.ended = "lost"
                 return path
-        if there is None or (end is None and float(there.tangent @ here.tangent) < STRAIGHT):
+        if there is None or (met is None and float(there.tangent @ here.tangent) < STRAIGHT):
             if h <= SHORTEST:
                 if there is None:
                     path.ended = "lost"
@@ -295,11 +293,11 @@ def follow(
             else:
                 h = max(0.4 * h, SHORTEST)
                 continue
-        if end is not None:
-            over = max(low - float(there.z[-1]), float(there.z[-1]) - high)
-            end = end if over <= NARROW else None  # it ends beyond the range
-        leaves = end is None and not low <= there.z[-1] <= high or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
-        if end is None and not low <= there.z[-1] <= high:
+        if met is not None and not low - NARROW <= there.z[-1] <= high + NARROW:
+            met = None  # it ends beyond the range
+        inside = met is not None or low <= there.z[-1] <= high
+        leaves = not inside or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
+        if not inside:
             edge = at_value(equations, here, there, min(max(float(there.z[-1]), low), high))
             if edge is None:
                 path.ended = "lost"
@@ -321,10 +319,10 @@ def follow(
                 path.ended = "pd"
                 return path
         path.points.append(there)
-        if end is None and leaves and equations.pieced:  # a piece may end just there
-            there, end = last(equations, there, NARROW)
-        if end is not None:
-            return ended(path, there, end)
+        if met is None and leaves and equations.pieced:  # a piece may end just there
+            met = last(equations, there, NARROW)[1]
+        if met is not None:
+            return ended(path, path.points[-1], met)
         if broken or leaves:
             path.ended = broken or "bounds"
             return path
@@ -343,6 +341,13 @@ def on_piece(equations: Equations, z: Floats) -> NDArray[np.bool_]:
     return equations.holds(z[:, :n] * equations.scale, z[:, n:] * equations.spans)
 
 
+def over(equations: Equations, here: Point, there: Point | None, h: float) -> bool:
+    """Whether a piece of a map seems to end within a step."""
+    if there is not None:
+        return strays(equations, here, there)
+    return h <= SHORTEST or not on_piece(equations, (here.z + h * here.tangent)[None])[0]
+
+
 def strays(equations: Equations, a: Point, b: Point) -> bool:
     """Whether the path leaves its piece of the map between two neighbouring points, as far as looks can tell."""
     t = np.arange(1.0, LOOKS)[:, None] / LOOKS
@@ -357,21 +362,22 @@ def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Endi
     None in place of the end if the path goes on beyond the step after all, or nothing is found that ends it.
     """
     finest = max(FINEST, EPS * float(np.abs(here.z).max()))
-    most, gone = 2.0 * h, 0.0
+    most, gone, taken = 2.0 * h, 0.0, 1
     while gone <= most:
-        while h >= finest:
-            edge = straight(equations, here, h)
-            length = SHORT * edge if SHORT * edge < h else 0.5 * h
+        while h >= finest and gone <= most:
+            edge = straight(equations, here, h) if taken else h
+            length = SHORT * edge if edge < h else 0.5 * h
             there, _steps = advanced(equations, here, length)
             if there is None or (length > SHORTEST and strays(equations, here, there)):
-                h = length
+                h, taken = length, 0
             else:
-                gone, here, h = gone + length, there, h if edge == h else 2.0 * (1.0 - SHORT) * edge
-        gap = 8.0 * finest
+                gone, here, taken = gone + length, there, taken + 1
+                h = 2.0 * (1.0 - SHORT) * edge if edge < h else (h if taken < 3 else FARTHER * h)
+        gap = 16.0 * finest
         there, _steps = advanced(equations, here, gap)
         if there is None:
             break
-        here, gone, h = there, gone + gap, FARTHER * gap
+        here, gone, h, taken = there, gone + gap, FARTHER * gap, 1
     else:
         return here, None
     n = len(equations.scale)
@@ -412,7 +418,7 @@ def ended(path: Path, point: Point, end: tuple[Ending, float]) -> Path:
     span = float(equations.spans[-1])
     value = float(point.z[-1]) * span
     ends = value, value + float(point.tangent[-1]) * gap * span
-    slack = found.error * span
+    slack = (found.error + gap) * span
     low, high = min(ends) - slack, max(ends) + slack
     good = bool(high - low <= NARROW * span + 4.0 * EPS * abs(value))
     path.events.append((len(path.points) - 1, Event(found.type, point, found.where, low, high, good)))
