@@ -99,6 +99,18 @@ def window_sign(i: int, c: Constants) -> float:
     return -c.first if i % 2 == 1 else c.first
 
 
+def push_in_doubt(t: float, late: float, kicks: bool, c: Constants) -> bool:
+    """Return whether rounding leaves open which way F pushes a ball at rest on the wall at t, known to ``late``.
+
+    Not so where F just turns from - to +: whether the ball lies for another 1e-12 T is no matter, unless the wall kicks
+    a ball that is pressed on it.
+    """
+    F, dF = forcing(t, c)
+    late += 4e-16 * c.T
+    doubt = c.blur + c.bend * late * late
+    return abs(F) < doubt + abs(dF) * late and (kicks or dF * 1e-12 * c.T <= doubt)
+
+
 def window_of(t: float, i: int, c: Constants) -> int:
     """Return the window that begins at t or contains it, looking from window i on."""
     while i + 2 < len(c.edges) and t >= c.edges[i + 1] and c.edges[i + 1] < c.T:
@@ -197,7 +209,8 @@ def piece_hit(
         return True, s, 0.0, v, flags, INFINITY
     fall = slope_of_phi(0.0, length, c) * a.y
     if a.v - fall >= 4e-16 * (abs(a.v) + abs(fall)):
-        return False, length, max(yb, 0.0), vb, OK, INFINITY
+        # y is above 0: where rounding says otherwise, the ball must not be taken for one that arrives at the edge
+        return False, length, max(yb, 0.0), vb, AMBIGUOUS if yb <= 0.0 and vb < 0.0 else OK, INFINITY
     if close:  # the lowest point may lie beside the end: either side may be the true one
         flags = AMBIGUOUS
     if yb < 0.0:
@@ -241,11 +254,14 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     return False, ball, flags, near
 
 
-def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float, c: Constants) -> bool:
+def chatter_completes(
+    t: float, w: float, end: float, ratio: float, speed: float, c: Constants, blur: float = 0.0
+) -> bool:
     """Return whether a ball that leaves the wall at t with w > 0 comes to rest before ``end``, where F < 0 throughout.
 
     With m <= -F <= M on [t, t + e] every hop lasts at most 2 w/m and ends with at most sqrt(M/m) w, and the law
-    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence.
+    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence. ``blur`` is
+    added to m and taken off M.
     """
     F, _dF = forcing(t, c)
     if not 0.0 < ratio < 1.0 or F >= 0.0:  # ratio 0 is one impact and a dead stop
@@ -253,7 +269,7 @@ def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float
     e = max(4.0 * w / (-F * (1.0 - ratio)), 1e-16 * c.T)
     while t + e <= end:
         Fe, _dFe = forcing(t + e, c)
-        slack = 0.125 * c.bend * e * e
+        slack = 0.125 * c.bend * e * e - blur
         m = min(-F, -Fe) - slack
         M = max(-F, -Fe) + slack
         if m > 0.0:
@@ -283,7 +299,7 @@ def departure_of(
         ``departure(ball, patience, c) -> (kind, ball, flags)`` for a contact with v <= 0. ``kind`` is FLIES (on, with
         the ball's velocity), LIES (until T) or RELEASED (flies from the ball's time with v = 0). Chatter is completed
         in closed form once the ball leaves slower than ``patience``. A law that jumps within the error of the
-        impact's velocity makes the step ambiguous.
+        impact's velocity makes the step ambiguous, and so does a rest that a doubtful zero of F may end.
     """
 
     def departure(ball: Ball, patience: float, c: Constants) -> tuple[int, Ball, int]:
@@ -292,10 +308,9 @@ def departure_of(
         pressed = window_sign(i, c) < 0.0
         if not v > -INFINITY:
             return FLIES, placed(t, NAN, NAN, i), DIVERGED
-        if v == 0.0 and not pressed:
-            return FLIES, placed(t, 0.0, 0.0, i), OK
-        w = law(v, c.p)
-        if w == 0.0 and pressed and v < 0.0:
+        w = law(v, c.p) if v < 0.0 or pressed else 0.0
+        still = v == 0.0 or w == 0.0
+        if w == 0.0 and pressed:
             w = law(0.0, c.p)
         if not 0.0 <= w < INFINITY:
             return FLIES, placed(t, 0.0, w, i), BAD_LAW
@@ -307,6 +322,10 @@ def departure_of(
             jump = abs(law(min(v + dv, 0.0), c.p) - law(v - dv, c.p))
             if jump > 4.0 * abs(g) * dv + 1e-12 * (w - v):
                 flags |= AMBIGUOUS
+        if still and push_in_doubt(t, launch.late, law(0.0, c.p) > 0.0, c):
+            flags |= AMBIGUOUS
+        if c.doubtful[i] > 0.0 and w <= 1e-13 * c.bend * c.T * c.T * c.T:  # a hidden pair of zeros could bring it back
+            flags |= AMBIGUOUS
         if not pressed:
             return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
         end = c.edges[i + 1]
@@ -316,14 +335,16 @@ def departure_of(
             if w <= patience and 0.0 < ratio < 1.0:
                 # the same question with all the errors of this departure, one way and the other
                 late, off = launch.late, launch.off
-                if chatter_completes(t + late, w + off, end, ratio, speed, c) != chatter_completes(
-                    t - late, max(w - off, 0.5 * w), end, ratio, speed, c
+                if chatter_completes(t + late, w + off, end, ratio, speed, c, -c.blur) != chatter_completes(
+                    t - late, max(w - off, 0.5 * w), end, ratio, speed, c, c.blur
                 ):
                     flags |= AMBIGUOUS
             if not completes:
                 return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
             flags |= CHATTER
         flags |= STUCK
+        if c.doubtful[i] > 0.0:  # is it released, and when?
+            flags |= AMBIGUOUS
         if end >= c.T:
             return LIES, placed(c.T, 0.0, 0.0, i), flags
         return RELEASED, placed(end, 0.0, 0.0, i + 1), flags
