@@ -15,8 +15,9 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import sincos
-from grazing.oscillator.constants import Constants, forcing
-from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise
+from grazing.oscillator.constants import Constants, forcing, steady_response
+from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise, stiff
+from grazing.oscillator.windows import free_distance
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, GRAZE, OK, STUCK
 
 #: What a contact ends in: the ball flies on, lies until the strobe, or is released by the forcing within the period.
@@ -227,6 +228,34 @@ def piece_hit(
     return True, s, 0.0, v, flags, INFINITY
 
 
+def aloft(a: Anchor, launch: Launch, c: Constants) -> tuple[float, float, float]:
+    """Return for how long a swinging ball surely stays off the wall, how high at least, and the error of its phase.
+
+    The free part of the flight never swings further than it does now, and the steady response falls no faster than its
+    slope and a bound on its bend allow. 0 where that is not much longer than the pieces that would be asked instead.
+    """
+    left = c.T - a.t
+    if not (c.steady and stiff(left, c)):
+        return 0.0, INFINITY, 0.0
+    Y, dY = steady_response(a.t, c)
+    lean = (a.h1 + 0.5 * c.alpha * a.h0) / c.spread
+    swing = sqrt(a.h0 * a.h0 + lean * lean)
+    bend = 0.0
+    for j in range(len(c.hc)):
+        W = (j + 1) * c.omega
+        bend += W * W * sqrt(c.hc[j] * c.hc[j] + c.hs[j] * c.hs[j])
+    phase = 1e-15 * c.spread * left * swing
+    reach = 1.0 / c.spread
+    off = (abs(launch.w) * (1.0 + 0.5 * c.alpha * reach) + abs(launch.lift) * reach) * launch.late + reach * launch.off
+    clear = Y - swing - 4.0 * (noise(left, a, c)[0] + phase + off)
+    if not clear > 1e-4 * (c.size + swing):
+        return 0.0, INFINITY, 0.0
+    far = min(left, free_distance(0.5 * clear, dY, bend)) if bend > 0.0 else left
+    if not stiff(far, c):
+        return 0.0, INFINITY, 0.0
+    return far, max(0.5 * clear, clear - (max(0.0, -dY) + 0.5 * bend * far) * far), phase
+
+
 def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     """Fly to the first impact, or to the end of the period.
 
@@ -237,13 +266,21 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
         At the impact, with y = 0 and the incoming velocity, else at t = T.
     flags : int
     near : float
-        The narrowest miss on the way; infinity for none.
+        The narrowest miss on the way, a lower bound where the ball stayed well off the wall; infinity for none.
     """
     flags, near = OK, INFINITY
     while ball.t < c.T:
         i = window_of(ball.t, ball.i, c)
-        end = min(c.edges[i + 1], ball.t + c.piece)
         a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
+        far, low, phase = aloft(a, ball.launch, c)
+        if far > 0.0:
+            y, v = flight(far, a, c)
+            error_y, error_v = noise(far, a, c)
+            end = ball.t + far if far < c.T - ball.t else c.T
+            near = min(near, low)
+            ball = Ball(end, y, v, i, error_y + phase, error_v + c.rate * phase, ball.launch)
+            continue
+        end = min(c.edges[i + 1], ball.t + c.piece)
         hit, s, y, v, said, low = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
         flags |= said
         near = min(near, low)

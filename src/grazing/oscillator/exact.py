@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from math import ceil, inf, isfinite, nan
+from math import inf, isfinite, nan
 from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -215,6 +215,17 @@ class Motion:
             total[terms] += arb(0, 1) * (c * c + s * s).sqrt() * (j * self.omega) ** terms / arb(terms + 1).gamma()
         return total
 
+    def steady(self, t: arb) -> tuple[arb, arb]:
+        """Return the steady response and its slope at local time t; balls without end where there is none."""
+        Y, dY, phase = self.level / self.k2, 0 * t, self.omega * t + self.theta
+        for j, c, s in self.waves:
+            W = j * self.omega
+            a, b = self.k2 - W * W, self.alpha * W
+            size, (sine, cosine) = a * a + b * b, (j * phase).sin_cos()
+            hc, hs = (a * c - b * s) / size, (b * c + a * s) / size
+            Y, dY = Y + hc * cosine + hs * sine, dY + W * (hs * cosine - hc * sine)
+        return Y, dY
+
     def force(self, t: arb) -> tuple[arb, arb]:
         """Return F and dF/dt at local time t."""
         F, dF, _rest = self.taylor(t, 2)
@@ -241,6 +252,19 @@ class Flight:
             state = (system * s).exp() * start
             y, v = y + state[0, 0], v + state[1, 0]
         return y, v
+
+    def aloft(self, lo: arb, hi: arb) -> bool:
+        """Return whether a swinging ball surely stays off the wall: the steady response less the swing around it."""
+        motion = self.motion
+        motion.count(1)
+        (Y, dY), (low, _slope) = motion.steady(self.t), motion.steady(self.t + lo.union(hi))
+        h, dh = self.y - Y, self.v - dY
+        swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * lo / 2).exp()
+        clear = low - swing
+        if not clear > 0:
+            return False
+        self.near = min(self.near, float(clear.lower()))
+        return True
 
 
 def crossing(curve: Curve, lo: arb, hi: arb, x: arb) -> arb:
@@ -326,18 +350,26 @@ def windows_of(motion: Motion) -> list[Window]:
     return [Window(end, inside if (n - i) % 2 == 0 else -inside) for n, end in enumerate(ends[1:])]
 
 
-def pieces(lo: arb, hi: arb, motion: Motion) -> Iterator[tuple[arb, arb]]:
-    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball."""
+def pieces(flight: Flight, lo: arb, hi: arb) -> Iterator[tuple[arb, arb]]:
+    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball.
+
+    What surely stays off the wall is left out.
+    """
     from flint import arb
 
-    count = 1
-    if sign(motion.q2) < 0:
-        share = float(((hi - lo) * (-motion.q2).sqrt() / (0.95 * arb.pi())).upper())
-        if not share < BUDGET:
-            raise Beyond
-        count = max(1, ceil(share))
-    ends = [lo, *(lo + (hi - lo) * n / count for n in range(1, count)), hi]
-    yield from pairwise(ends)
+    motion = flight.motion
+    if sign(motion.q2) >= 0:
+        yield lo, hi
+        return
+    longest = 0.95 * arb.pi() / (-motion.q2).sqrt()
+    todo = [(lo, hi)]
+    while todo:
+        a, b = todo.pop()
+        if b - a < longest:
+            yield a, b
+        elif not flight.aloft(a, b):
+            middle = (a + b) / 2
+            todo += [(middle, b), (a, middle)]
 
 
 def pressed_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
@@ -388,7 +420,7 @@ def next_impact(flight: Flight, i: int, windows: list[Window]) -> tuple[arb, arb
     lo = 0 * flight.t
     for n in range(i, len(windows)):
         hi = windows[n].end - flight.t
-        for a, b in pieces(lo, hi, flight.motion):
+        for a, b in pieces(flight, lo, hi):
             s = hit(flight, a, b, windows[n].sign)
             if s is not None:
                 v = flight.at(s)[1]
