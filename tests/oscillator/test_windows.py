@@ -16,8 +16,9 @@ def edges_of(mean, cos, sin, omega=1.0, theta=0.0):
     bend = sum((j + 1) ** 2 * omega**2 * np.hypot(c, s) for j, (c, s) in enumerate(zip(cos, sin, strict=True)))
     T = 2.0 * np.pi / omega
     arguments = (mean, tuple(cos), tuple(sin), omega, theta, T, float(bend), (0.0,) * (2 * m + 2))
-    edges, first = window_edges(*arguments)
-    assert compiled(window_edges)(*arguments) == (edges, first)
+    edges, first, doubtful = window_edges(*arguments)
+    assert compiled(window_edges)(*arguments) == (edges, first, doubtful)
+    assert all(x in (0.0, 1.0) for x in doubtful)
     return np.array(edges), first, T
 
 

@@ -50,7 +50,7 @@ def steady_low(c: Constants) -> tuple[float, float]:
     none = c.edges
     for i in range(len(none)):
         none = replaced(none, i, 0.0)
-    edges, _first = window_edges(0.0, cos, sin, c.omega, c.theta, c.T, bend, none)
+    edges, _first, _doubtful = window_edges(0.0, cos, sin, c.omega, c.theta, c.T, bend, none)
     time, height = NAN, NAN
     for i in range(len(edges)):
         if edges[i] < c.T:

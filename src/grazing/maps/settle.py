@@ -96,7 +96,8 @@ def settle_orbit(
             undecided += doubtful.size
             continue
         asked += 1
-        proven = settle(row.tolist(), tuple(state.tolist()))
+        before = tuple(state.tolist())
+        proven = settle(row.tolist(), before)
         if proven is None:
             undecided += 1
             outcome = int(part.outcomes[0, sure, 0])
@@ -106,6 +107,10 @@ def settle_orbit(
             near, slow = min(near, proven.near_miss), min(slow, proven.slowest)
         record(n, state, letter, outcome)
         n += 1
+        if proven is not None and proven.state == before:  # a step that changes nothing is the same for ever
+            for same in range(n, total):
+                record(same, state, letter, outcome)
+            n = total
     lanes[q, :, i] = state
     found.near_miss[q, i], found.slowest[q, i], found.undecided[q, i] = near, slow, undecided
 

@@ -41,7 +41,7 @@ BACK, HEIGHT, CLIMB, HIT = range(4)
 
 def reversed_constants(c: Constants) -> Constants:
     """Return the constants of the same oscillator in the time T - t; it has no reset law."""
-    sin, hs, edges = c.sin, c.hs, c.edges
+    sin, hs, edges, doubtful = c.sin, c.hs, c.edges, c.doubtful
     for j in range(len(sin)):
         sin = replaced(sin, j, -c.sin[j])
         hs = replaced(hs, j, -c.hs[j])
@@ -51,10 +51,12 @@ def reversed_constants(c: Constants) -> Constants:
             zeros += 1
     for i in range(1, zeros + 1):
         edges = replaced(edges, i, c.T - c.edges[zeros + 1 - i])
+    for i in range(zeros + 1):
+        doubtful = replaced(doubtful, i, c.doubtful[zeros - i])
     first = -c.first if zeros % 2 == 1 else c.first
     return Constants(
         -c.alpha, c.k2, c.q2, -c.l2, -c.l1, c.spread, c.omega, -c.theta, c.T, c.sigma, c.F0, c.cos, sin, c.Y0, c.hc, hs,
-        c.steady, c.rate, c.size, c.force, c.bend, c.piece, edges, first, c.p,
+        c.steady, c.rate, c.size, c.force, c.bend, c.piece, edges, first, doubtful, c.blur, c.p,
     )  # fmt: skip
 
 

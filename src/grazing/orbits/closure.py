@@ -99,7 +99,7 @@ def simple_zeros(
         return zeros, 0
     for j in range(m):
         bend += (j + 1) * (j + 1) * sqrt(gc[j] * gc[j] + gs[j] * gs[j])
-    edges, _first = window_edges(g0, gc, gs, 1.0, start, TWO_PI, bend, no_edges)
+    edges, _first, _doubtful = window_edges(g0, gc, gs, 1.0, start, TWO_PI, bend, no_edges)
     for i in range(1, len(no_edges) - 1):
         if edges[i] < TWO_PI:
             phi = start + edges[i]

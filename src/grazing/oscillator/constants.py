@@ -48,6 +48,8 @@ class Constants(NamedTuple):
     piece: float  # longest piece of a window on which the lemma holds
     edges: tuple[float, ...]  # window edges in [0, T]: 0, zeros of F, T, T, ...
     first: float  # sign of F in the first window; signs alternate
+    doubtful: tuple[float, ...]  # 1 for windows whose signs or ends rounding leaves open
+    blur: float  # bound on the rounding of F
     p: Any  # the parameters themselves, for the reset law
 
 
@@ -157,10 +159,13 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         rate = max(p.alpha, p.k, moving)
         size = response if steady else natural * top  # errors of phases add up to the highest harmonic
         piece = piece_of(q2, spread, T)
-        edges, first = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges)
+        offset, lift = abs(p[head - 1]), abs(k2 * p.sigma)
+        lost = 4e-16 * (offset + lift) if lift > 0.0 else 0.0
+        blur = 1e-15 * force * harmonics + lost
+        edges, first, doubtful = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges, lost)
         return Constants(
             p.alpha, k2, q2, l1, l2, spread, p.omega, theta, T, p.sigma, F0, cos, sin, Y0, hc, hs,
-            steady, rate, size, force, bend, piece, edges, first, p,
+            steady, rate, size, force, bend, piece, edges, first, doubtful, blur, p,
         )  # fmt: skip
 
     return prepare

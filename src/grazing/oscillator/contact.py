@@ -15,8 +15,9 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import sincos
-from grazing.oscillator.constants import Constants, forcing
-from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise
+from grazing.oscillator.constants import Constants, forcing, steady_response
+from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise, stiff
+from grazing.oscillator.windows import free_distance
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, GRAZE, OK, STUCK
 
 #: What a contact ends in: the ball flies on, lies until the strobe, or is released by the forcing within the period.
@@ -90,6 +91,18 @@ def next_launch(ball: Ball, w: float, g: float, c: Constants) -> tuple[Launch, f
 def window_sign(i: int, c: Constants) -> float:
     """Return the sign of F in window i."""
     return -c.first if i % 2 == 1 else c.first
+
+
+def push_in_doubt(t: float, late: float, kicks: bool, c: Constants) -> bool:
+    """Return whether rounding leaves open which way F pushes a ball at rest on the wall at t, known to ``late``.
+
+    Not so where F just turns from - to +: whether the ball lies for another 1e-12 T is no matter, unless the wall kicks
+    a ball that is pressed on it.
+    """
+    F, dF = forcing(t, c)
+    late += 4e-16 * c.T
+    doubt = c.blur + c.bend * late * late
+    return abs(F) < doubt + abs(dF) * late and (kicks or dF * 1e-12 * c.T <= doubt)
 
 
 def window_of(t: float, i: int, c: Constants) -> int:
@@ -190,7 +203,8 @@ def piece_hit(
         return True, s, 0.0, v, flags, INFINITY
     fall = slope_of_phi(0.0, length, c) * a.y
     if a.v - fall >= 4e-16 * (abs(a.v) + abs(fall)):
-        return False, length, max(yb, 0.0), vb, OK, INFINITY
+        # y is above 0: where rounding says otherwise, the ball must not be taken for one that arrives at the edge
+        return False, length, max(yb, 0.0), vb, AMBIGUOUS if yb <= 0.0 and vb < 0.0 else OK, INFINITY
     if close:  # the lowest point may lie beside the end: either side may be the true one
         flags = AMBIGUOUS
     if yb < 0.0:
@@ -207,6 +221,34 @@ def piece_hit(
     return True, s, 0.0, v, flags, INFINITY
 
 
+def aloft(a: Anchor, launch: Launch, c: Constants) -> tuple[float, float, float]:
+    """Return for how long a swinging ball surely stays off the wall, how high at least, and the error of its phase.
+
+    The free part of the flight never swings further than it does now, and the steady response falls no faster than its
+    slope and a bound on its bend allow. 0 where that is not much longer than the pieces that would be asked instead.
+    """
+    left = c.T - a.t
+    if not (c.steady and stiff(left, c)):
+        return 0.0, INFINITY, 0.0
+    Y, dY = steady_response(a.t, c)
+    lean = (a.h1 + 0.5 * c.alpha * a.h0) / c.spread
+    swing = sqrt(a.h0 * a.h0 + lean * lean)
+    bend = 0.0
+    for j in range(len(c.hc)):
+        W = (j + 1) * c.omega
+        bend += W * W * sqrt(c.hc[j] * c.hc[j] + c.hs[j] * c.hs[j])
+    phase = 1e-15 * c.spread * left * swing
+    reach = 1.0 / c.spread
+    off = (abs(launch.w) * (1.0 + 0.5 * c.alpha * reach) + abs(launch.lift) * reach) * launch.late + reach * launch.off
+    clear = Y - swing - 4.0 * (noise(left, a, c)[0] + phase + off)
+    if not clear > 1e-4 * (c.size + swing):
+        return 0.0, INFINITY, 0.0
+    far = min(left, free_distance(0.5 * clear, dY, bend)) if bend > 0.0 else left
+    if not stiff(far, c):
+        return 0.0, INFINITY, 0.0
+    return far, max(0.5 * clear, clear - (max(0.0, -dY) + 0.5 * bend * far) * far), phase
+
+
 def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     """Fly to the first impact, or to the end of the period.
 
@@ -217,13 +259,21 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
         At the impact, with y = 0 and the incoming velocity, else at t = T.
     flags : int
     near : float
-        The narrowest miss on the way; infinity for none.
+        The narrowest miss on the way, a lower bound where the ball stayed well off the wall; infinity for none.
     """
     flags, near = OK, INFINITY
     while ball.t < c.T:
         i = window_of(ball.t, ball.i, c)
-        end = min(c.edges[i + 1], ball.t + c.piece)
         a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
+        far, low, phase = aloft(a, ball.launch, c)
+        if far > 0.0:
+            y, v = flight(far, a, c)
+            error_y, error_v = noise(far, a, c)
+            end = ball.t + far if far < c.T - ball.t else c.T
+            near = min(near, low)
+            ball = Ball(end, y, v, i, error_y + phase, error_v + c.rate * phase, ball.launch)
+            continue
+        end = min(c.edges[i + 1], ball.t + c.piece)
         hit, s, y, v, said, low = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
         flags |= said
         near = min(near, low)
@@ -234,11 +284,14 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     return False, ball, flags, near
 
 
-def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float, c: Constants) -> bool:
+def chatter_completes(
+    t: float, w: float, end: float, ratio: float, speed: float, c: Constants, blur: float = 0.0
+) -> bool:
     """Return whether a ball that leaves the wall at t with w > 0 comes to rest before ``end``, where F < 0 throughout.
 
     With m <= -F <= M on [t, t + e] every hop lasts at most 2 w/m and ends with at most sqrt(M/m) w, and the law
-    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence.
+    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence. ``blur`` is
+    added to m and taken off M.
     """
     F, _dF = forcing(t, c)
     if not 0.0 < ratio < 1.0 or F >= 0.0:  # ratio 0 is one impact and a dead stop
@@ -246,7 +299,7 @@ def chatter_completes(t: float, w: float, end: float, ratio: float, speed: float
     e = max(4.0 * w / (-F * (1.0 - ratio)), 1e-16 * c.T)
     while t + e <= end:
         Fe, _dFe = forcing(t + e, c)
-        slack = 0.125 * c.bend * e * e
+        slack = 0.125 * c.bend * e * e - blur
         m = min(-F, -Fe) - slack
         M = max(-F, -Fe) + slack
         if m > 0.0:
@@ -276,7 +329,7 @@ def departure_of(
         ``departure(ball, patience, c) -> (kind, ball, flags)`` for a contact with v <= 0. ``kind`` is FLIES (on, with
         the ball's velocity), LIES (until T) or RELEASED (flies from the ball's time with v = 0). Chatter is completed
         in closed form once the ball leaves slower than ``patience``. A law that jumps within the error of the
-        impact's velocity makes the step ambiguous.
+        impact's velocity makes the step ambiguous, and so does a rest that a doubtful zero of F may end.
     """
 
     def departure(ball: Ball, patience: float, c: Constants) -> tuple[int, Ball, int]:
@@ -285,10 +338,9 @@ def departure_of(
         pressed = window_sign(i, c) < 0.0
         if not v > -INFINITY:
             return FLIES, placed(t, NAN, NAN, i), DIVERGED
-        if v == 0.0 and not pressed:
-            return FLIES, placed(t, 0.0, 0.0, i), OK
-        w = law(v, c.p)
-        if w == 0.0 and pressed and v < 0.0:
+        w = law(v, c.p) if v < 0.0 or pressed else 0.0
+        still = v == 0.0 or w == 0.0
+        if w == 0.0 and pressed:
             w = law(0.0, c.p)
         if not 0.0 <= w < INFINITY:
             return FLIES, placed(t, 0.0, w, i), BAD_LAW
@@ -300,6 +352,10 @@ def departure_of(
             jump = abs(law(min(v + dv, 0.0), c.p) - law(v - dv, c.p))
             if jump > 4.0 * abs(g) * dv + 1e-12 * (w - v):
                 flags |= AMBIGUOUS
+        if still and push_in_doubt(t, launch.late, law(0.0, c.p) > 0.0, c):
+            flags |= AMBIGUOUS
+        if c.doubtful[i] > 0.0 and w <= 1e-13 * c.bend * c.T * c.T * c.T:  # a hidden pair of zeros could bring it back
+            flags |= AMBIGUOUS
         if not pressed:
             return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
         end = c.edges[i + 1]
@@ -309,14 +365,16 @@ def departure_of(
             if w <= patience and 0.0 < ratio < 1.0:
                 # the same question with all the errors of this departure, one way and the other
                 late, off = launch.late, launch.off
-                if chatter_completes(t + late, w + off, end, ratio, speed, c) != chatter_completes(
-                    t - late, max(w - off, 0.5 * w), end, ratio, speed, c
+                if chatter_completes(t + late, w + off, end, ratio, speed, c, -c.blur) != chatter_completes(
+                    t - late, max(w - off, 0.5 * w), end, ratio, speed, c, c.blur
                 ):
                     flags |= AMBIGUOUS
             if not completes:
                 return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
             flags |= CHATTER
         flags |= STUCK
+        if c.doubtful[i] > 0.0:  # is it released, and when?
+            flags |= AMBIGUOUS
         if end >= c.T:
             return LIES, placed(c.T, 0.0, 0.0, i), flags
         return RELEASED, placed(end, 0.0, 0.0, i + 1), flags

@@ -3,25 +3,26 @@
 Every number is a ball that contains the true one, and a comparison counts only where it holds for all of the ball. A
 flight is a sum of matrix exponentials: the ball under the constant force, and a ball at rest under each harmonic, obey
 small linear systems that have no singular case. Impacts are searched as in :mod:`grazing.oscillator.contact`: a piece
-of a window of one sign holds at most one, and signs on both sides of it prove it. What a precision does not decide is
-tried again with twice the bits; an exact tie, which no number of bits decides, stays undecided.
+of a window of one sign holds at most one, and signs on both sides of it prove it. The windows themselves are algebra:
+the force is a polynomial with rational coefficients. What a precision does not decide is tried again with twice the
+bits; an exact tie of a flight, which no number of bits decides, stays undecided.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from math import ceil, inf, isfinite, nan
+from math import inf, isfinite, nan
 from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Forcing, Oscillator
 from grazing.oscillator.reset import Reset, contraction_at
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from grazing.parameter import parameter_tuple
 
 if TYPE_CHECKING:
-    from flint import arb
+    from flint import arb, fmpq
 
 #: Bits of the midpoints, tried one after the other.
 PRECISIONS = (128, 256, 512, 1024)
@@ -33,6 +34,8 @@ FAR = 1e9
 GOOD = 60
 #: A state that is known to within 2^-TINY and may be 0 is 0.
 TINY = 900
+#: The share of a window at which its sign is looked at.
+ODD = 0.4871939420700073
 #: Working precision belongs to the process, not to the thread: one period at a time.
 LOCK = RLock()
 
@@ -63,10 +66,10 @@ class Period(NamedTuple):
 
 
 class Window(NamedTuple):
-    """A stretch of the period up to ``end`` on which F has one sign; 0 if F = 0 throughout, None if not known."""
+    """A stretch of the period up to ``end`` on which F has one sign; 0 if F = 0 throughout."""
 
     end: arb
-    sign: int | None
+    sign: int
 
 
 def certain(x: arb) -> int:
@@ -155,6 +158,13 @@ class Sure:
         return self.compared(0) != 0
 
 
+def rational(x: float) -> fmpq:
+    """Return a float as the fraction that it is."""
+    from flint import fmpq
+
+    return fmpq(*x.as_integer_ratio())
+
+
 class Motion:
     """Forcing and free flight of one model at the working precision; counts how often they are evaluated."""
 
@@ -172,6 +182,8 @@ class Motion:
         rates = [j * self.omega for j, _c, _s in self.waves]
         if not self.T * sum(rates, self.alpha + arb(model.k)) < FAR:
             raise Beyond
+        level = rational(forcing.offset) - rational(model.k) ** 2 * rational(model.sigma)
+        self.turns = turning_phases(forcing, level) if self.waves else []
         self.still = arb_mat([[0, 1, 0], [-self.k2, -self.alpha, 1], [0, 0, 0]])
         self.swings = [
             arb_mat([[0, 1, 0, 0], [-self.k2, -self.alpha, 1, 0], [0, 0, 0, W], [0, 0, -W, 0]]) for W in rates
@@ -203,6 +215,17 @@ class Motion:
             total[terms] += arb(0, 1) * (c * c + s * s).sqrt() * (j * self.omega) ** terms / arb(terms + 1).gamma()
         return total
 
+    def steady(self, t: arb) -> tuple[arb, arb]:
+        """Return the steady response and its slope at local time t; balls without end where there is none."""
+        Y, dY, phase = self.level / self.k2, 0 * t, self.omega * t + self.theta
+        for j, c, s in self.waves:
+            W = j * self.omega
+            a, b = self.k2 - W * W, self.alpha * W
+            size, (sine, cosine) = a * a + b * b, (j * phase).sin_cos()
+            hc, hs = (a * c - b * s) / size, (b * c + a * s) / size
+            Y, dY = Y + hc * cosine + hs * sine, dY + W * (hs * cosine - hc * sine)
+        return Y, dY
+
     def force(self, t: arb) -> tuple[arb, arb]:
         """Return F and dF/dt at local time t."""
         F, dF, _rest = self.taylor(t, 2)
@@ -229,6 +252,19 @@ class Flight:
             state = (system * s).exp() * start
             y, v = y + state[0, 0], v + state[1, 0]
         return y, v
+
+    def aloft(self, lo: arb, hi: arb) -> bool:
+        """Return whether a swinging ball surely stays off the wall: the steady response less the swing around it."""
+        motion = self.motion
+        motion.count(1)
+        (Y, dY), (low, _slope) = motion.steady(self.t), motion.steady(self.t + lo.union(hi))
+        h, dh = self.y - Y, self.v - dY
+        swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * lo / 2).exp()
+        clear = low - swing
+        if not clear > 0:
+            return False
+        self.near = min(self.near, float(clear.lower()))
+        return True
 
 
 def crossing(curve: Curve, lo: arb, hi: arb, x: arb) -> arb:
@@ -267,112 +303,73 @@ def crossing(curve: Curve, lo: arb, hi: arb, x: arb) -> arb:
     raise Undecided
 
 
-def values(taylor: list[arb], reach: arb) -> arb:
-    """Return a ball around all values of a Taylor series within ``reach`` of its centre."""
-    from flint import arb
+def turning_phases(forcing: Forcing, level: fmpq) -> list[arb]:
+    """Return the phases phi = omega t + theta in (-pi, pi] at which the force turns round, ``level`` its mean.
 
-    total = 0 * reach
-    for x in reversed(taylor[1:]):
-        total = (total + abs(x)) * reach
-    return taylor[0] + arb(0, 1) * total
-
-
-def cells(motion: Motion) -> Iterator[tuple[arb, arb, int, int]]:
-    """Cut the period [0, 1] until each cell (lo, hi) shows a sign of F or of its slope, or none even in its middle.
-
-    Yields lo, hi, the sign of F on the cell and the sign of its slope; 0 where it is not known.
+    With x = tan(phi/2) the force is a polynomial over a power of 1 + x^2, and all its numbers are rational: its
+    real roots are isolated with their multiplicities. At one of even multiplicity the sign stays. A degree below the
+    full one is a root at phi = pi, where x is infinite.
     """
-    from flint import arb
+    from flint import arb, fmpq_poly
 
-    terms = min(2 * motion.waves[-1][0], 10) + 2  # as many as a zero of F has orders
-    odd = arb(0.4871939420700073)  # double zeros like simple fractions of the period; cells should not end there
-    todo = [(odd, arb(1)), (arb(0), odd)]
-    while todo:
-        lo, hi = todo.pop()
-        middle, reach = (lo + hi) / 2, motion.T * (hi - lo) / 2
-        taylor = motion.taylor(motion.T * middle, terms)
-        value = certain(values(taylor, reach))
-        slope = certain(values([n * x for n, x in enumerate(taylor)][1:], reach))
-        if value == 0 and slope != 0:  # monotone: equal signs at both ends hold between
-            ends = [certain(motion.force(motion.T * x)[0]) for x in (lo, hi)]
-            value = ends[0] if ends[0] == ends[1] else 0
-        blurred = certain(taylor[0]) == 0 and hi - lo < 1 / 64
-        if value != 0 or slope != 0 or blurred:
-            yield lo, hi, value, slope
-        else:
-            todo += [(middle, hi), (lo, middle)]
-
-
-class Run(NamedTuple):
-    """Neighbouring cells of equal sign: ends, sign or 0, and the signs of the slope that they show."""
-
-    lo: arb
-    hi: arb
-    sign: int
-    slopes: frozenset[int]
-
-
-def runs(motion: Motion) -> list[Run]:
-    """Return the cells of the period, neighbours of equal sign joined."""
-    found: list[Run] = []
-    for lo, hi, value, slope in cells(motion):
-        slopes = frozenset((slope,))
-        if found and found[-1].sign == value:
-            lo, slopes = found[-1].lo, found.pop().slopes | slopes
-        found.append(Run(lo, hi, value, slopes))
-    return found
-
-
-def signed(run: Run, left: int, right: int, motion: Motion) -> list[tuple[arb, int | None]]:
-    """Return what is known of a run without a sign, as (end, sign): ``left`` and ``right`` are the signs beside it.
-
-    A run on which F is monotone holds one zero or none. Of any other, such as a double zero or a pair of
-    zeros too close for the precision, nothing is said.
-    """
-    if len(run.slopes) > 1 or 0 in run.slopes:
-        return [(run.hi, None)]
-    (slope,) = run.slopes
-    left, right = left or slope, right or -slope  # beside a strobe where F = 0 exactly
-    if left == right:
-        return [(run.hi, left)]
-
-    def towards(x: arb) -> tuple[arb, arb]:
-        F, dF = motion.force(motion.T * x)
-        return left * F, left * motion.T * dF
-
-    return [(crossing(towards, run.lo, run.hi, (run.lo + run.hi) / 2), left), (run.hi, right)]
+    full = 2 * len(forcing.cos)
+    circle, turn = fmpq_poly([1, 0, 1]), (fmpq_poly([1, 0, -1]), fmpq_poly([0, 2]))  # (1 + ix)^2 = turn
+    total, cosine, sine = fmpq_poly([level]), fmpq_poly([1]), fmpq_poly([0])
+    for c, s in zip(forcing.cos, forcing.sin, strict=True):
+        cosine, sine = cosine * turn[0] - sine * turn[1], sine * turn[0] + cosine * turn[1]
+        total = total * circle + rational(c) * cosine + rational(s) * sine
+    roots = total.numer().complex_roots()
+    found = [2 * x.real.atan() for x, times in roots if x.imag.is_zero() and times % 2 == 1]
+    return [*found, arb.pi()] if (full - total.degree()) % 2 == 1 else found
 
 
 def windows_of(motion: Motion) -> list[Window]:
-    """Return the windows of the period, F having one sign on each."""
+    """Return the windows of the period, F having one sign on each and opposite ones on neighbours.
+
+    A zero at the strobe itself, as of sin t, separates nothing. It is there for theta = 0 only: the tangent of half of
+    any other rational theta is transcendental (Lindemann), and x is not.
+    """
     if not motion.waves:
         return [Window(motion.T, sign(motion.level))]
-    found = runs(motion)
-    strobe = sign(motion.force(0 * motion.T)[0]) if 0 in (found[0].sign, found[-1].sign) else 0
-    beside = [strobe, *(run.sign for run in found), strobe]
-    parts: list[tuple[arb, int | None]] = []
-    for n, run in enumerate(found):
-        parts += [(run.hi, run.sign)] if run.sign else signed(run, beside[n], beside[n + 2], motion)
-    windows: list[Window] = []
-    for end, known in parts:
-        if windows and windows[-1].sign == known:
-            windows.pop()
-        windows.append(Window(motion.T * end, known))
-    return windows
+    ends = []
+    for phase in motion.turns:
+        if phase.is_zero() and motion.theta.is_zero():
+            continue
+        end = (phase - motion.theta) / motion.omega
+        periods = (end / motion.T).floor().unique_fmpz()
+        if periods is None:
+            raise Undecided
+        ends.append(end - periods * motion.T)
+    ends.sort(key=lambda end: end.mid())
+    ends = [0 * motion.T, *ends, motion.T]
+    if not all(lo < hi for lo, hi in pairwise(ends)):
+        raise Undecided
+    i = max(range(len(ends) - 1), key=lambda i: (ends[i + 1] - ends[i]).mid())
+    # double zeros like simple fractions of a window
+    inside = sign(motion.force(ends[i] + ODD * (ends[i + 1] - ends[i]))[0])
+    return [Window(end, inside if (n - i) % 2 == 0 else -inside) for n, end in enumerate(ends[1:])]
 
 
-def pieces(lo: arb, hi: arb, motion: Motion) -> Iterator[tuple[arb, arb]]:
-    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball."""
+def pieces(flight: Flight, lo: arb, hi: arb) -> Iterator[tuple[arb, arb]]:
+    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball.
+
+    What surely stays off the wall is left out.
+    """
     from flint import arb
 
-    count = 1
-    if sign(motion.q2) < 0:
-        share = float(((hi - lo) * (-motion.q2).sqrt() / (0.95 * arb.pi())).upper())
-        if not share < BUDGET:
-            raise Beyond
-        count = max(1, ceil(share))
-    ends = [lo, *(lo + (hi - lo) * n / count for n in range(1, count)), hi]
-    yield from pairwise(ends)
+    motion = flight.motion
+    if sign(motion.q2) >= 0:
+        yield lo, hi
+        return
+    longest = 0.95 * arb.pi() / (-motion.q2).sqrt()
+    todo = [(lo, hi)]
+    while todo:
+        a, b = todo.pop()
+        if b - a < longest:
+            yield a, b
+        elif not flight.aloft(a, b):
+            middle = (a + b) / 2
+            todo += [(middle, b), (a, middle)]
 
 
 def pressed_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
@@ -413,12 +410,8 @@ def lifted_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
     return None
 
 
-def hit(flight: Flight, lo: arb, hi: arb, window: int | None) -> arb | None:
+def hit(flight: Flight, lo: arb, hi: arb, window: int) -> arb | None:
     """Return the time of the first impact in a piece of a window, None if there is none."""
-    if window is None:
-        if flight.at(lo.union(hi))[0] > 0:
-            return None
-        raise Undecided
     return pressed_hit(flight, lo, hi) if window < 0 else lifted_hit(flight, lo, hi)
 
 
@@ -427,7 +420,7 @@ def next_impact(flight: Flight, i: int, windows: list[Window]) -> tuple[arb, arb
     lo = 0 * flight.t
     for n in range(i, len(windows)):
         hi = windows[n].end - flight.t
-        for a, b in pieces(lo, hi, flight.motion):
+        for a, b in pieces(flight, lo, hi):
             s = hit(flight, a, b, windows[n].sign)
             if s is not None:
                 v = flight.at(s)[1]
@@ -488,8 +481,6 @@ class Wall:
         A ball that lies up to T leaves in the window after the last.
         """
         window = self.windows[i]
-        if window.sign is None:
-            raise Undecided
         pressed = window.sign < 0
         if v.is_zero() and not pressed:
             return t, v, i, OK
@@ -505,8 +496,6 @@ class Wall:
             if not chatter_completes(t, w, window.end, self.ratio, self.speed, self.motion):
                 return t, w, i, OK
             flags |= CHATTER
-        if i + 1 < len(self.windows) and self.windows[i + 1].sign is None:
-            raise Undecided
         return window.end, 0 * t, i + 1, flags
 
 

@@ -8,6 +8,7 @@ term a divided difference of exponentials, which has no singular case.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
@@ -15,6 +16,8 @@ from grazing.oscillator.constants import Constants, steady_response
 
 #: Flights shorter than this fraction of 1/rate use Duhamel's form: near the anchor y/s then has all its digits.
 SHORT = 0.25
+#: A flight of more pieces than this is a long one: it is not cut if it surely stays off the wall.
+STIFF = 8.0
 
 
 class Anchor(NamedTuple):
@@ -154,6 +157,11 @@ def flight(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
     return E11 * a.y + E12 * a.v + y, E21 * a.y + E22 * a.v + v
 
 
+def stiff(time: float, c: Constants) -> bool:
+    """Return whether a swinging ball takes many pieces for this time."""
+    return c.q2 < 0.0 and c.alpha >= 0.0 and time > STIFF * c.piece
+
+
 def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
     """Return bounds on the errors of (y, v) from :func:`flight`: rounding, and what the anchor brought along.
 
@@ -167,6 +175,10 @@ def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
     else:
         rounding = 1.2e-15 * (abs(a.y) + abs(a.v) * reach + min(c.size, 0.5 * c.force * s * s))
         hurried = c.force * s
-    y = rounding + grown * a.error_y + reach * a.error_v
-    v = 4.0 * c.rate * rounding + 1e-15 * (abs(a.v) + hurried) + c.k2 * reach * a.error_y + grown * a.error_v
+    brought_y, brought_v = grown * a.error_y + reach * a.error_v, c.k2 * reach * a.error_y + grown * a.error_v
+    if stiff(c.T, c):  # the energy of a free flight never grows; the plain bound would double in every piece
+        energy = sqrt(c.k2 * a.error_y * a.error_y + a.error_v * a.error_v)
+        brought_y, brought_v = min(brought_y, energy / sqrt(c.k2)), min(brought_v, energy)
+    y = rounding + brought_y
+    v = 4.0 * c.rate * rounding + 1e-15 * (abs(a.v) + hurried) + brought_v
     return y, v

@@ -1,8 +1,9 @@
 """Sign windows of the forcing: all simple zeros of a trigonometric polynomial over a period, none missed.
 
 The search marches with steps that a bound on the second derivative proves either free of zeros or monotone
-(then one sign test finds the only zero). A double zero, or a pair closer than about 1e-7 of a period, is dropped:
-between such a pair the polynomial is below 1e-14 of its size, far below what a flight can feel.
+(then one sign test finds the only zero). Where neither holds for a step of 1e-7 of a period, a pair of zeros may hide.
+A flight does not feel it: between them the polynomial is below 1e-12 of its size. A ball that lies on the wall does: it
+is released or not. So windows beside such a step, or before a zero that is badly known, are marked as doubtful.
 """
 
 from __future__ import annotations
@@ -32,6 +33,17 @@ def summed(
         dF += (j + 1) * omega * (sin[j] * cj - cos[j] * sj)
         sj, cj = sj * c1 + cj * s1, cj * c1 - sj * s1
     return F, dF
+
+
+def starts_at_zero(F0: float, cos: tuple[float, ...], theta: float) -> bool:
+    """Return whether the series is 0 at t = 0, exactly: its phase is 0 and its cosines add up to 0 without rounding."""
+    total, lost = F0, 0.0
+    for j in range(len(cos)):
+        new = total + cos[j]
+        seen = new - total
+        lost += abs((total - (new - seen)) + (cos[j] - seen))
+        total = new
+    return theta == 0.0 and total == 0.0 and lost == 0.0
 
 
 def free_distance(F: float, dF: float, bend: float) -> float:
@@ -79,8 +91,9 @@ def window_edges(
     T: float,
     bend: float,
     no_edges: tuple[float, ...],
-) -> tuple[tuple[float, ...], float]:
-    """Return the edges of the sign windows of F in [0, T] and the sign in the first one.
+    lost: float = 0.0,
+) -> tuple[tuple[float, ...], float, tuple[float, ...]]:
+    """Return the edges of the sign windows of F in [0, T], the sign in the first one, and which are doubtful.
 
     Parameters
     ----------
@@ -92,6 +105,8 @@ def window_edges(
         Bound on the second derivative.
     no_edges : tuple of float
         Zeros, as long as the result: 2 * harmonics + 2.
+    lost : float
+        How wrong F0 may be.
 
     Returns
     -------
@@ -99,8 +114,11 @@ def window_edges(
         0, the zeros in increasing order, then T repeated. Signs alternate from window to window.
     first : float
         +1, -1, or 0 for F = 0 throughout.
+    doubtful : tuple of float
+        For each window 1 where a pair of zeros may hide in it or beside it, or where one of its ends is known to
+        worse than 1e-12 T. Else 0.
     """
-    edges = no_edges
+    edges, doubtful = no_edges, no_edges
     for i in range(1, len(no_edges)):
         edges = replaced(edges, i, T)
     smallest = 1e-7 * T
@@ -108,6 +126,7 @@ def window_edges(
     for j in range(len(cos)):
         floor += (abs(cos[j]) + abs(sin[j])) * (j + 1)
     floor *= 1e-15
+    blur = floor + lost
     t, count, first = 0.0, 0, 0.0
     F, dF = series(t, F0, cos, sin, omega, theta)
     sign = 1.0 if F > floor else (-1.0 if F < -floor else 0.0)
@@ -116,6 +135,7 @@ def window_edges(
         free = free_distance(F, dF, bend)
         monotone = 0.9 * abs(dF) / bend if bend > 0.0 else T
         end = min(T, t + max(0.9 * free, monotone, smallest))
+        proven = monotone >= max(0.9 * free, smallest) or (0.9 * free >= smallest and abs(F) > 10.0 * blur)
         new, dnew = series(end, F0, cos, sin, omega, theta)
         new_sign = 1.0 if new > floor else (-1.0 if new < -floor else sign)
         if sign != 0.0 and new_sign != sign and count < len(no_edges) - 2:
@@ -125,10 +145,19 @@ def window_edges(
                 edges = replaced(edges, count, zero)
                 if count == 1:
                     first = sign
+                _F, slope = series(zero, F0, cos, sin, omega, theta)
+                if not proven or blur > 1e-12 * T * abs(slope):
+                    doubtful = replaced(doubtful, count - 1, 1.0)
+                    doubtful = replaced(doubtful, count, 1.0)
             else:  # F(0) or F(T) itself is the zero: it separates nothing inside the period
                 sign = new_sign
         sign = new_sign
+        if not proven:
+            doubtful = replaced(doubtful, count, 1.0)
         if abs(new) > floor:
             decided, F_decided = end, new
         t, F, dF = end, new, dnew
-    return edges, (first if count > 0 else sign)
+    # a zero at T: before or after it?
+    if abs(F) <= blur + 4e-16 * T * abs(dF) and (lost > 0.0 or not starts_at_zero(F0, cos, theta)):
+        doubtful = replaced(doubtful, count, 1.0)
+    return edges, (first if count > 0 else sign), doubtful
