@@ -17,7 +17,7 @@ from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointe
 from grazing.maps.settle import Settled
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
 
@@ -149,7 +149,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
 
     return Map(
         step_of(law.law, law.slope, law.contraction),
-        params={**model.params, "phase": describe_parameter("phase").check(phase)},
+        params={**model.params, "phase": checked_phase(model, phase)},
         coordinates=("u", "v"),
         box=starting_box(model.sigma, model.period),
         prepare=constants_of(model.harmonics, section_phase),
