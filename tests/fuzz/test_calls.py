@@ -254,10 +254,9 @@ COUNTS = {
 
 
 def asks_for_long_work(key, value):
-    try:
-        return (key in COUNTS and 1e5 < abs(float(value)) < 2.0**63) or (key == "spacing" and 0 < float(value) < 1e-3)
-    except Exception:
+    if type(value) not in (int, float, np.int8, np.uint64):
         return False
+    return (key in COUNTS and 1e5 < abs(value) < 2.0**63) or (key == "spacing" and 0.0 < value < 1e-3)
 
 
 def function_of(name):

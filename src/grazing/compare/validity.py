@@ -126,7 +126,7 @@ def plan(
 ) -> Plan:
     """Return the plan of a validity map, see :func:`validity`."""
     checked_model(model)
-    if rung not in REDUCTIONS:
+    if not isinstance(rung, str) or rung not in REDUCTIONS:
         raise InputError(f"rung is {shown(rung)}; allowed are {', '.join(REDUCTIONS)}")
     if not isinstance(params, Mapping) or len(params) != 2:
         raise InputError(

@@ -111,7 +111,8 @@ def toml_of(config: Mapping[str, Any]) -> str:
     return "".join(plain + tables)
 
 
-def _key(name: str) -> str:
+def _key(key: Any) -> str:
+    name = str(key)
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name)
 
 

@@ -165,7 +165,7 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
 
 def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
     checked_model(model)
-    if order not in ORDERS:
+    if not isinstance(order, str) or order not in ORDERS:
         raise InputError(
             f"order is {shown(order)}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'"
         )

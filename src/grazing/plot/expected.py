@@ -58,6 +58,6 @@ def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) ->
 
 def choice(value: Any, name: str, allowed: Sequence[str]) -> str:
     """Return a value if it is one of those allowed."""
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} is {shown(value)}; allowed are {', '.join(map(repr, allowed))}")
     return str(value)

@@ -93,7 +93,7 @@ def graph(
         )
     if name in (*TAKEN, *(f"image_{own}" for own in P.coordinates)):
         raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
-    if order is not None and order not in ORDERS:
+    if order is not None and (not isinstance(order, str) or order not in ORDERS):
         raise InputError(f"order is {shown(order)}; allowed are {', '.join(map(repr, ORDERS))} and None")
     x, others = checked_values(name, values), checked_fixed(P, (name,), fixed)
     if P.check is not None:

@@ -120,7 +120,7 @@ def plan(
     sweep: str | None = None,
 ) -> Plan:
     """Return the plan of an orbit diagram, see :func:`orbit_diagram`."""
-    if sweep not in (None, *SWEEPS):
+    if sweep is not None and (not isinstance(sweep, str) or sweep not in SWEEPS):
         raise InputError(
             f"sweep = {shown(sweep)}; allowed are 'up', 'down' and None: starts of their own for every value"
         )

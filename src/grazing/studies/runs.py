@@ -231,7 +231,7 @@ def checked_map(P: object) -> Map:
 
 def checked_arithmetic(arithmetic: str) -> str:
     """Return the name of an arithmetic, or raise InputError."""
-    if arithmetic not in FLAGS:
+    if not isinstance(arithmetic, str) or arithmetic not in FLAGS:
         raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
     return arithmetic
 
