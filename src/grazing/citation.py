@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from grazing import __version__
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 _BIBTEX: Final = """\
 @misc{{grazing,
@@ -56,6 +56,6 @@ def cite(style: str = "bibtex") -> str:
     >>> gz.cite("text").splitlines()[0]
     'The grazing developers: grazing, oscillators that hit things. Python library, version ...'
     """
-    if style not in _STYLES:
-        raise InputError(f"style is {style!r}; allowed are {' and '.join(repr(name) for name in _STYLES)}")
+    if not isinstance(style, str) or style not in _STYLES:
+        raise InputError(f"style is {shown(style)}; allowed are {' and '.join(repr(name) for name in _STYLES)}")
     return _STYLES[style].format(version=__version__)

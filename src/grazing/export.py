@@ -65,6 +65,8 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     target = Path(path)
     if target.suffix != ".csv":
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.csv'")
+    if not hasattr(result, "data_vars"):
+        raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
     written = []
     flat = _spread_names(result)
     for i, (dims, names) in enumerate(tables(flat)):

@@ -124,12 +124,14 @@ def describe(outcome: int | Iterable[int]) -> str:
     >>> describe(0)
     'ok'
     """
+    if isinstance(outcome, range):
+        outcome = outcome[: 2 * max(Outcome)]
     try:
         bits = 0
         for one in outcome if isinstance(outcome, Iterable) and not isinstance(outcome, str) else [outcome]:
             bits |= operator.index(one)
     except TypeError:
-        raise InputError(f"outcome is {outcome!r}; give the integer, or integers, that a map returned") from None
+        raise InputError(f"outcome is {shown(outcome)}; give the integer, or integers, that a map returned") from None
     if not 0 <= bits < 2 * max(Outcome):
         raise InputError(f"outcome is {bits}; allowed are sums of the flags of gz.Outcome")
     outcome = bits

@@ -86,6 +86,14 @@ def checked_params(params: Any) -> dict[str, float]:
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
+def checked_coordinates(names: Any) -> tuple[str, ...]:
+    """Return the names of coordinates, or raise InputError."""
+    given = tuple(names) if isinstance(names, Sequence) else ()
+    if not given or isinstance(names, (str, bytes)) or not all(isinstance(name, str) and name for name in given):
+        raise InputError(f"coordinates are {shown(names)}; give their names, such as ('x', 'y')")
+    return given
+
+
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
     """Return a box as pairs of floats, one per coordinate, or raise InputError."""
     wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
@@ -141,9 +149,16 @@ def _is_number(value: Any) -> bool:
 def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     """Return the error for a name that does not exist, with the nearest one that does."""
     known = list(names)
-    near = get_close_matches(str(name), known, n=1)
+    near = get_close_matches(name[:200], known, n=1) if isinstance(name, str) else []
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    return InputError(f"unknown parameter {name!r} of {of}.{hint} Allowed are: {', '.join(known)}")
+    return InputError(f"unknown parameter {shown(name)} of {of}.{hint} Allowed are: {', '.join(known)}")
+
+
+def checked_name(name: Any, names: Iterable[str], of: str) -> str:
+    """Return the name of a parameter, or raise InputError, whatever was given for it."""
+    if not isinstance(name, str) or name not in names:
+        raise unknown(name, names, of)
+    return name
 
 
 def updated(params: Mapping[str, float], changes: Mapping[str, Any], of: str) -> dict[str, Any]:

@@ -20,8 +20,9 @@ from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reset import checked_velocity
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, GRAZE, STUCK, InputError, UserCodeError, told
-from grazing.parameter import parameters
+from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, GRAZE, STUCK, InputError, UserCodeError, shown, told
+from grazing.parameter import parameters, whole
+from grazing.studies.starts import checked_seed
 
 #: Outcomes at which a map need not be smooth.
 _ROUGH = FATAL | AMBIGUOUS | GRAZE | STUCK
@@ -57,7 +58,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     >>> gz.testing.check_map(gz.gap_map(lam=0.5, mu=0.1, l=0.2))
     """
     if not isinstance(P, Map):
-        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
+        raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
+    states, steps, seed = whole(states, "states", 1), whole(steps, "steps", 1), checked_seed(seed)
     starts = _starts(P, states, seed)
     _check_law(P, starts, steps)
     _check_bits(P, starts, steps)

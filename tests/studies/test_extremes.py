@@ -62,7 +62,7 @@ def test_steps_that_raise_at_some_value_are_named_before_anything_runs():
 
     P = gz.Map(step, params={"a": 1.0})
     for study in (gz.orbit_diagram, gz.density, gz.lyapunov, gz.coexistence):
-        with pytest.raises(gz.UserCodeError, match=r"the step of step raised ValueError: too large .*'a': 3.0"):
+        with pytest.raises(gz.UserCodeError, match=r"the step of step raised ValueError: too large.*'a': 3.0"):
             study(P, "a", [0.5, 3.0], starts=2)
 
 

@@ -296,7 +296,10 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
         return []
     if mapping.get("study") == "trajectory":
         return ["u", "v"]
+    asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
+    if not is_own(asked.setdefault("map", "stroboscopic")) and asked["map"] not in MAPS:
+        return []
     try:
-        return names_of({"map": "stroboscopic", **mapping})[1]
-    except (GrazingError, TypeError, AttributeError, AssertionError):
+        return names_of(asked)[1]
+    except (GrazingError, AssertionError):
         return []

@@ -17,7 +17,7 @@ from grazing.maps.normal_form import NormalForm, constants, normal_form
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import GrazingError, InputError, OutsideForm
+from grazing.outcome import GrazingError, InputError, OutsideForm, shown
 from grazing.parameter import whole
 from grazing.theory import mu_bc, mu_pd
 
@@ -248,10 +248,10 @@ def _of_flow(table: xr.Dataset, N: int, below: list[Found], graze: float) -> Fou
 
 def _rungs(rungs: Sequence[str]) -> list[str]:
     """Return the rungs asked for, from below, the flow last; or raise InputError."""
-    several = [rungs] if isinstance(rungs, str) else list(rungs)
+    several = [rungs] if isinstance(rungs, str) or not isinstance(rungs, Iterable) else list(rungs)
     for rung in several:
-        if rung not in RUNGS:
-            raise InputError(f"rung {rung!r} is not known; allowed are {', '.join(RUNGS)}")
+        if not isinstance(rung, str) or rung not in RUNGS:
+            raise InputError(f"rung {shown(rung)} is not known; allowed are {', '.join(RUNGS)}")
     return [rung for rung in RUNGS if rung in several or rung == "flow"]
 
 
@@ -261,7 +261,7 @@ def _periods(N: Any) -> list[int]:
     try:
         return sorted({whole(n, "N", 1) for n in several})
     except TypeError:
-        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(2, 8)") from None
+        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(2, 8)") from None
 
 
 def _dataset(

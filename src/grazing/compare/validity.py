@@ -20,7 +20,7 @@ from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.model import Oscillator, checked_model
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
 from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, UNDECIDED, settled_columns
@@ -126,10 +126,12 @@ def plan(
 ) -> Plan:
     """Return the plan of a validity map, see :func:`validity`."""
     checked_model(model)
-    if rung not in REDUCTIONS:
-        raise InputError(f"rung is {rung!r}; allowed are {', '.join(REDUCTIONS)}")
+    if not isinstance(rung, str) or rung not in REDUCTIONS:
+        raise InputError(f"rung is {shown(rung)}; allowed are {', '.join(REDUCTIONS)}")
     if not isinstance(params, Mapping) or len(params) != 2:
-        raise InputError(f"params is {params!r}; give two parameters with their values, such as {{'d': ..., 'V': ...}}")
+        raise InputError(
+            f"params is {shown(params)}; give two parameters with their values, such as {{'d': ..., 'V': ...}}"
+        )
     for name in params:
         if name not in model.params:
             raise unknown(name, model.params, "the model")

@@ -13,6 +13,7 @@ from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.maps.discontinuity import discontinuity_map
+from grazing.outcome import InputError, shown
 
 #: What a configuration says beside study, parameters, ranges and settings, with what is meant if it does not.
 KEYS = {
@@ -46,6 +47,8 @@ def command_of(config: Mapping[str, Any], out: Sequence[str] = ()) -> str:
     >>> print(command_of({"study": "diagram", "vary": {"d": "0:0.2:500"}, "parameters": {"V": 0.3}}, ["figure 1.png"]))
     grazing diagram d=0:0.2:500 --V 0.3 -o 'figure 1.png'
     """
+    if isinstance(out, (str, bytes)) or not isinstance(out, Sequence) or not all(isinstance(file, str) for file in out):
+        raise InputError(f"out is {shown(out)}; give a list of names of files")
     recipe = checked(config)
     tokens = ["grazing", recipe["study"], *tokens_of(recipe)]
     for file in out:

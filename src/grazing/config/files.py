@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.config.check import Recipe, checked
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 #: Bytes of a configuration: room for a hundred thousand values, where a range says most things in a line.
 LARGEST = 2**21
@@ -100,6 +100,8 @@ def toml_of(config: Mapping[str, Any]) -> str:
     box = [[0.0, 1.0]]
     <BLANKLINE>
     """
+    if not isinstance(config, Mapping):
+        raise InputError(f"the configuration is {shown(config)}; give a table of keys and values")
     plain = [f"{_key(name)} = {_value(value)}\n" for name, value in config.items() if not isinstance(value, Mapping)]
     tables = [
         f"\n[{_key(name)}]\n" + "".join(f"{_key(key)} = {_value(item)}\n" for key, item in value.items())
@@ -109,7 +111,8 @@ def toml_of(config: Mapping[str, Any]) -> str:
     return "".join(plain + tables)
 
 
-def _key(name: str) -> str:
+def _key(key: Any) -> str:
+    name = str(key)
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name)
 
 

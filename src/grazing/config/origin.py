@@ -15,7 +15,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, LAWS, OF_LAWS, law_names
 from grazing.config.schema import MAPS
 from grazing.config.settings import STUDIES, settings_of
 from grazing.config.values import extremes, values_of, written_as
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, shown
 from grazing.studies.labels import fingerprint
 
 #: What a model and a configuration call differently.
@@ -54,6 +54,8 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     >>> print(command_of(recipe_of(diagram.attrs)))
     grazing diagram mu=0:0.1:5 --map gap --lam 0.5 --l 0.2 --starts 3
     """
+    if not isinstance(attrs, Mapping):
+        raise InputError(f"attributes are {shown(attrs)}; give those of a result")
     if RECIPE in attrs:
         return checked(_decoded(attrs[RECIPE]))
     if str(attrs.get("title", "")).startswith("bifurcation diagram"):  # it records its scan only
@@ -78,7 +80,10 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
 
 
 def _decoded(value: Any) -> dict[str, Any]:
-    found = json.loads(value) if isinstance(value, str) else value
+    try:
+        found = json.loads(value) if isinstance(value, str) else value
+    except (ValueError, RecursionError):
+        found = None
     if not isinstance(found, dict):
         raise InputError("its configuration is damaged")
     return found

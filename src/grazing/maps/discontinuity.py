@@ -20,9 +20,9 @@ from grazing.maps.starting import boxes_at, local_box
 from grazing.maps.stroboscopic import above_wall, periods_passed
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
 from grazing.oscillator.trajectory import checked_state
-from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
+from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm, shown
 from grazing.parameter import parameters
 
 ORDERS = ("lowest", "full", "corrected")
@@ -166,8 +166,10 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
 
 def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
     checked_model(model)
-    if order not in ORDERS:
-        raise InputError(f"order is {order!r}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'")
+    if not isinstance(order, str) or order not in ORDERS:
+        raise InputError(
+            f"order is {shown(order)}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'"
+        )
     law = model.reset
     step, tangent = local_map_of(law.law, law.slope, order, flown)
 
@@ -177,7 +179,7 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
 
     return Map(
         step,
-        params={**model.params, "phase": describe_parameter("phase").check(phase)},
+        params={**model.params, "phase": checked_phase(model, phase)},
         coordinates=("u", "v"),
         box=local_box(model.reach, model.paper),
         boxes=partial(boxes_at, model, local_box),
@@ -229,8 +231,9 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     >>> float(four.points[1, 0]), round(float(four.points[2, 1] + 0.8 * four.points[1, 1]), 12)
     (0.0, 0.4)
     """
+    checked_model(model)
     u, v = checked_state(state, model)
-    params = {**model.params, "phase": describe_parameter("phase").check(phase)}
+    params = {**model.params, "phase": checked_phase(model, phase)}
     p = parameters(params)
     c = constants_of(model.harmonics, section_phase)(p)
     y = u - model.sigma

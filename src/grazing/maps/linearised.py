@@ -8,8 +8,8 @@ from typing import Any
 from grazing.maps.gap import PARAMETERS as GAP
 from grazing.maps.map import Map
 from grazing.maps.normal_form import NormalForm
-from grazing.outcome import AMBIGUOUS, OK, InputError
-from grazing.parameter import Parameter
+from grazing.outcome import AMBIGUOUS, OK, InputError, shown
+from grazing.parameter import Parameter, real
 
 PARAMETERS = {
     "lam": Parameter("lam", r"\lambda", "trace of the linear part"),
@@ -77,8 +77,8 @@ def linearised_map(lam: float, det: float, mu: float, l: float, root: float = 1.
     >>> float(Q((-1.0, 0.0))[0][0]), float(G((-1.0,))[0][0])
     (-0.30000000000000004, -0.30000000000000004)
     """
-    if root not in (1.0, -1.0):
-        raise InputError(f"root = {root!r}; allowed are 1 (b > 0, the root is taken off) and -1 (b < 0)")
+    if real(root, "root", "allowed are 1 and -1") not in (1.0, -1.0):
+        raise InputError(f"root = {shown(root)}; allowed are 1 (b > 0, the root is taken off) and -1 (b < 0)")
     return Map(
         linearised_step,
         params={"lam": lam, "det": det, "mu": mu, "l": l, "root": float(root)},

@@ -21,8 +21,16 @@ from grazing.maps.pointed import Derived
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, told
-from grazing.parameter import Parameter, checked_box, checked_params, parameter_tuple, updated, whole
+from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, shown, told
+from grazing.parameter import (
+    Parameter,
+    checked_box,
+    checked_coordinates,
+    checked_params,
+    parameter_tuple,
+    updated,
+    whole,
+)
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
@@ -147,7 +155,7 @@ class Map:
 
     def __post_init__(self) -> None:
         params = checked_params(self.params)
-        coordinates = tuple(self.coordinates)
+        coordinates = checked_coordinates(self.coordinates)
         box = checked_box(self.box, coordinates)
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "box", box)
@@ -303,11 +311,11 @@ class Map:
             )
         transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
         if arithmetic not in FLAGS:
-            raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
+            raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
         if algorithm not in (None, "block", "scalar"):
-            raise InputError(f"algorithm is {algorithm!r}; allowed are 'block' and 'scalar'")
+            raise InputError(f"algorithm is {shown(algorithm)}; allowed are 'block' and 'scalar'")
         if records not in (1, max(keep, 1)):
-            raise InputError(f"records = {records!r}; allowed are 1 and keep = {keep}")
+            raise InputError(f"records = {shown(records)}; allowed are 1 and keep = {keep}")
         shape = len(table), self.dimension, lanes.shape[2], keep, records
         refuse_too_large(
             size_of_columns(*shape),
@@ -370,10 +378,12 @@ class Map:
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:
+            if np.iscomplexobj(state):
+                raise TypeError
             start = np.atleast_1d(np.asarray(state, dtype=np.float64))
-        except (TypeError, ValueError):
+        except Exception:  # of whatever object was given, or of one too large
             raise InputError(
-                f"state is {state!r}; give {self.dimension} numbers ({', '.join(self.coordinates)})"
+                f"state is {shown(state)}; give {self.dimension} numbers ({', '.join(self.coordinates)})"
             ) from None
         if start.shape != (self.dimension,):
             raise InputError(
@@ -405,7 +415,7 @@ def _normalised(P: Map) -> Callable[..., Any]:
     form = _form(result, dimension)
     if form == 0:
         raise UserCodeError(
-            f"the step of {P.name} returned {result!r}; allowed are a tuple of {dimension} number(s), "
+            f"the step of {P.name} returned {shown(result)}; allowed are a tuple of {dimension} number(s), "
             "or (state, letter), or (state, letter, outcome)"
         )
     if form == 1:

@@ -17,7 +17,7 @@ from grazing.oscillator.constants import Constants, constants_of, steady_respons
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
 from grazing.oscillator.reset import in_python
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
-from grazing.parameter import parameters, unknown
+from grazing.parameter import checked_name, parameters
 
 
 def constants(model: Oscillator) -> Constants:
@@ -60,8 +60,7 @@ def true_graze(model: Oscillator, name: str) -> float:
     OutsideForm
         If no graze is found within the parameter's range (searched outwards to 1000 times the present value).
     """
-    if name not in model.params:
-        raise unknown(name, model.params, "the model")
+    checked_name(name, model.params, "the model")
     clearance = clearance_of(model, name)
     now = model.params[name]
     here = clearance(now)

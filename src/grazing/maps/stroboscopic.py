@@ -18,7 +18,7 @@ from grazing.maps.settle import Settled
 from grazing.maps.starting import boxes_at, strobe_box
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
 
@@ -144,7 +144,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
 
     return Map(
         step_of(law.law, law.slope, law.contraction),
-        params={**model.params, "phase": describe_parameter("phase").check(phase)},
+        params={**model.params, "phase": checked_phase(model, phase)},
         coordinates=("u", "v"),
         box=strobe_box(model.reach, model.paper),
         boxes=partial(boxes_at, model, strobe_box),

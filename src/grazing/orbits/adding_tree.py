@@ -12,7 +12,7 @@ import xarray as xr
 
 from grazing.maps.gap import PARAMETERS
 from grazing.orbits.word import letters_of, primitive, word
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import real, whole
 from grazing.theory import WordWindow
 from grazing.theory.changes import both_windows
@@ -140,9 +140,11 @@ def _ends(between: Any) -> tuple[str, str]:
         letters = [letters_of(one, "LR") for one in (first, second)]
     except (TypeError, ValueError) as error:
         said = f": {error}" if isinstance(error, InputError) else ""
-        raise InputError(f"between = {between!r}; give two words of L and R, such as ('LRR', 'LLRR'){said}") from None
+        raise InputError(
+            f"between = {shown(between)}; give two words of L and R, such as ('LRR', 'LLRR'){said}"
+        ) from None
     if any(len(primitive(one)) < len(one) for one in letters) or word(letters[0]) == word(letters[1]):
-        raise InputError(f"between = {between!r}; give two different words, neither of them a repetition")
+        raise InputError(f"between = {shown(between)}; give two different words, neither of them a repetition")
     return first, second
 
 

@@ -21,7 +21,7 @@ from grazing.maps.map import Map
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import InputError, OutsideForm
+from grazing.outcome import InputError, OutsideForm, shown
 from grazing.parameter import Parameter, whole
 
 Floats = NDArray[np.float64]
@@ -90,7 +90,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
     """
     first, second = _range(x, "x"), _range(y, "y")
     if first.name == second.name:
-        raise InputError(f"x and y are both {first.name!r}; give two different parameters")
+        raise InputError(f"x and y are both {shown(first.name)}; give two different parameters")
     periods = _periods(N)
     model = P if isinstance(P, Oscillator) else _model_of(P)
     if isinstance(P, Map) and P.step is gap_step:
@@ -242,7 +242,7 @@ def _elsewhere(points: Floats, known: list[Floats], size: Floats) -> list[Floats
 
 def _range(value: Any, which: str) -> Range:
     """Return one side of the chart: (name, low, high), or (name, values) for the ends of values."""
-    wanted = f"{which} is {value!r}; give (name, low, high), such as ('d', 0.05, 0.16), or (name, values)"
+    wanted = f"{which} is {shown(value)}; give (name, low, high), such as ('d', 0.05, 0.16), or (name, values)"
     try:
         name, *rest = value
     except TypeError:
@@ -267,7 +267,7 @@ def _periods(N: Any) -> list[int]:
     try:
         return sorted({whole(n, "N", 1) for n in several})
     except TypeError:
-        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(1, 8)") from None
+        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _dataset(

@@ -34,8 +34,8 @@ from grazing.orbits.switching import (
     turns,
 )
 from grazing.orbits.word import word
-from grazing.outcome import InputError
-from grazing.parameter import real, unknown, whole
+from grazing.outcome import InputError, shown
+from grazing.parameter import checked_name, real, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -196,7 +196,7 @@ def continuation(
     elif isinstance(orbit, Orbit):
         seeds = [begun(P, orbit, name, (low, high))]
     else:
-        raise InputError(f"orbit is {orbit!r}; give an Orbit, or a special point of a branch")
+        raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
     if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
         return resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
     search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds)
@@ -232,13 +232,12 @@ def checked_step(step: Any) -> float:
 def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     """Return the range of a parameter as two floats, or raise InputError."""
     if not isinstance(P, Map):
-        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model)")
-    if name not in P.params:
-        raise unknown(name, P.params, P.name or "the map")
+        raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model)")
+    checked_name(name, P.params, P.name or "the map")
     try:
         low, high = bounds
     except (TypeError, ValueError):
-        raise InputError(f"bounds is {bounds!r}; give the pair (low, high) of values of {name}") from None
+        raise InputError(f"bounds is {shown(bounds)}; give the pair (low, high) of values of {name}") from None
     if P.describe is not None:
         low, high = P.describe(name).check(low), P.describe(name).check(high)
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
@@ -255,7 +254,10 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     value = float(orbit.map.params.get(name, np.nan))
     differ = [key for key, x in orbit.map.params.items() if key not in P.params or (key != name and P.params[key] != x)]
     if differ:
-        raise InputError(f"{orbit!r} is an orbit of {orbit.map!r}, not of {P!r}: {', '.join(differ)}; give its own map")
+        raise InputError(
+            f"{shown(orbit)} is an orbit of {shown(orbit.map)}, not of {shown(P)}: {', '.join(differ)}; give "
+            f"its own map"
+        )
     if not low <= value <= high:
         raise InputError(f"the orbit is known at {name} = {value:g}, outside of [{low:g}, {high:g}]; widen the range")
     equations, x = equations_of(orbit, (name,), np.array([high - low]))
@@ -269,13 +271,13 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
             return Seed(equations, fold, both=True)
     if solved is None or np.abs((solved - x) / equations.scale).max(initial=0.0) > 1e-3:
         raise InputError(
-            f"{orbit!r} does not solve its own equations at {name} = {value:g}: Newton's method "
+            f"{shown(orbit)} does not solve its own equations at {name} = {value:g}: Newton's method "
             f"{'fails' if solved is None else 'goes elsewhere'}; begin with an orbit of gz.periodic_orbits"
         )
     k = turns(equations, solved)
     if k > 1:
         raise InputError(
-            f"{orbit!r} goes {k} times round an orbit of period {orbit.period // k}: begin with that one; "
+            f"{shown(orbit)} goes {k} times round an orbit of period {orbit.period // k}: begin with that one; "
             f"near a period doubling a settling orbit can look like one of period {orbit.period}"
         )
     return Seed(equations, seeded(equations, solved, p), both=True)

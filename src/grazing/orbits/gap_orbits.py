@@ -8,7 +8,7 @@ from grazing.maps.gap import gap_step
 from grazing.maps.map import Map
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import letters_of, word, words
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.theory import WordOrbit, word_orbits
 
@@ -49,7 +49,9 @@ def gap_orbits(G: Map, period: int) -> tuple[Orbit, ...]:
     [<Orbit LLR, period 3, stable, admissible>]
     """
     if not isinstance(G, Map) or G.step is not gap_step:
-        raise InputError(f"the words of {G!r} cannot be solved; give a gap map, gz.gap_map(lam=..., mu=..., l=...)")
+        raise InputError(
+            f"the words of {shown(G)} cannot be solved; give a gap map, gz.gap_map(lam=..., mu=..., l=...)"
+        )
     n = whole(period, "period", 1)
     spelled = [one for one in words("LR", n) if len(one) == n]
     if n % 2 == 0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grazing.orbits.touches import MAX_IMPACTS, PATIENCE, SPACING, TOLERANCE, Ruler, ordered, pieces, proven, refined
 from grazing.oscillator.constants import piece_of, roots
 from grazing.oscillator.contact import MAX_SWINGS
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.outcome import TOO_MANY_SWINGS, InputError, describe
 from grazing.parameter import checked_box, whole
 
@@ -173,7 +173,7 @@ def grazing_curve(
 def _checked(model: Any, phase: Any, preimages: Any, points: Any, box: Any) -> tuple[Oscillator, float, int, int, Any]:
     """Return the arguments checked, or raise InputError."""
     checked_model(model)
-    time = describe_parameter("phase").check(phase)
+    time = checked_phase(model, phase)
     orders, number = whole(preimages, "preimages", 0), whole(points, "points", 10)
     q2, spread, _l1, _l2 = roots(model.alpha, model.k)
     if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):

@@ -17,7 +17,7 @@ from grazing.orbits.path import Point, closed, follow, joined, linearised, tange
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, whole
 
 if TYPE_CHECKING:
@@ -300,9 +300,11 @@ def locus(
     try:
         (one, other), (first, second) = names, bounds
     except (TypeError, ValueError):
-        raise InputError(f"names {names!r}, bounds {bounds!r}; give two names and two pairs (low, high)") from None
+        raise InputError(
+            f"names {shown(names)}, bounds {shown(bounds)}; give two names and two pairs (low, high)"
+        ) from None
     if one == other:
-        raise InputError(f"both parameters are {one!r}; give two different ones")
+        raise InputError(f"both parameters are {shown(one)}; give two different ones")
     P = special.orbit.map
     ranges = checked_bounds(P, one, first), checked_bounds(P, other, second)
     p = np.array([P.params[one], P.params[other]])
@@ -316,7 +318,7 @@ def locus(
     equations = LocusEquations(base, special.type, special.where, ranges[0], x, p)
     X = closed(equations, np.append(x, p[0]), p[1:])
     if X is None:
-        raise InputError(f"{special!r} is not regular in {one}: vary other parameters, or begin at another point")
+        raise InputError(f"{shown(special)} is not regular in {one}: vary other parameters, or begin at another point")
     z = np.concatenate([X / equations.scale, p[1:] / equations.spans])
     _F, wide = linearised(equations, z)
     ahead = np.zeros(len(z))

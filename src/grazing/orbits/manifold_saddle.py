@@ -11,7 +11,7 @@ from grazing.orbits.manifold_steps import stepped
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def short_pieces(saddle: Saddle, diagonal: float) -> Floats:
             return np.asarray(far)
         size *= 0.25
     raise InputError(
-        f"the map is not smooth within {LEAST * diagonal:.1g} of {orbit!r}, the shortest piece to begin with: the "
+        f"the map is not smooth within {LEAST * diagonal:.1g} of {shown(orbit)}, the shortest piece to begin with: the "
         "orbit grazes, or nearly; vary a parameter a little"
     )
 
@@ -86,16 +86,16 @@ def short_pieces(saddle: Saddle, diagonal: float) -> Floats:
 def checked_saddle(orbit: Any, side: str) -> Saddle:
     """Return one side of a saddle, or refuse what is none."""
     if not isinstance(orbit, Orbit):
-        raise InputError(f"orbit is {orbit!r}; give a gz.Orbit, such as gz.one_impact_orbits(model, N) returns")
+        raise InputError(f"orbit is {shown(orbit)}; give a gz.Orbit, such as gz.one_impact_orbits(model, N) returns")
     if side not in SIDES:
-        raise InputError(f"side is {side!r}; allowed are 'unstable' and 'stable'")
+        raise InputError(f"side is {shown(side)}; allowed are 'unstable' and 'stable'")
     P = orbit.map
     if P.dimension != 2:
         raise InputError(f"{P.name} has {P.dimension} coordinate(s): {', '.join(P.coordinates)}; manifolds need two")
     if not orbit.admissible:
-        raise InputError(f"{orbit!r}: the map does not visit a virtual orbit, which has no manifolds of the map")
+        raise InputError(f"{shown(orbit)}: the map does not visit a virtual orbit, which has no manifolds of the map")
     fast, slow = orbit.multipliers
-    said = f"{orbit!r} with multipliers {fast:.6g} and {slow:.6g}"
+    said = f"{shown(orbit)} with multipliers {fast:.6g} and {slow:.6g}"
     if not (np.isfinite(orbit.multipliers).all() and abs(fast) > 1.0 > abs(slow)):
         raise InputError(
             f"{said} is no saddle: one multiplier must lie outside the unit circle and one inside; choose another orbit"
@@ -117,7 +117,8 @@ def _invertible(orbit: Orbit) -> None:
         )
     if not abs(orbit.multipliers[1]) > 0.0:
         raise InputError(
-            f"{orbit!r} has a multiplier 0: the map has no inverse next to it; only the unstable manifold is a curve"
+            f"{shown(orbit)} has a multiplier 0: the map has no inverse next to it; only the unstable "
+            f"manifold is a curve"
         )
 
 
@@ -134,7 +135,9 @@ def _directions(orbit: Orbit, value: float) -> Floats:
         row = rows[int(np.argmax(np.hypot(*rows.T)))]
         size = float(np.hypot(*row))
         if not size > 0.0:
-            raise InputError(f"the derivative of {orbit.map.name} along {orbit!r} is not defined, or has no direction")
+            raise InputError(
+                f"the derivative of {orbit.map.name} along {shown(orbit)} is not defined, or has no direction"
+            )
         found[j] = np.array([-row[1], row[0]]) / size
         if j > 0 and float(found[j] @ (steps[j - 1] @ found[j - 1])) < 0.0:
             found[j] *= -1.0

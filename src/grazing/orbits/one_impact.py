@@ -31,8 +31,11 @@ from grazing.orbits.word import word
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import OutsideForm
+from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import whole
+
+#: Periods of the longest orbit: its flight is followed period by period.
+MOST = 10**6
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -104,6 +107,8 @@ def one_impact_orbits(model: Oscillator, N: int) -> tuple[OneImpactOrbit, ...]:
     <OneImpactOrbit 01, period 2, stable, admissible> 2.302504 -0.060902 0.051885
     """
     N = whole(N, "N", 1)
+    if N > MOST:
+        raise InputError(f"N = {N}; allowed is a whole number from 1 to {MOST}")
     found: list[OneImpactOrbit] = []
     for family in families(model, N):
         c: Any = constants_of(family.harmonics)(family.kind(*family.row.tolist()))

@@ -19,7 +19,7 @@ from grazing.orbits.search_section import Search, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, region, simulated
 from grazing.orbits.search_words import checked_word
 from grazing.orbits.word import letters_of
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 
 #: Longest period of a search; of the gap map, whose words grow as 2^period/period.
@@ -170,7 +170,7 @@ def periodic_orbits(
     by algebra'
     """
     if not isinstance(P, Map):
-        raise InputError(f"P is {P!r}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
+        raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
     starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0)
     if seed >= 2**64:
         raise InputError(f"seed = {seed}; allowed is a whole number below 2^64")

@@ -12,7 +12,7 @@ from grazing.orbits.word import least_rotation, letters_of, primitive, word
 from grazing.oscillator.model import Forcing, Oscillator
 from grazing.oscillator.reset import active_law, contraction_at, newton
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import parameters
 
 
@@ -27,14 +27,15 @@ def checked_word(P: Map, text: object) -> tuple[str | None, tuple[int, ...] | No
     if text is None:
         return None, None
     if not isinstance(text, str):
-        raise InputError(f"word is {text!r}; give a text such as '001', or 'LLR' for a map with such letters")
+        raise InputError(f"word is {shown(text)}; give a text such as '001', or 'LLR' for a map with such letters")
     letters = least_rotation(primitive(letters_of(text, P.letters)))
     if P.model is not None and P.section == "strobe":
         _check_rests(P.model, text, letters)
         _check_counts(P.model, text, letters)
     elif P.section == "impact" and (min(letters) < 0 or sum(letters) == 0):
         raise InputError(
-            f"no orbit of the impact map has word {text!r}: its letters count the strobes from one impact to the next, "
+            f"no orbit of the impact map has word {shown(text)}: its letters count the strobes from one "
+            f"impact to the next, "
             "so none is C or S, and at least one is positive"
         )
     return word(letters, P.letters), letters
@@ -48,19 +49,22 @@ def _check_rests(model: Oscillator, text: str, letters: tuple[int, ...]) -> None
     kick = law(0.0)
     if kick > 0.0:
         raise InputError(
-            f"no orbit has word {text!r}: with {law!r} a ball that touches the wall leaves it at {kick:g}, so it never "
+            f"no orbit has word {shown(text)}: with {shown(law)} a ball that touches the wall leaves it at "
+            f"{kick:g}, so it never "
             "rests; C and S need a law that gives 0 for no speed (V = 0)"
         )
     ratio, speed = contraction_at(law, parameters(law.params))
     if CHATTER_LETTER in letters and not (0.0 < ratio < 1.0 and speed > 0.0):
         raise InputError(
-            f"no orbit has word {text!r}: {law!r} is not known to contract slow impacts, so no chatter is completed; "
+            f"no orbit has word {shown(text)}: {shown(law)} is not known to contract slow impacts, so no "
+            f"chatter is completed; "
             "C needs 0 < r < 1, or a law that declares its contraction"
         )
     for before, now in zip((letters[-1], *letters[:-1]), letters, strict=True):
         if now == STUCK_LETTER and before == 0:
             raise InputError(
-                f"no orbit has word {text!r}: a ball that rests throughout a period (S) has come to rest before it, so "
+                f"no orbit has word {shown(text)}: a ball that rests throughout a period (S) has come to "
+                f"rest before it, so "
                 "the letter before S is S, C or a period with impacts, not 0"
             )
 
@@ -70,7 +74,8 @@ def _check_counts(model: Oscillator, text: str, letters: tuple[int, ...]) -> Non
     most = most_impacts(model)
     if max(letters) > most:
         raise InputError(
-            f"no orbit has word {text!r}: with {model.reset!r} a ball leaves the wall at V = {model.params['V']:g} or "
+            f"no orbit has word {shown(text)}: with {shown(model.reset)} a ball leaves the wall at V = "
+            f"{model.params['V']:g} or "
             f"more and needs {model.period / (most - 1):.3g} or more to come back, so one period holds at most "
             f"{most:g} impacts"
         )

@@ -18,7 +18,7 @@ from grazing.orbits.curves import Curve, Edge, curves
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, families
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.model import Oscillator, describe_parameter
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import unknown, whole
 
 #: What ends a window, in words.
@@ -193,7 +193,7 @@ def _periods(N: Any) -> list[int]:
     try:
         return sorted({whole(n, "N", 1) for n in several})
     except TypeError:
-        raise InputError(f"N is {N!r}; give a whole number >= 1 or several, such as range(1, 8)") from None
+        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
@@ -203,7 +203,7 @@ def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
         try:
             low, high = span
         except (TypeError, ValueError):
-            raise InputError(f"span is {span!r}; give the pair (low, high) of values of {name}") from None
+            raise InputError(f"span is {shown(span)}; give the pair (low, high) of values of {name}") from None
         low, high = parameter.check(low), parameter.check(high)
         if not low < high:
             raise InputError(f"span of {name} is ({low:g}, {high:g}); the lower end must come first")

@@ -12,12 +12,16 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 
 _SPECIAL = {CHATTER_LETTER: "C", STUCK_LETTER: "S"}
 _COUNTS = {"C": CHATTER_LETTER, "S": STUCK_LETTER}
 _COUNT = re.compile(r"[0-9CS]|\(([1-9][0-9]+)\)")
+
+
+#: Words that a list may have.
+MANY = 10**7
 
 
 def primitive(letters: Iterable[int]) -> tuple[int, ...]:
@@ -150,7 +154,9 @@ def letters_of(text: str, symbols: str | None = None) -> tuple[int, ...]:
             position = found.end()
         else:
             allowed = "0 to 9, (10) and above, C, S" if symbols is None else ", ".join(symbols)
-            raise InputError(f"word {text!r} has {text[position:]!r} at position {position}; allowed are {allowed}")
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are {allowed}"
+            )
     return _sequence(letters)
 
 
@@ -193,13 +199,20 @@ def words(letters: str | int, length: int, impacts: int | None = None) -> tuple[
     longest = whole(length, "length", 1)
     if isinstance(letters, str):
         if not letters or len(set(letters)) < len(letters):
-            raise InputError(f"letters = {letters!r}; give different symbols, such as 'LR', or the most impacts")
+            raise InputError(f"letters = {shown(letters)}; give different symbols, such as 'LR', or the most impacts")
         if impacts is not None:
-            raise InputError(f"impacts = {impacts!r} for the symbols {letters!r}; it bounds letters that are counts")
+            raise InputError(
+                f"impacts = {shown(impacts)} for the symbols {shown(letters)}; it bounds letters that are counts"
+            )
         symbols, count, most = letters, len(letters), None
     else:
         symbols, count = None, whole(letters, "letters", 0) + 1
         most = None if impacts is None else whole(impacts, "impacts", 0)
+    known = min(count, MANY) ** min(longest, 64) // longest if count > 1 else longest  # without the shorter ones
+    if most is None and known > MANY:
+        raise InputError(
+            f"there are more than {MANY} words of {count} letters up to length {longest}; give a shorter length"
+        )
     found = (one for n in range(1, longest + 1) for one in _lyndon(n, count, most))
     return tuple("".join(_symbol(letter, symbols) for letter in one) for one in found)
 
@@ -267,7 +280,7 @@ def _symbol(letter: int, symbols: str | None) -> str:
         raise InputError(f"letter {letter} has no symbol; allowed are counts >= 0, {_names()}")
     if 0 <= letter < len(symbols):
         return symbols[letter]
-    raise InputError(f"letter {letter} has no symbol in {symbols!r}; allowed are 0 to {len(symbols) - 1}")
+    raise InputError(f"letter {letter} has no symbol in {shown(symbols)}; allowed are 0 to {len(symbols) - 1}")
 
 
 def _names() -> str:

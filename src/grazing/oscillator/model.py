@@ -27,6 +27,10 @@ PARAMETERS = {
     )
 }
 
+#: Angles beyond which a double is too coarse for a phase.
+LATEST = 1e15
+_TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
+
 
 #: What is known of any other name.
 LAWS_OWN = "parameter of the reset law"
@@ -81,6 +85,8 @@ class Forcing:
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
         if not 1e-100 <= self.omega <= 1e100:
             raise InputError(f"omega = {self.omega:g}; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow")
+        if abs(self.t0) * self.omega > LATEST:
+            raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {_TOO_LATE}")
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
@@ -179,7 +185,7 @@ class Oscillator:
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {shown(self.forcing)}; {_series(self.forcing)}")
         if not isinstance(self.reset, Reset):
-            raise InputError(f"reset is {self.reset!r}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
+            raise InputError(f"reset is {shown(self.reset)}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
         clash = [name for name in self.reset.params if means_model(name)]
         if clash:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
@@ -251,13 +257,21 @@ class Oscillator:
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:g}" for name, value in self._flight_params().items())
-        return f"<Oscillator {values}, {self.reset!r}>"
+        return f"<Oscillator {values}, {shown(self.reset)}>"
+
+
+def checked_phase(model: Oscillator, phase: Any) -> float:
+    """Return the time of a section, or raise InputError, also for one so late that doubles have no phase there."""
+    time = describe_parameter("phase").check(phase)
+    if abs(time) * model.forcing.omega > LATEST:
+        raise InputError(f"phase = {time:g}; allowed is |phase| <= {LATEST / model.forcing.omega:g}: {_TOO_LATE}")
+    return time
 
 
 def checked_model(model: Any) -> None:
     """Raise InputError for anything that is not an oscillator."""
     if not isinstance(model, Oscillator):
-        raise InputError(f"model is {model!r}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
+        raise InputError(f"model is {shown(model)}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
 
 
 def pinball(

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.kernel.compile import digest
-from grazing.outcome import InputError, UserCodeError, told
+from grazing.outcome import InputError, UserCodeError, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
@@ -221,16 +221,16 @@ def reset(
     soft(r=0.8, c=0.1)
     """
     if not callable(law):
-        raise InputError(f"law is {law!r}; give a function law(v_minus, p) -> v_plus")
+        raise InputError(f"law is {shown(law)}; give a function law(v_minus, p) -> v_plus")
     if contraction is None:
         known: Callable[..., Any] = no_contraction
     elif callable(contraction):
         known = contraction
     else:
         try:
-            ratio, speed = (float(x) for x in contraction)
-        except (TypeError, ValueError):
-            raise InputError(f"contraction is {contraction!r}; give (ratio, speed) or a function of p") from None
+            ratio, speed = (real(x, "contraction", "") for x in contraction)
+        except Exception:  # of whatever object was given
+            raise InputError(f"contraction is {shown(contraction)}; give (ratio, speed) or a function of p") from None
         if not (0.0 <= ratio < 1.0 and speed > 0.0):
             raise InputError(f"contraction is ({ratio}, {speed}); allowed is 0 <= ratio < 1 and speed > 0")
         known = constant_contraction(float(ratio), float(speed))
@@ -291,7 +291,7 @@ def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -
         raise UserCodeError(_raised(made.name, error, v_minus, params)) from error
     if isinstance(v_plus, bool) or not isinstance(v_plus, (int, float)) or not 0.0 <= v_plus < inf:
         raise UserCodeError(
-            f"the reset law {made.name} returned {v_plus!r} for v_minus = {v_minus:g}; "
+            f"the reset law {made.name} returned {shown(v_plus)} for v_minus = {v_minus:g}; "
             "allowed is a finite v_plus >= 0, away from the wall"
         )
     return float(v_plus)

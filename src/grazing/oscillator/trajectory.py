@@ -26,6 +26,7 @@ from grazing.outcome import (
     Trust,
     UserCodeError,
     describe,
+    shown,
 )
 from grazing.parameter import parameter_tuple, real, whole
 
@@ -243,9 +244,12 @@ def _refuse_too_much(model: Oscillator, points: float) -> None:
 
 def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
     """Return (u, v) as floats, or raise InputError: two finite numbers, not inside the wall."""
-    values = np.asarray(state, dtype=object).ravel().tolist()
+    try:
+        values = np.asarray(state, dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
+    except Exception:  # of whatever object was given
+        values = []
     if len(values) != 2:
-        raise InputError(f"state is {state!r}; give two numbers (u, v)")
+        raise InputError(f"state is {shown(state)}; give two numbers (u, v)")
     u, v = (real(x, name, "any finite number is allowed") for x, name in zip(values, "uv", strict=True))
     if u < model.sigma:
         raise InputError(f"the ball starts inside the wall: u = {u:g}, sigma = {model.sigma:g}; start with u >= sigma")

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.plot.style import INK, axes, label, period_colour, root, styled
 
 #: Dashes by kind of orbit.
@@ -67,7 +67,7 @@ def branch(
     coordinates = json.loads(tables[0].attrs["coordinate_names"])
     chosen = coordinates[0] if coordinate is None else coordinate
     if chosen not in coordinates:
-        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(coordinates)}")
+        raise InputError(f"coordinate {shown(chosen)}; allowed are {', '.join(coordinates)}")
     if any(table.attrs["parameter"] != name for table in tables):
         raise InputError("the branches run in different parameters; draw them in figures of their own")
     lines: list[Any] = []

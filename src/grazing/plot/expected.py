@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 
 def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
@@ -58,6 +58,6 @@ def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) ->
 
 def choice(value: Any, name: str, allowed: Sequence[str]) -> str:
     """Return a value if it is one of those allowed."""
-    if value not in allowed:
-        raise InputError(f"{name} is {value!r}; allowed are {', '.join(map(repr, allowed))}")
+    if not isinstance(value, str) or value not in allowed:
+        raise InputError(f"{name} is {shown(value)}; allowed are {', '.join(map(repr, allowed))}")
     return str(value)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from grazing.plot.classes import legend_beside, patch, patches_of
+from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
 
@@ -48,6 +49,7 @@ def orbit_diagram(
         ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``legend``, or
         None; ``provenance``, ``figure``.
     """
+    expect(result, "orbit_diagram", {"period": ("<parameter>", "start")})
     name, _start, _n = result[_first(result, coordinate)].dims
     shown = _first(result, coordinate)
     values = np.asarray(result[name].values, dtype=np.float64)

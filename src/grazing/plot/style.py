@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 #: Widths in millimetres: one column and two columns of a journal page.
 SINGLE, DOUBLE = 85.0, 174.0
@@ -195,7 +195,7 @@ def rendered(
     """
     if kind not in FORMATS:
         raise InputError(
-            f"figure format {kind!r}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
+            f"figure format {shown(kind)}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
         )
     carried = fig.get("provenance", {}) if isinstance(fig, Mapping) else {}
     origin = json.dumps({**carried, **(provenance or {})}, sort_keys=True, default=str)

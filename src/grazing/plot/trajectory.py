@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, root, styled
 
 
@@ -31,6 +32,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         ``flights`` (one line with a break at each impact), ``impacts`` (one line each), ``strobe``, ``wall``,
         ``figure``.
     """
+    expect(result, "trajectory", {"u": ("t",), "v": ("t",)})
     with styled():
         ax = axes(ax)
         sigma = float(result.attrs.get("parameter_sigma", 0.0))

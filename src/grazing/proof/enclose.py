@@ -8,8 +8,8 @@ from grazing.maps.gap import gap_step
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import Undecided
-from grazing.outcome import InputError
-from grazing.parameter import unknown
+from grazing.outcome import InputError, shown
+from grazing.parameter import checked_name
 from grazing.proof.certify import (
     Certificate,
     NotProven,
@@ -96,11 +96,10 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     if isinstance(orbit, Orbit) and orbit.map.step is gap_step:
         return _gap_edge(orbit, kind, name)
     orbit = with_impacts(orbit)
-    if kind not in EVENTS:
-        raise InputError(f"kind is {kind!r}; allowed are {', '.join(EVENTS)}")
+    if not isinstance(kind, str) or kind not in EVENTS:
+        raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
     model = orbit.model
-    if name not in model.params:
-        raise unknown(name, model.params, "the model")
+    checked_name(name, model.params, "the model")
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
         if kind != "gr" and orbit.impacts == 0:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.outcome import InputError
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -82,12 +84,15 @@ def attractors(diagram: xr.Dataset) -> list[Attractor]:
     Examples
     --------
     >>> import grazing as gz
-    >>> from grazing.studies.attractors import attractors
+    >>> from grazing.outcome import InputError
+    from grazing.studies.attractors import attractors
     >>> from grazing.studies.orbit_diagram import orbit_diagram
     >>> diagram = orbit_diagram(gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.043])
     >>> [(a.word, a.period) for a in attractors(diagram)]
     [('LLR', 3), ('LLLR', 4)]
     """
+    if not {"period", "word"} <= {*getattr(diagram, "data_vars", ())}:
+        raise InputError(f"the diagram is a {type(diagram).__name__}; give what gz.orbit_diagram returns")
     name = str(diagram["period"].dims[0])
     found = []
     for value, words, periods in zip(

@@ -13,7 +13,7 @@ from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.orbits.grazing_curve import grazing_arrays
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.attractors import attractors_of
@@ -202,12 +202,12 @@ def _checked_grid(P: Map, grid: Mapping[str, ArrayLike] | None) -> dict[str, Flo
         ends = dict(zip(P.coordinates[:2], P.box, strict=False))
         return {name: np.linspace(low, high, 200) for name, (low, high) in ends.items()}
     if not isinstance(grid, Mapping) or not 1 <= len(grid) <= 2:
-        raise InputError(f"grid is {grid!r}; {wanted}")
+        raise InputError(f"grid is {shown(grid)}; {wanted}")
     for name in grid:
         if name not in P.coordinates:
-            raise InputError(f"{name!r} is no coordinate of the {P.name}; {wanted}")
+            raise InputError(f"{shown(name)} is no coordinate of the {P.name}; {wanted}")
         if name in TAKEN:
-            raise InputError(f"{name!r} names a dimension or variable of the result; rename it in the map")
+            raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
     return {name: checked_values(name, values) for name, values in grid.items()}
 
 

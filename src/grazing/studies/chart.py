@@ -13,7 +13,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import inlined
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
@@ -107,7 +107,9 @@ def plan(
     """Return the plan of a chart, see :func:`chart`."""
     checked_map(P)
     if not isinstance(params, Mapping) or len(params) != 2:
-        raise InputError(f"params is {params!r}; give two parameters with their values, such as {{'d': ..., 'V': ...}}")
+        raise InputError(
+            f"params is {shown(params)}; give two parameters with their values, such as {{'d': ..., 'V': ...}}"
+        )
     runs = checked_runs(P, params, starts, transient, keep, seed, arithmetic, box, TAKEN)
     lanes, steps = runs.settings.lanes, whole(exponent_steps, "exponent_steps", 1)
 

@@ -13,6 +13,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.maps.pieces import pieces
+from grazing.parameter import checked_name
 from grazing.studies import labels
 from grazing.studies.changes import changes
 from grazing.studies.classify import settled_columns
@@ -105,7 +106,7 @@ def plan(
     box: Sequence[tuple[float, float]] | None = None,
 ) -> Plan:
     """Return the plan of a study of coexistence, see :func:`coexistence`."""
-    checked_map(P)
+    name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
 
     def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:

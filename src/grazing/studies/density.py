@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
-from grazing.outcome import AMBIGUOUS, FATAL, InputError
-from grazing.parameter import whole
+from grazing.outcome import AMBIGUOUS, FATAL, InputError, shown
+from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
@@ -115,12 +115,12 @@ def plan(
     box: Sequence[tuple[float, float]] | None = None,
 ) -> Plan:
     """Return the plan of a density, see :func:`density`."""
-    checked_map(P)
+    name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
-    shown = P.coordinates[0] if coordinate is None else coordinate
-    if shown not in P.coordinates:
-        raise InputError(f"coordinate = {coordinate!r}; allowed are {', '.join(P.coordinates)}")
-    bins, i = whole(bins, "bins", 1), list(P.coordinates).index(shown)
+    seen = P.coordinates[0] if coordinate is None else coordinate
+    if not isinstance(seen, str) or seen not in P.coordinates:
+        raise InputError(f"coordinate = {shown(coordinate)}; allowed are {', '.join(P.coordinates)}")
+    bins, i = whole(bins, "bins", 1), list(P.coordinates).index(seen)
     grid = runs.axes[name]
     low, high = trial_range(runs, i) if range is None else checked_range(range)
 
@@ -146,17 +146,17 @@ def plan(
             "study": "density",
             "parameter": name,
             "values": describe_values(grid),
-            "coordinate": shown,
+            "coordinate": seen,
             "bins": bins,
             "range": [low, high],
             **runs.config,
         },
         axes=runs.axes,
         axis_attrs={name: labels.quantity(P, name)},
-        sizes={shown: bins},
-        coords={shown: (shown, 0.5 * (edges[1:] + edges[:-1]), labels.quantity(P, shown) | ends)},
+        sizes={seen: bins},
+        coords={seen: (seen, 0.5 * (edges[1:] + edges[:-1]), labels.quantity(P, seen) | ends)},
         variables={
-            "count": Variable((shown,), "int64", {"long_name": "points in this part of the range", "units": "1"}),
+            "count": Variable((seen,), "int64", {"long_name": "points in this part of the range", "units": "1"}),
             "below": Variable((), "int64", {"long_name": "points below the raster", "units": "1"}),
             "above": Variable((), "int64", {"long_name": "points above the raster", "units": "1"}),
             "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
@@ -170,7 +170,7 @@ def plan(
 
 def checked_range(ends: object) -> tuple[float, float]:
     """Return the ends of a raster, or raise InputError."""
-    wanted = f"range = {ends!r}; give (low, high), finite, low < high"
+    wanted = f"range = {shown(ends)}; give (low, high), finite, low < high"
     try:
         low, high = (float(end) for end in ends)  # type: ignore[attr-defined]
     except (TypeError, ValueError):

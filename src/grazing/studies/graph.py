@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import digest
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.studies import labels
 from grazing.studies.runs import checked_fixed, checked_map, checked_values, describe_values
 
@@ -88,11 +88,13 @@ def graph(
 
     checked_map(P)
     if name not in P.coordinates:
-        raise InputError(f"{name!r} is no coordinate of the {P.name or 'map'}; allowed are {', '.join(P.coordinates)}")
+        raise InputError(
+            f"{shown(name)} is no coordinate of the {P.name or 'map'}; allowed are {', '.join(P.coordinates)}"
+        )
     if name in (*TAKEN, *(f"image_{own}" for own in P.coordinates)):
-        raise InputError(f"{name!r} names a dimension or variable of the result; rename it in the map")
-    if order is not None and order not in ORDERS:
-        raise InputError(f"order is {order!r}; allowed are {', '.join(map(repr, ORDERS))} and None")
+        raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
+    if order is not None and (not isinstance(order, str) or order not in ORDERS):
+        raise InputError(f"order is {shown(order)}; allowed are {', '.join(map(repr, ORDERS))} and None")
     x, others = checked_values(name, values), checked_fixed(P, (name,), fixed)
     if P.check is not None:
         for value in (x.min(), x.max()):

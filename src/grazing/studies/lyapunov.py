@@ -12,7 +12,7 @@ from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.outcome import InputError
-from grazing.parameter import whole
+from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import ENDED, settled_columns
 from grazing.studies.growth import stretcher, turned
@@ -111,7 +111,7 @@ def plan(
     checked_map(P)
     if (name is None) != (values is None):
         raise InputError("give a parameter's name with its values, or neither of them")
-    axes = {} if name is None else {name: values}
+    axes = {} if name is None else {checked_name(name, P.params, P.name or "the map"): values}
     runs = checked_runs(P, axes, starts, transient, keep, seed, arithmetic, box, TAKEN)  # type: ignore[arg-type]
     steps, lanes = whole(steps, "steps", 1), runs.settings.lanes
 

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
+from grazing.parameter import checked_name
 from grazing.studies import labels
 from grazing.studies.classify import settled_columns
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
@@ -119,9 +120,11 @@ def plan(
     sweep: str | None = None,
 ) -> Plan:
     """Return the plan of an orbit diagram, see :func:`orbit_diagram`."""
-    if sweep not in (None, *SWEEPS):
-        raise InputError(f"sweep = {sweep!r}; allowed are 'up', 'down' and None: starts of their own for every value")
-    checked_map(P)
+    if sweep is not None and (not isinstance(sweep, str) or sweep not in SWEEPS):
+        raise InputError(
+            f"sweep = {shown(sweep)}; allowed are 'up', 'down' and None: starts of their own for every value"
+        )
+    name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
     grid, lanes, keep = runs.axes[name], runs.settings.lanes, runs.settings.keep
     config = {

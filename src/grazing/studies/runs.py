@@ -14,7 +14,7 @@ from grazing.maps.ensemble import padded
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.oscillator.workspace import LANES
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import real, unknown, whole
 from grazing.studies import labels
 from grazing.studies.classify import FLOOR, TOLERANCE
@@ -187,7 +187,7 @@ def checked_runs(
             raise unknown(name, P.params, P.name or "the map")
         grids[name] = checked_values(name, values)
     for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
-        raise InputError(f"{clash!r} names a dimension or variable of the result; rename it in the map")
+        raise InputError(f"{shown(clash)} names a dimension or variable of the result; rename it in the map")
     settings = Settings(
         checked_starts(starts, P.coordinates),
         whole(transient, "transient", 0),
@@ -227,14 +227,14 @@ def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[
 def checked_map(P: object) -> Map:
     """Return a map, or raise InputError."""
     if not isinstance(P, Map):
-        raise InputError(f"the first argument is {P!r}; give a map, such as gz.stroboscopic_map(model)")
+        raise InputError(f"the first argument is {shown(P)}; give a map, such as gz.stroboscopic_map(model)")
     return P
 
 
 def checked_arithmetic(arithmetic: str) -> str:
     """Return the name of an arithmetic, or raise InputError."""
-    if arithmetic not in FLAGS:
-        raise InputError(f"arithmetic is {arithmetic!r}; allowed are 'strict' and 'fast'")
+    if not isinstance(arithmetic, str) or arithmetic not in FLAGS:
+        raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
     return arithmetic
 
 
@@ -245,8 +245,8 @@ def checked_values(name: str, values: ArrayLike) -> Floats:
         if np.iscomplexobj(values):
             raise TypeError
         grid = np.array(values, np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"values are not numbers: {values!r}; {wanted}") from None
+    except Exception:  # of whatever object was given, or of one too large
+        raise InputError(f"values are not numbers: {shown(values)}; {wanted}") from None
     if grid.ndim != 1 or not grid.size:
         raise InputError(f"values have shape {grid.shape}; {wanted}")
     if not np.isfinite(grid).all():
@@ -255,14 +255,18 @@ def checked_values(name: str, values: ArrayLike) -> Floats:
     return grid
 
 
-def checked_fixed(P: Map, shown: Collection[str], fixed: Mapping[str, float] | None) -> dict[str, float]:
+def checked_fixed(P: Map, seen: Collection[str], fixed: Mapping[str, float] | None) -> dict[str, float]:
     """Return the coordinates that are not shown: in the middle of the map's box, unless they are given."""
     others = {
-        name: 0.5 * (low + high) for name, (low, high) in zip(P.coordinates, P.box, strict=True) if name not in shown
+        name: 0.5 * (low + high) for name, (low, high) in zip(P.coordinates, P.box, strict=True) if name not in seen
     }
+    if fixed is not None and not isinstance(fixed, Mapping):
+        raise InputError(f"fixed is {shown(fixed)}; give a mapping of coordinates to numbers, such as {{'v': 0.0}}")
     for name, value in (fixed or {}).items():
         if name not in others:
-            raise InputError(f"fixed has {name!r}; allowed are {', '.join(others) or 'none: all coordinates vary'}")
+            raise InputError(
+                f"fixed has {shown(name)}; allowed are {', '.join(others) or 'none: all coordinates vary'}"
+            )
         others[name] = real(value, name, "give a finite number")
     return others
 

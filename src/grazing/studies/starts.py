@@ -68,14 +68,14 @@ def checked_seed(seed: object) -> int:
 
 def checked_starts(starts: ArrayLike, coordinates: Sequence[str]) -> int | NDArray[np.float64]:
     """Return a number of random starts, or given starts as an array (n, dim); raise InputError for neither."""
-    if np.ndim(starts) == 0:
+    if not hasattr(starts, "__len__") or getattr(starts, "ndim", 1) == 0:
         return whole(starts, "starts", 1)
     wanted = f"give a whole number >= 1, or states of shape (n, {len(coordinates)}): {', '.join(coordinates)}"
     try:
         if np.iscomplexobj(starts):
             raise TypeError
         states = np.array(starts, np.float64)
-    except (TypeError, ValueError):
+    except Exception:  # of whatever object was given, or of one too large
         raise InputError(f"starts are not numbers; {wanted}") from None
     if states.ndim != 2 or states.shape[1] != len(coordinates) or not len(states):
         raise InputError(f"starts have shape {states.shape}; {wanted}")

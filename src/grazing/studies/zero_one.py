@@ -50,7 +50,7 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
         if np.iscomplexobj(series):
             raise TypeError
         values = np.array(series, np.float64)
-    except (TypeError, ValueError):
+    except Exception:  # of whatever object was given, or of one too large
         raise InputError("the series is not numbers; give an array of shape (n,) or (n, m)") from None
     if values.ndim not in (1, 2) or len(values) < SHORTEST:
         raise InputError(f"the series has shape {values.shape}; give (n,) or (n, m) with n >= {SHORTEST}")

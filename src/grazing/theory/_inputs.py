@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 __all__ = ["FloatArray", "Periods", "Values", "elements", "number", "period", "plain"]
 
@@ -79,7 +79,7 @@ def _checked(name: str, value: object) -> FloatArray:
 def _as_numbers(name: str, value: object) -> npt.NDArray[Any]:
     try:
         array = np.asarray(value)
-    except ValueError:
+    except Exception:  # of whatever object was given, or of one too large
         raise _refusal(name, value) from None
     if array.dtype.kind not in ("iu" if name == "N" else "iuf"):
         raise _refusal(name, value)
@@ -87,6 +87,6 @@ def _as_numbers(name: str, value: object) -> npt.NDArray[Any]:
 
 
 def _refusal(name: str, got: object) -> InputError:
-    shown = got.item() if isinstance(got, np.generic) else got
+    plain = got.item() if isinstance(got, np.generic) else got
     rule = RULES[name]
-    return InputError(f"{name} = {shown!r} is not allowed; {name} must be {rule.allowed}: {rule.advice}")
+    return InputError(f"{name} = {shown(plain)} is not allowed; {name} must be {rule.allowed}: {rule.advice}")

@@ -6,7 +6,7 @@ from typing import overload
 
 import numpy as np
 
-from grazing.outcome import OutsideForm
+from grazing.outcome import OutsideForm, shown
 from grazing.theory._inputs import FloatArray, Periods, Values, elements, plain
 from grazing.theory.windows import window
 
@@ -139,5 +139,7 @@ def width_ratio(N: int, lam: float, l: float) -> float:
     for w in (here, following):
         if w.stability.empty or w.N == 1:
             reason = "infinitely wide" if w.N == 1 else "empty"
-            raise OutsideForm(f"no width ratio at lam = {lam!r}, l = {l!r}: the window of N = {w.N} is {reason}")
+            raise OutsideForm(
+                f"no width ratio at lam = {shown(lam)}, l = {shown(l)}: the window of N = {w.N} is {reason}"
+            )
     return following.stability.width / here.stability.width

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.theory._inputs import FloatArray
 from grazing.theory.collisions import collisions
 from grazing.theory.edges import mu_bc, mu_gr
@@ -184,10 +184,12 @@ def _span(word: str, lam: float, l: float, span: Any) -> tuple[float, float]:
         try:
             first, second = span
         except (TypeError, ValueError):
-            raise InputError(f"span = {span!r} is not allowed; give the pair (low, high) of values of mu") from None
+            raise InputError(
+                f"span = {shown(span)} is not allowed; give the pair (low, high) of values of mu"
+            ) from None
         low, high = finite("span", first), finite("span", second)
         if not low < high:
-            raise InputError(f"span = ({low!r}, {high!r}) is not allowed; the lower end must come first")
+            raise InputError(f"span = ({shown(low)}, {shown(high)}) is not allowed; the lower end must come first")
         return low, high
     if "R" not in word:
         return -math.inf, math.inf
@@ -195,7 +197,7 @@ def _span(word: str, lam: float, l: float, span: Any) -> tuple[float, float]:
         return l, math.inf
     if not 0.0 < lam < 1.0:
         raise InputError(
-            f"no span of mu for {word} at lam = {lam!r}: where its orbits can lie is known for 0 < lam < 1 only; "
+            f"no span of mu for {word} at lam = {shown(lam)}: where its orbits can lie is known for 0 < lam < 1 only; "
             "give span=(low, high)"
         )
     slack = 1e-9  # so that the edges themselves lie inside

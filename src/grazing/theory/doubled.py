@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from grazing.outcome import OutsideForm
+from grazing.outcome import OutsideForm, shown
 from grazing.theory._inputs import FloatArray, number, period
 from grazing.theory.edges import geometric_sum
 from grazing.theory.interval import Interval
@@ -145,13 +145,15 @@ def _roots(b: Block) -> tuple[float, float]:
     """Return the smaller and the greater root of the positive points, or say why there is no orbit."""
     low, high = doubled_interval(b.N, b.lam, b.l)
     if low >= high:
-        raise OutsideForm(f"no doubled orbit at N = {b.N}, lam = {b.lam!r}, l = {b.l!r}: the window of N is empty")
-    none = f"no doubled orbit of period 2N = {2 * b.N} at lam = {b.lam!r}, mu = {b.mu!r}, l = {b.l!r}"
+        raise OutsideForm(
+            f"no doubled orbit at N = {b.N}, lam = {shown(b.lam)}, l = {shown(b.l)}: the window of N is empty"
+        )
+    none = f"no doubled orbit of period 2N = {2 * b.N} at lam = {shown(b.lam)}, mu = {shown(b.mu)}, l = {shown(b.l)}"
     if 4 * b.C <= 3 * b.c**2:
-        raise OutsideForm(f"{none}: two different positive points need mu > mu_pd = {low!r}")
+        raise OutsideForm(f"{none}: two different positive points need mu > mu_pd = {shown(low)}")
     if b.C >= b.c**2:
-        raise OutsideForm(f"{none}: its smaller positive point needs mu below its graze, {high!r}")
+        raise OutsideForm(f"{none}: its smaller positive point needs mu below its graze, {shown(high)}")
     great = (b.c + math.sqrt(4 * b.C - 3 * b.c**2)) / 2
     if b.N > 1 and great**2 >= b.mu:
-        raise OutsideForm(f"{none}: its greatest negative point needs mu below its border collision, {high!r}")
+        raise OutsideForm(f"{none}: its greatest negative point needs mu below its border collision, {shown(high)}")
     return (b.c**2 - b.C) / great, great

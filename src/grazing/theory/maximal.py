@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grazing.outcome import OutsideForm
+from grazing.outcome import OutsideForm, shown
 from grazing.theory._inputs import FloatArray, number, period
 from grazing.theory.edges import geometric_sum, mu_bc, mu_gr
 
@@ -128,13 +128,13 @@ def _root(b: Block) -> float:
     """Return sqrt(x_N), or say why there is no orbit."""
     if b.C <= 0:
         edge = mu_gr(b.N, b.lam, b.l)
-        raise OutsideForm(f"{_none(b)}: x_N > 0 fails; it needs mu > mu_gr = {edge!r}")
+        raise OutsideForm(f"{_none(b)}: x_N > 0 fails; it needs mu > mu_gr = {shown(edge)}")
     s = 2 * b.C / (b.c + math.sqrt(b.c**2 + 4 * b.C))
     if b.N > 1 and s * s >= b.mu:
         edge = mu_bc(b.N, b.lam, b.l)
-        raise OutsideForm(f"{_none(b)}: x_(N-1) < 0 fails; it needs mu < mu_bc = {edge!r}")
+        raise OutsideForm(f"{_none(b)}: x_(N-1) < 0 fails; it needs mu < mu_bc = {shown(edge)}")
     return s
 
 
 def _none(b: Block) -> str:
-    return f"no maximal orbit of period N = {b.N} at lam = {b.lam!r}, mu = {b.mu!r}, l = {b.l!r}"
+    return f"no maximal orbit of period N = {b.N} at lam = {shown(b.lam)}, mu = {shown(b.mu)}, l = {shown(b.l)}"

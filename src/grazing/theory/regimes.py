@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from enum import Enum
 
-from grazing.outcome import OutsideForm
+from grazing.outcome import OutsideForm, shown
 from grazing.theory._inputs import elements, number, period
 from grazing.theory.edges import mu_pd, sum_minus_3
 from grazing.theory.interval import Interval
@@ -148,7 +148,7 @@ def last_window(lam: float) -> int:
     """
     a = number("lam", lam)
     if _beyond(a) <= 0:
-        raise OutsideForm(f"no last window at lam = {a!r}: for lam <= 2/3 every N has a window at l = 0")
+        raise OutsideForm(f"no last window at lam = {shown(a)}: for lam <= 2/3 every N has a window at l = 0")
     N = max(3, math.floor(math.log(_beyond(a)) / math.log(a)))  # K_N < 3 iff lam^N > 3 lam - 2
     while _has_window(N + 1, a):
         N += 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from grazing.outcome import OutsideForm
+from grazing.outcome import OutsideForm, shown
 from grazing.theory._inputs import number
 from grazing.theory.interval import Interval
 
@@ -56,7 +56,7 @@ def trapping_interval(mu: float, l: float) -> Interval:
     offset, gap = number("mu", mu), number("l", l)
     if offset < 0:
         raise OutsideForm(
-            f"no trapping interval at mu = {offset!r}; it needs mu >= 0: "
+            f"no trapping interval at mu = {shown(offset)}; it needs mu >= 0: "
             "for mu < 0 every orbit tends to the fixed point mu/(1 - lam)"
         )
     return Interval(offset - gap - math.sqrt(offset), offset, closed=True)

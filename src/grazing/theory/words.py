@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grazing.outcome import InputError, OutsideForm
+from grazing.outcome import InputError, OutsideForm, shown
+from grazing.parameter import real
 from grazing.theory._inputs import FloatArray
 
 __all__ = ["WordOrbit", "word_orbits"]
@@ -131,7 +132,7 @@ def word_orbits(word: str, lam: float, mu: float, l: float) -> tuple[WordOrbit, 
 def checked_word(word: object) -> str:
     """Return a word of letters L and R, or raise InputError."""
     if not isinstance(word, str) or not word or set(word) - {"L", "R"}:
-        raise InputError(f"word = {word!r}; allowed is a text of letters L (x < 0) and R (x >= 0), such as 'LLR'")
+        raise InputError(f"word = {shown(word)}; allowed is a text of letters L (x < 0) and R (x >= 0), such as 'LLR'")
     return word
 
 
@@ -143,14 +144,9 @@ def root_length(word: str) -> int:
 def finite(name: str, value: object) -> float:
     """Check one number and return it as a float; unlike in the propositions it may have any sign."""
     try:
-        if isinstance(value, (bool, str, bytes)):
-            raise TypeError
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(f"{name} = {value!r} is not allowed; {name} must be a finite number")
-    return number
+        return real(value, name, "")
+    except InputError:
+        raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number") from None
 
 
 def blocks_of(word: str, lam: float, mu: float, l: float) -> Blocks:
@@ -167,14 +163,18 @@ def blocks_of(word: str, lam: float, mu: float, l: float) -> Blocks:
         K.append(total)
         C.append(total * mu - power * l)
     if not all(map(math.isfinite, C)):
-        raise InputError(f"lam = {lam!r} to the power {max(counts)} leaves the range of doubles; take a shorter word")
+        raise InputError(
+            f"lam = {shown(lam)} to the power {max(counts)} leaves the range of doubles; take a shorter word"
+        )
     return Blocks(word, counts, tuple(c), tuple(C), tuple(K))
 
 
 def _left_only(word: str, times: int, lam: float, mu: float) -> tuple[WordOrbit, ...]:
     """Return the fixed point left of the border; it has no further period."""
     if (times == 1 and lam == 1.0) or (times == 2 and lam == -1.0):
-        raise OutsideForm(f"the orbits of {word} come in families or not at all at lam = {lam!r}; take another lam")
+        raise OutsideForm(
+            f"the orbits of {word} come in families or not at all at lam = {shown(lam)}; take another lam"
+        )
     if times > 1:
         return ()
     x = mu / (1.0 - lam)
