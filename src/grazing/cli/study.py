@@ -150,13 +150,12 @@ def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:
     """Compute a plan chunk by chunk into a store, which can be resumed, and open it."""
-    from grazing.cli.plot import loaded
     from grazing.cli.sweep import resumable
-    from grazing.sweep import run
+    from grazing.sweep import open_store, run
 
     with resumable(store):
         run(plan, store, threads=threads, progress=show)
-    return loaded(str(store))
+    return open_store(store, plan)
 
 
 def estimated(plan: Any, threads: int | None, json: bool) -> int:

@@ -15,6 +15,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from grazing.cli import progress
+from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.whole import whole_number
 from grazing.outcome import InputError
 
@@ -74,6 +75,8 @@ def run(
     store: Store,
     /,
     *given: Changes,
+    map: OwnMap = None,
+    model: OwnModel = None,
     shard: Shard = None,
     chunk: Chunk = None,
     cluster: Cluster = None,
@@ -101,7 +104,7 @@ def run(
     study = read_toml(config).get("study")
     if study not in STUDIES:
         raise InputError(f"{config}: study = {study!r}; allowed are {', '.join(STUDIES)}")
-    plan = plan_of(recipe_from(study, given, {}, config))
+    plan = plan_of(recipe_from(study, given, {"map": map, "model": model}, config))
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)
         return _say(asdict(found), str(found), json)
@@ -128,6 +131,8 @@ def resume(
     store: Store,
     /,
     *,
+    map: OwnMap = None,
+    model: OwnModel = None,
     shard: Shard = None,
     cluster: Cluster = None,
     workers: Workers = None,
@@ -150,7 +155,13 @@ def resume(
         progress.counted("cells", quiet) as show,
     ):
         status = sweep.resume(
-            store, shard=share, executor=executor, threads=threads, progress=show, other_code=other_code
+            store,
+            _plan(store, map, model),
+            shard=share,
+            executor=executor,
+            threads=threads,
+            progress=show,
+            other_code=other_code,
         )
     return _report(status, json)
 
@@ -171,6 +182,8 @@ def verify(
     store: Store,
     /,
     *,
+    map: OwnMap = None,
+    model: OwnModel = None,
     share: Annotated[float, Parameter(help="Share of the chunks that are computed again.")] = 0.01,
     seed: Annotated[int, Parameter(help="Chooses the chunks.")] = 0,
     repair: Annotated[
@@ -191,7 +204,10 @@ def verify(
     from grazing import sweep
 
     with progress.counted("chunks", quiet) as show:
-        found = sweep.verify(store, share, seed, repair=repair, other_code=other_code, threads=threads, progress=show)
+        plan = _plan(store, map, model)
+        found = sweep.verify(
+            store, share, seed, plan, repair=repair, other_code=other_code, threads=threads, progress=show
+        )
     _say(asdict(found) | {"ok": found.ok}, str(found), json)
     if not found.ok:
         return FAILED
@@ -207,6 +223,17 @@ def resumable(store: str | Path) -> Iterator[None]:
         raise KeyboardInterrupt(
             f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {shlex.quote(str(store))}'."
         ) from None
+
+
+def _plan(store: str, map: str | None, model: str | None) -> Any:
+    """Return the plan of a store that is made of code which this call names; None if it names none."""
+    if map is None and model is None:
+        return None
+    from grazing.sweep.store import folder_of, open_existing
+    from grazing.sweep.task import plan_from_recipe
+
+    found = open_existing(folder_of(store))
+    return plan_from_recipe(found, own=named_here(found.recipe, map, model, store))
 
 
 def _shard(shard: str | None) -> tuple[int, int] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import LAW, UNFOLD, parameter_defaults
-from grazing.config.own import is_own
+from grazing.config.own import is_own, unnamed
 from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
 from grazing.config.values import DEFAULT
@@ -60,7 +60,7 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
     for key, usual in KEYS.items():
         if recipe.get(key, usual) != usual:
             yield from _option(key, recipe[key])
-    defaults = parameter_defaults(recipe)
+    defaults = {} if unnamed(recipe) else parameter_defaults(recipe)
     own = is_own(recipe["map"]) or "model" in recipe
     for name, value in recipe["parameters"].items():
         if value != defaults.get(name):

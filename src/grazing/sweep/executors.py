@@ -18,7 +18,7 @@ from functools import partial
 from grazing.outcome import GrazingError
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.store import Store, in_one_line
-from grazing.sweep.task import compute_chunk, send_plan
+from grazing.sweep.task import code_of, compute_chunk, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.
 WINDOW = 2000
@@ -37,7 +37,8 @@ def run_on_executor(
         If workers or the executor are lost for good; the store can be resumed.
     """
     name = send_plan(plan, store, needed=not isinstance(executor, ThreadPoolExecutor))
-    task = partial(compute_chunk, os.fspath(store.path), store.token, name, plan.document["grazing_code_sha256"])
+    sha = plan.document["grazing_code_sha256"]
+    task = partial(compute_chunk, os.fspath(store.path), store.token, name, sha, own=code_of(plan))
     waiting = iter(numbers)
     pending: set[Future[int]] = set()
     finished = 0

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
 
 
-def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Dataset:
+def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code: str | None = None) -> xr.Dataset:
     """Return the result of a sweep, as the study would return it from memory.
 
     Parameters
@@ -34,6 +34,8 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     plan : Plan, optional
         For a store that keeps no recipe: what the study adds when all cells are there, such as a table of
         attractors, is added by the plan. Without it the result has an attribute ``grazing_note`` that says so.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names, to add the same. Without it nothing is run.
 
     Returns
     -------
@@ -75,7 +77,13 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     if plan is None and found.recipe is None:
         result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
         return result
-    plan = plan_from_recipe(found) if plan is None else plan
+    from grazing.config.own import NotNamed
+
+    try:
+        plan = plan_from_recipe(found, code) if plan is None else plan
+    except NotNamed as error:
+        result.attrs[NOTE] = f"what the study adds at the end is missing: {error}"
+        return result
     return result if plan.finish is None else plan.finish(result)
 
 

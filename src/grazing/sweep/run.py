@@ -120,6 +120,7 @@ def resume(
     threads: int | None = None,
     progress: Progress | None = None,
     other_code: bool = False,
+    code: str | None = None,
 ) -> Status:
     """Go on with a sweep.
 
@@ -130,6 +131,8 @@ def resume(
         Needed if the store keeps no recipe to make it from: that of a map or a law of one's own.
     shard, executor, threads, progress, other_code
         See :func:`run`.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names. Without it, and without a plan, such a store is refused.
 
     Returns
     -------
@@ -152,7 +155,7 @@ def resume(
     True
     """
     found = open_existing(folder_of(store))
-    plan = plan_from_recipe(found) if plan is None else plan
+    plan = plan_from_recipe(found, code) if plan is None else plan
     options: dict[str, Any] = {"shard": shard, "executor": executor, "threads": threads, "progress": progress}
     return run(plan, found.path, other_code=other_code, **options)
 

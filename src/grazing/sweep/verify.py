@@ -99,6 +99,7 @@ def verify(
     other_code: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
+    code: str | None = None,
 ) -> Verified:
     """Hold a store to its plan.
 
@@ -120,6 +121,8 @@ def verify(
         Compare although the step, or this package, is not the one that the store was begun with.
     threads, progress
         See :func:`run`.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names. Without it, and without a plan, such a store is refused.
 
     Returns
     -------
@@ -146,7 +149,7 @@ def verify(
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
     found = open_existing(folder_of(store))
-    plan = plan_from_recipe(found) if plan is None else plan
+    plan = plan_from_recipe(found, code) if plan is None else plan
     refuse_another(found, plan, other_code=other_code)
     with locked(found.locks, None) if repair else nullcontext():
         done = np.flatnonzero(found.done())
