@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import GrazingError, InputError, UserCodeError
@@ -123,7 +124,7 @@ def own_object(text: str, key: str = "map") -> Map | Oscillator:
 
 def _module(path: Path) -> Any:
     """Return the module of a file; run it once per process and state of the file."""
-    name = f"_grazing_own_{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
+    name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
     if name in sys.modules:
         return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import floor
 from typing import TYPE_CHECKING, Any
 
@@ -124,19 +124,6 @@ def plan(
     grid = runs.axes[name]
     low, high = trial_range(runs, i) if range is None else checked_range(range)
 
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        counts = np.zeros((len(cells), bins + 3), np.int64)
-        lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
-        for part in runs.pieces(cells):
-            call(compiled_raster(), part.points, i, low, high, bins, counts)
-            lost |= part.outcomes[:, 0] & FATAL
-            doubtful |= part.outcomes[:, 0] & AMBIGUOUS
-            yield
-        arrays["count"][...] = counts[:, 1:-2]
-        arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
-        arrays["ended"][...] = np.count_nonzero(lost, axis=1)
-        arrays["ambiguous"][...] = np.count_nonzero(doubtful, axis=1)
-
     edges = np.linspace(low, high, bins + 1)
     ends = {"low": low, "high": high}
     return Plan(
@@ -162,10 +149,25 @@ def plan(
             "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
             "ambiguous": Variable((), "int64", {"long_name": "starts with an ambiguous decision", "units": "1"}),
         },
-        compute=compute,
+        compute=partial(_compute, runs, i, low, high, bins),
         together=runs.together,
         work=runs.work,
     )
+
+
+def _compute(runs: Runs, i: int, low: float, high: float, bins: int, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    counts = np.zeros((len(cells), bins + 3), np.int64)
+    lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
+    for part in runs.pieces(cells):
+        call(compiled_raster(), part.points, i, low, high, bins, counts)
+        lost |= part.outcomes[:, 0] & FATAL
+        doubtful |= part.outcomes[:, 0] & AMBIGUOUS
+        yield
+    arrays["count"][...] = counts[:, 1:-2]
+    arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
+    arrays["ended"][...] = np.count_nonzero(lost, axis=1)
+    arrays["ambiguous"][...] = np.count_nonzero(doubtful, axis=1)
 
 
 def checked_range(ends: object) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.kernel.pool import Progress as Progress
 from grazing.kernel.pool import run_tasks
 from grazing.maps.map import Map
@@ -32,7 +33,7 @@ POINTER = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Variable:
+class Variable(ByValue):
     """What a study computes for each cell.
 
     Parameters
@@ -58,8 +59,8 @@ class Variable:
         return np.dtype(object if self.kind == "text" else self.kind)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Plan(ByValue):
     """A study before it runs.
 
     Parameters
@@ -107,6 +108,10 @@ class Plan:
     finish: Callable[[xr.Dataset], xr.Dataset] | None = None
     sequential: bool = False
     recipe: Mapping[str, Any] | None = None
+
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items()) or "1 cell"
+        return f"<Plan {self.title}: {axes}>"
 
     @property
     def shape(self) -> tuple[int, ...]:
