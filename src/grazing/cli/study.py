@@ -161,7 +161,7 @@ def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -
 def estimated(plan: Any, threads: int | None, json: bool) -> int:
     """Print what a plan would take."""
     if plan.sequential:
-        size = plan.cells * plan.size_of_cell
+        size = plan.memory(plan.cells, 1)
         summary = {"title": plan.title, "cells": plan.cells, "bytes": size}
         words = f"{plan.title}: {plan.cells} cells, each after its neighbour\n{size / 1e6:.3g} MB"
         print(text.dumps(summary) if json else words)

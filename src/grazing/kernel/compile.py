@@ -15,7 +15,8 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
@@ -117,6 +118,18 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
         call(entry.compile, wanted, who=who)
         code = entry.overloads[wanted]
     return float(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+
+
+@contextmanager
+def compiler_time() -> Iterator[Callable[[], float]]:
+    """Yield a function that says how many seconds the compiler has taken in the block so far."""
+    if jit_disabled():
+        yield lambda: 0.0
+        return
+    from numba.core import event
+
+    with event.install_listener("numba:compile", event.TimingListener()) as clock:
+        yield lambda: float(clock.duration) if clock.done else 0.0
 
 
 def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:

@@ -28,6 +28,7 @@ from grazing.studies.runs import (
     checked_map,
     checked_values,
     describe_values,
+    size_of_orbit,
     together,
     tolerance_config,
 )
@@ -180,6 +181,7 @@ def plan(
         compute=partial(_compute, P, axes, others, transient, keep, arithmetic),
         together=together(P, arithmetic),
         work=transient + keep,
+        working=size_of_orbit(P, keep),
         finish=partial(_with_attractors, P, axes, preimages),
     )
 

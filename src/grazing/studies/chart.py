@@ -130,6 +130,7 @@ def plan(
         compute=partial(_compute, runs, steps),
         together=runs.together,
         work=runs.work,
+        working=runs.kept_size,
     )
 
 

@@ -127,6 +127,7 @@ def plan(
         compute=partial(_compute, runs),
         together=runs.together,
         work=2 * runs.work,
+        working=runs.kept_size,
         finish=partial(_with_attractors, P, name, runs.settings.transient, runs.settings.keep),
     )
 

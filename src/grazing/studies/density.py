@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
+from grazing.memory import refuse_too_large
 from grazing.outcome import AMBIGUOUS, FATAL, InputError
 from grazing.parameter import whole
 from grazing.studies import labels
@@ -32,6 +33,8 @@ BLOCK = 64
 ROOM = 0.05
 #: A trial looks at so many values, starts and steps.
 TRIAL = 64, 20, 100
+#: Bytes that a bin takes: counts, while they are made and as they are stored, edges and centres.
+BIN = 8 * 6
 
 
 def density(
@@ -116,11 +119,12 @@ def plan(
 ) -> Plan:
     """Return the plan of a density, see :func:`density`."""
     checked_map(P)
-    runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
+    runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN, as_they_come=True)
     shown = P.coordinates[0] if coordinate is None else coordinate
     if shown not in P.coordinates:
         raise InputError(f"coordinate = {coordinate!r}; allowed are {', '.join(P.coordinates)}")
     bins, i = whole(bins, "bins", 1), list(P.coordinates).index(shown)
+    refuse_too_large(BIN * bins, f"reduce bins ({bins})", "one cell and the places of its bins")
     grid = runs.axes[name]
     low, high = trial_range(runs, i) if range is None else checked_range(range)
 
@@ -152,6 +156,7 @@ def plan(
         compute=partial(_compute, runs, i, low, high, bins),
         together=runs.together,
         work=runs.work,
+        working=runs.piece_size + 3 * 8 * bins,
     )
 
 

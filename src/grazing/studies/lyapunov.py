@@ -134,6 +134,7 @@ def plan(
         compute=partial(_compute, runs, steps),
         together=max(1, runs.together // 8),
         work=runs.work + SLOWER * lanes * steps,
+        working=2 * runs.kept_size,  # letters once more, and deviations
     )
 
 

@@ -143,6 +143,7 @@ def plan(
         compute=partial(_compute, runs, name, sweep),
         together=runs.together,
         work=runs.work,
+        working=runs.kept_size,
         sequential=sweep is not None,
     )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
-from grazing.studies.plan import Plan
+from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.layout import DONE, LAYOUT
 from grazing.sweep.letters import decoded, restored_attrs
 from grazing.sweep.same import refuse_another
@@ -64,7 +64,7 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
     if plan is not None:
         refuse_another(found, plan, other_code=True)  # reading mixes nothing
     names = [*found.layout.variables, *found.layout.coords]
-    size = sum(prod(found.arrays[name].shape) * np.dtype(found.arrays[name].dtype).itemsize for name in names)
+    size = sum(_size(found, name) for name in names)
     refuse_too_large(size, f"open a part of it with xarray.open_zarr({str(found.path)!r})")
     done = found.done()
     result = _dataset(found, done)
@@ -99,7 +99,8 @@ def _dataset(store: Store, done: NDArray[np.bool_]) -> xr.Dataset:
             for number in np.flatnonzero(done) if name in layout.variables else ():
                 if not store.file(name, int(number)).is_file():  # Zarr would answer with its fill value
                     raise FileNotFoundError("a file is missing")
-            values = np.asarray(array[...])
+            texts = name in layout.variables and "grazing_text" in array.attrs
+            values = _texts(store, name, done) if texts else np.asarray(array[...])
         except Exception as error:  # damaged bytes can fail anywhere in the reader
             wait_for_zarr()
             said = in_one_line(error)
@@ -108,7 +109,7 @@ def _dataset(store: Store, done: NDArray[np.bool_]) -> xr.Dataset:
             ) from error
         attrs = dict(array.attrs)
         if attrs.pop("grazing_text", None) is not None:
-            values, dims = decoded(values), dims[:-1]
+            values, dims = values if texts else decoded(values), dims[:-1]
             values = values.astype(kind) if kind not in ("text", "object") else values
         data[name] = (dims, values, restored_attrs(attrs, name, layout.types))
     attrs = {name: value for name, value in store.attrs.items() if name not in (LAYOUT, "coordinates")}
@@ -117,6 +118,24 @@ def _dataset(store: Store, done: NDArray[np.bool_]) -> xr.Dataset:
         {name: data[name] for name in layout.coords},
         restored_attrs(attrs, "", layout.types),
     )
+
+
+def _size(store: Store, name: str) -> int:
+    """Return the bytes that an array takes in memory; texts are the same few words many times over."""
+    array = store.arrays[name]
+    if "grazing_text" in array.attrs:
+        return prod(array.shape[:-1]) * POINTER
+    return prod(array.shape) * np.dtype(array.dtype).itemsize
+
+
+def _texts(store: Store, name: str, done: NDArray[np.bool_]) -> NDArray[Any]:
+    """Return the words of a variable, read chunk by chunk: their letters, all together, can be many times as large."""
+    values = np.full(store.arrays[name].shape[:-1], "", object)
+    known: dict[str, str] = {}
+    for number in np.flatnonzero(done):
+        words = decoded(store.read(name, int(number)))
+        values[store.grid.block(int(number))] = np.vectorize(lambda word: known.setdefault(word, word), "O")(words)
+    return values
 
 
 def _by_cell(store: Store, done: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ import sys
 from concurrent.futures import Executor
 from datetime import UTC, datetime
 from functools import partial
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -198,7 +199,8 @@ def _complete(
     """Compute the missing chunks of our share, alone on it."""
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     if executor is None:
-        size = int(np.prod(store.grid.chunk, dtype=np.float64)) * plan.size_of_cell * COPIES
+        cells = prod(store.grid.chunk)
+        size = cells * plan.size_of_cell * COPIES + min(cells, max(1, plan.together)) * plan.working
         refuse_too_large(workers * size, f"use smaller chunks {store.grid.chunk}, or fewer threads ({workers})")
     with locked(store.locks, shard):
         numbers = [int(number) for number in _missing(store, shard)]
