@@ -63,7 +63,10 @@ def alike(a: Any, b: Any) -> bool:
         return a.__name__ == b.__name__ and digest(a) == digest(b)
     if isinstance(a, float):
         return bool(a == b) or (a != a and b != b)
-    if type(a).__eq__ is object.__eq__ and type(a).__module__.partition(".")[0] == "grazing":
+    if (
+        not any("__eq__" in kind.__dict__ for kind in type(a).__mro__[:-1])
+        and type(a).__module__.partition(".")[0] == "grazing"
+    ):
         return all(alike(*pair) for pair in zip(_parts(a), _parts(b), strict=True))
     return bool(a == b)
 

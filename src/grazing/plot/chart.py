@@ -150,7 +150,7 @@ def _periods(
     codes, where = np.unique(np.where(used, period, UNUSED), return_inverse=True)
     table = to_rgba_array([period_colour(int(code)) if code != UNUSED else "#ffffff" for code in codes])
     colours = np.round(255.0 * table).astype(np.uint8)
-    index = where.reshape(period.shape).astype(np.int32)
+    index = where.reshape(period.shape)
     several = used.sum(axis=-1) > 1
     handles: list[Any] = list(patches_of(codes.tolist()))
     if not several.any():

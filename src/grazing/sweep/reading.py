@@ -124,8 +124,8 @@ def _size(store: Store, name: str) -> int:
     """Return the bytes that an array takes in memory; texts are the same few words many times over."""
     array = store.arrays[name]
     if "grazing_text" in array.attrs:
-        return prod(array.shape[:-1]) * POINTER
-    return prod(array.shape) * np.dtype(array.dtype).itemsize
+        return int(prod(array.shape[:-1])) * POINTER
+    return int(prod(array.shape)) * np.dtype(array.dtype).itemsize
 
 
 def _texts(store: Store, name: str, done: NDArray[np.bool_]) -> NDArray[Any]:
