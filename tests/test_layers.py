@@ -16,6 +16,7 @@ LAYERS = (
     ("outcome",),
     ("parameter", "memory"),
     ("kernel", "theory"),
+    ("copies",),
     ("oscillator",),
     ("maps",),
     ("orbits",),

@@ -15,8 +15,10 @@ def physical_memory() -> int | None:
         return None
 
 
-def refuse_too_large(size: int, advice: str) -> None:
-    """Raise InputError if a result of so many bytes would take more than half of the memory.
+def refuse_too_large(size: float, advice: str, what: str = "the result") -> None:
+    """Raise InputError if something of so many bytes would take more than half of the memory.
+
+    To be called before the first of these bytes is asked for.
 
     Parameters
     ----------
@@ -24,9 +26,11 @@ def refuse_too_large(size: int, advice: str) -> None:
         Bytes.
     advice : str
         What the user can reduce, with the present numbers, and what stores less.
+    what : str
+        What takes so much.
     """
     memory = physical_memory()
     if memory is not None and size > memory / 2:
         raise InputError(
-            f"the result would take {size / 1e9:.3g} GB, more than half of the memory ({memory / 1e9:.3g} GB); {advice}"
+            f"{what} would take {size / 1e9:.3g} GB, more than half of the memory ({memory / 1e9:.3g} GB); {advice}"
         )

@@ -177,3 +177,26 @@ def test_completion_knows_options_with_their_case(shell, folder, monkeypatch):
     text = (folder / "completion").read_text()
     assert "diagram" in text and "resume" in text
     assert ("--V" in text and "--omega" in text) or "-l V" in text
+
+
+@pytest.mark.filterwarnings("always")
+def test_an_unfinished_chart_is_drawn_in_the_memory_of_its_numbers():
+    """One chunk of a wide chart with long words: the letters of all cells would take 10 times as much."""
+    import tracemalloc
+
+    from grazing import sweep
+
+    G = gz.gap_map(lam=0.8, mu=0.1, l=0.2)
+    axes = {"mu": np.linspace(0.0, 0.3, 400), "l": np.linspace(0.0, 0.5, 300)}
+    plan = gz.plans.chart(G, axes, starts=24, transient=20, keep=200, exponent_steps=5)
+    sweep.run(plan, "a.zarr", chunk=300, shard=(1, 400))
+    numbers = plan.cells * plan.size_of_cell
+    tracemalloc.start()
+    try:
+        assert main(["plot", "a.zarr", "-o", "a.png"]) == 0
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    letters = plan.cells * 24 * plan.variables["word"].longest
+    assert letters > 6 * numbers > 3e8  # what it once took, several times over
+    assert peak < 3 * numbers, (peak, numbers)

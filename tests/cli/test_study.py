@@ -377,7 +377,8 @@ def test_a_map_and_a_model_of_ones_own(folder, capsys):
     for file in ("a.nc", "a.png", "a.zarr"):
         capsys.readouterr()
         assert f"--map {folder}/mine.py:P b=0.5" in json.loads(_info(capsys, file))["command"]
-    assert main(["sweep", "resume", "a.zarr"]) == 0
+    assert "--map" in refused(capsys, "sweep", "resume", "a.zarr")
+    assert main(["sweep", "resume", "a.zarr", "--map", "mine.py:P"]) == 0
     capsys.readouterr()
     assert main(["diagram", "c=0:0.2:3", "--model", "mine.py:ball", "--starts", "2", "--keep", "4", "-q"]) == 0
     assert "c 3, start 2" in capsys.readouterr().out

@@ -194,7 +194,6 @@ def test_all_errors_come_at_once_with_their_paths():
         ({"study": "diagrm"}, "study = 'diagrm'; allowed are 'diagram', 'density'"),
         ({**DIAGRAM, "map": "stroboscpic"}, "map = 'stroboscpic'; did you mean 'stroboscopic'?"),
         ({**DIAGRAM, "map": 3}, "map = 3; give a text"),
-        ({**DIAGRAM, "map": "mine.py:P"}, "map: there is no file"),
         ({**DIAGRAM, "law": "elastic"}, "law = 'elastic'; allowed are 'active', 'newton', 'triggered'"),
         ({**DIAGRAM, "parameters": 3}, "parameters = 3; give a table"),
         ({**DIAGRAM, "settings": 3}, "settings = 3; give a table"),

@@ -1,9 +1,15 @@
 """Maps and models from a user's own file."""
 
+import copy
+import json
+import pickle
+import tomllib
+
 import pytest
 
 from grazing import InputError, UserCodeError
 from grazing.config import checked, command_of, load_config, plan_of, result_of
+from grazing.config.own import Named, NotNamed, located, own_object
 
 FILE = """
 import grazing as gz
@@ -31,28 +37,28 @@ def own(tmp_path):
 
 def test_a_map_of_ones_own_has_its_own_parameters_and_ranges(own):
     config = {"study": "diagram", "map": f"{own}:logistic", "vary": {"r": "2.8:3.8:5"}, "settings": {"starts": 3}}
-    found = checked(config)
+    found = checked(config, code="trust")
     assert found["parameters"] == {"shift": 0.0}
-    result = result_of(config)
+    result = result_of(config, code="trust")
     assert result.sizes["r"] == 5
     assert result.period.values[0].tolist() == [1, 1, 1]
     with pytest.raises(InputError, match=r"parameters.alpha: unknown parameter; allowed are r, shift"):
-        checked({**config, "parameters": {"alpha": 1.0}})
+        checked({**config, "parameters": {"alpha": 1.0}}, code="trust")
     with pytest.raises(InputError, match=r"parameters.shift = 'x' is not a real number"):
-        checked({**config, "parameters": {"shift": "x"}})
+        checked({**config, "parameters": {"shift": "x"}}, code="trust")
 
 
 def test_a_model_of_ones_own(own):
     config = {"study": "diagram", "model": f"{own}:ball", "vary": {"c": "0:0.2:3"}, "parameters": {"r": 0.7}}
-    assert plan_of(config).P.params["r"] == 0.7
+    assert plan_of(config, code="trust").P.params["r"] == 0.7
     with pytest.raises(InputError, match="law: the model brings its own reset law"):
-        checked({**config, "law": "newton"})
+        checked({**config, "law": "newton"}, code="trust")
     with pytest.raises(InputError, match=r"vary.r = 1.5; allowed is 0 <= r <= 1"):
-        checked({**config, "vary": {"r": "0:1.5:3"}})
+        checked({**config, "vary": {"r": "0:1.5:3"}}, code="trust")
 
 
 def test_an_oscillator_in_the_place_of_a_map_is_its_stroboscopic_map(own):
-    found = checked({"study": "diagram", "map": f"{own}:ball", "vary": {"c": "0:0.2:3"}})
+    found = checked({"study": "diagram", "map": f"{own}:ball", "vary": {"c": "0:0.2:3"}}, code="trust")
     assert (found["map"], found["model"]) == ("stroboscopic", f"{own}:ball")
     assert command_of(found) == f"grazing diagram c=0:0.2:3 --model {own}:ball"
 
@@ -73,24 +79,64 @@ def test_a_file_is_found_from_the_folder_of_the_configuration(own, tmp_path, mon
 )
 def test_what_is_not_there_is_said(own, name, said):
     with pytest.raises(InputError, match=said):
-        checked({"study": "diagram", "map": f"{own}:{name}", "vary": {"r": "3:4:5"}})
+        checked({"study": "diagram", "map": f"{own}:{name}", "vary": {"r": "3:4:5"}}, code="trust")
 
 
 def test_a_map_is_no_model_and_a_gap_has_none(own):
     with pytest.raises(InputError, match=r"is a gz.Map; give it as the map"):
-        checked({"study": "diagram", "model": f"{own}:logistic", "vary": {"d": "0:1:2"}})
+        checked({"study": "diagram", "model": f"{own}:logistic", "vary": {"d": "0:1:2"}}, code="trust")
     gap = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:1:2"}}
     with pytest.raises(InputError, match="model: the map gap is not made of an oscillator"):
-        checked({**gap, "model": f"{own}:ball"})
+        checked({**gap, "model": f"{own}:ball"}, code="trust")
     with pytest.raises(InputError, match="both name an oscillator"):
-        checked({"study": "diagram", "map": f"{own}:ball", "model": f"{own}:ball", "vary": {"d": "0:1:2"}})
+        checked(
+            {"study": "diagram", "map": f"{own}:ball", "model": f"{own}:ball", "vary": {"d": "0:1:2"}}, code="trust"
+        )
 
 
 def test_a_file_that_fails_is_named(tmp_path):
     (tmp_path / "bad.py").write_text("1/0\n")
     with pytest.raises(InputError, match=r"bad.py cannot be run: ZeroDivisionError"):
-        checked({"study": "diagram", "map": f"{tmp_path}/bad.py:P", "vary": {"d": "0:1:2"}})
-    from grazing.config.own import own_object
-
+        checked({"study": "diagram", "map": f"{tmp_path}/bad.py:P", "vary": {"d": "0:1:2"}}, code="trust")
     with pytest.raises(UserCodeError):
-        own_object(f"{tmp_path}/bad.py:P")
+        own_object(Named(f"{tmp_path}/bad.py:P"))
+    with pytest.raises(InputError, match=r"map: there is no file"):
+        checked({"study": "diagram", "map": f"{tmp_path}/none.py:P", "vary": {"d": "0:1:2"}}, code="trust")
+
+
+def test_what_a_file_names_is_text_and_runs_nothing(tmp_path, own):
+    """Without consent the file is not looked at; what needs it says what to add."""
+    marker = tmp_path / "ran"
+    own.write_text(f"open({str(marker)!r}, 'w').close()\n{FILE}")
+    config = {"study": "diagram", "map": f"{own}:logistic", "vary": {"r": "2.8:3.8:5"}, "parameters": {"shift": 0.5}}
+    found = checked(config)
+    assert found["map"] == f"{own}:logistic" and found["parameters"] == {"shift": 0.5}
+    assert command_of(found) == f"grazing diagram r=2.8:3.8:5 --map {own}:logistic shift=0.5"
+    for run in (plan_of, result_of):
+        with pytest.raises(NotNamed, match=f"name it in this call: --map {own}:logistic; in Python code='trust'"):
+            run(config)
+    with pytest.raises(NotNamed, match="--model"):
+        plan_of({"study": "diagram", "model": f"{own}:ball", "vary": {"c": "0:0.2:3"}})
+    with pytest.raises(InputError, match=r"parameters.shift = 'x' is not a real number"):
+        checked({**config, "parameters": {"shift": "x"}})
+    with pytest.raises(InputError, match=r"code = 'yes'; allowed are None, which runs none, and 'trust'"):
+        checked(config, code="yes")
+    assert not marker.exists()
+    plan_of(config, code="trust")
+    assert marker.exists()
+
+
+def test_only_what_a_call_names_can_be_executed(own):
+    """No decoder makes a Named, copies of one stay one, and any other text is refused before the file is looked at."""
+    with pytest.raises(NotNamed):
+        own_object("no such file.py:P")
+    text = Named(f"{own}:logistic")
+    for copied in (copy.deepcopy(text), pickle.loads(pickle.dumps(text)), located(text, "/")):
+        assert isinstance(copied, Named) and own_object(copied).name == own_object(text).name
+    for decoded in (json.loads(json.dumps(text)), tomllib.loads(f"a = {json.dumps(text)}")["a"], str(text), text[:]):
+        assert not isinstance(decoded, Named)
+    # the recipe of a plan is text again as soon as it has been written
+    plan = plan_of({"study": "diagram", "map": text, "vary": {"r": "3:4:3"}})
+    assert isinstance(plan.recipe["map"], Named)
+    with pytest.raises(NotNamed):
+        plan_of(json.loads(json.dumps(plan.recipe)))

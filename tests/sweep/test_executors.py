@@ -7,6 +7,7 @@ import pytest
 
 import grazing as gz
 from grazing import sweep
+from grazing.config import plan_of
 from grazing.sweep import task
 from tests.sweep.plans import files, own_map, plan
 
@@ -174,3 +175,29 @@ def test_options_that_exclude_each_other(tmp_path):
     for options in ({"shard": (1, 2)}, {"threads": 2}):
         with pytest.raises(gz.InputError, match=r"and executor are both given"):
             sweep.run(plan(), tmp_path / "a.zarr", executor=Elsewhere(), **options)
+
+
+def test_workers_run_the_code_that_the_run_named_and_none_that_the_store_names(tmp_path):
+    marker, code = tmp_path / "ran", tmp_path / "mine.py"
+    code.write_text(
+        f"open({str(marker)!r}, 'a').close()\n"
+        "import grazing as gz\n"
+        "def step(state, p):\n    (x,) = state\n    return (p.a * x * (1.0 - x),)\n"
+        "P = gz.Map(step, params={'a': 3.2}, coordinates=('x',), box=((0.1, 0.9),), name='logistic map')\n"
+    )
+    config = {"study": "density", "map": f"{code}:P", "vary": {"a": "3:3.4:4"}, "settings": {"starts": 2, "bins": 4}}
+    some = plan_of(config, code="trust")
+    store = tmp_path / "a.zarr"
+    sweep.run(some, store, chunk=2, shard=(1, 2))
+    marker.unlink()
+    found, sha = task.open_existing(store), some.document["grazing_code_sha256"]
+    task._plans.clear()  # as in another process
+    with pytest.raises(gz.InputError, match="is code that a file names"):
+        task.compute_chunk(str(store), found.token, "", sha, 1)
+    for call in (sweep.resume, sweep.verify):
+        with pytest.raises(gz.InputError, match=f"name it in this call: --map {code}:P; in Python code='trust'"):
+            call(store)
+    assert not marker.exists()
+    assert task.code_of(some) == {"map": f"{code}:P"}
+    assert sweep.run(some, store, executor=Elsewhere()).complete
+    assert sweep.verify(store, 1.0, code="trust").ok and sweep.resume(store, code="trust").complete

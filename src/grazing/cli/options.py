@@ -17,7 +17,8 @@ from grazing.config import checked
 from grazing.config.command import KEYS
 from grazing.config.files import read_toml
 from grazing.config.maps import names_of, parameter_defaults
-from grazing.config.own import is_own, located
+from grazing.config.own import KEYS as CODE
+from grazing.config.own import Named, is_own, located, refuse_unnamed
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
@@ -185,7 +186,7 @@ def recipe_from(
         With every error that there is.
     """
     mapping = read_toml(file) if file else {}
-    for key in ("map", "model"):  # a file's own files lie beside it, those of the command line where we stand
+    for key in CODE:  # a file's own files lie beside it, those of the command line where we stand
         if file and isinstance(mapping.get(key), str) and is_own(mapping[key]):
             mapping[key] = located(mapping[key], os.path.dirname(file))
     given = Given(mapping, set(), file)
@@ -196,11 +197,13 @@ def recipe_from(
     settings = settings_of(study).model_fields
     for name, text in options.items():
         if text is not None:
+            text = Named(text) if name in CODE and isinstance(text, str) and is_own(text) else text
             put(
                 given,
                 ("settings", name) if name in settings else (name,) if name in KEYS else ("parameters", name),
                 text,
             )
+    refuse_unnamed(mapping)
     problems += assigned(given, tokens)
     for name, written in mapping["vary"].items() if isinstance(mapping.get("vary"), Mapping) else ():
         if ("parameters", name) in given.here and written != DEFAULT:  # whose range is chosen by the value

@@ -50,8 +50,9 @@ def check(
     law = None
     if model is not None:
         from grazing.config.maps import own_model
+        from grazing.config.own import Named
 
-        law = own_model(str(model)).reset.law
+        law = own_model(Named(str(model))).reset.law
     try:
         said, good = check_certificate(file, law=law), True
     except InputError as error:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output
+from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.outcome import GrazingError, InputError
 
 
@@ -33,6 +34,8 @@ def plot(
         str | None,
         Parameter(help="Periods whose exact boundary curves are drawn on a chart: 2,3,5 or 2:7.", metavar="LIST"),
     ] = None,
+    map: OwnMap = None,
+    model: OwnModel = None,
     json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
 ) -> int:
     """Draw any stored result.
@@ -46,7 +49,7 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    result, arguments = with_drawn(result, arguments, curves, file)
+    result, arguments = with_drawn(result, arguments, curves, file, map, model)
     written = [name for path in files for name in output.write(result, path, **arguments)]
     title = str(result.attrs.get("title", ""))
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
@@ -64,7 +67,14 @@ def loaded(file: str | Path) -> Any:
     return load(file)
 
 
-def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file: Path) -> tuple[Any, dict[str, Any]]:
+def with_drawn(
+    result: Any,
+    arguments: dict[str, Any],
+    curves: str | None,
+    file: Path,
+    map: str | None = None,
+    model: str | None = None,
+) -> tuple[Any, dict[str, Any]]:
     """Return a result that says what its figure shows beside it, and all arguments of the figure.
 
     That are the boundary curves on a chart, and the coordinate that a graph shows.
@@ -78,13 +88,18 @@ def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file:
         Periods; None for those that its recipe names, if any.
     file : Path
         Where the result is from, for the message.
+    map, model : str, optional
+        Code of the user that this call names; curves are computed from it.
     """
     from grazing.cli.study import style_of
     from grazing.config import checked, recipe_of
     from grazing.config.build import RECIPE, kept
+    from grazing.config.own import NotNamed
     from grazing.config.schema import DRAWN
 
     keys = DRAWN.get(output.study_of(result.attrs), ())
+    if map is not None or model is not None:  # said here, where no other error is taken for it
+        named_here(recipe_of(result.attrs, axes_of(result)), map, model, file)
     if curves is not None and "curves" not in keys:
         raise InputError(f"--curves: {file} is no chart; leave it out")
     given = {"curves": curves, **arguments}
@@ -93,6 +108,7 @@ def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file:
         return result, arguments
     try:
         recipe = recipe_of(result.attrs, axes_of(result))
+        recipe |= named_here(recipe, map, model, file)
     except GrazingError as error:
         if curves is None:
             return result, arguments
@@ -100,7 +116,13 @@ def with_drawn(result: Any, arguments: dict[str, Any], curves: str | None, file:
     if changed:
         recipe = checked({**recipe, **changed})
         result = result.assign_attrs({RECIPE: text.dumps(kept(recipe), sort_keys=True)})
-    return result, {**arguments, **style_of(recipe, quiet=False)}
+    try:
+        return result, {**arguments, **style_of(recipe, quiet=False)}
+    except NotNamed as error:
+        if curves is not None:
+            raise
+        warnings.warn(f"the boundary curves are left out: {error}", stacklevel=2)
+        return result, arguments
 
 
 def axes_of(result: Any) -> dict[str, Any]:

@@ -151,19 +151,18 @@ def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:
     """Compute a plan chunk by chunk into a store, which can be resumed, and open it."""
-    from grazing.cli.plot import loaded
     from grazing.cli.sweep import asked, resumable
-    from grazing.sweep import run
+    from grazing.sweep import open_store, run
 
     with resumable(store):
         asked(partial(run, plan, store, threads=threads, progress=show), False)
-    return loaded(str(store))
+    return open_store(store, plan)
 
 
 def estimated(plan: Any, threads: int | None, json: bool) -> int:
     """Print what a plan would take."""
     if plan.sequential:
-        size = plan.cells * plan.size_of_cell
+        size = plan.memory(plan.cells, 1)
         summary = {"title": plan.title, "cells": plan.cells, "bytes": size}
         words = f"{plan.title}: {plan.cells} cells, each after its neighbour\n{size / 1e6:.3g} MB"
         print(text.dumps(summary) if json else words)

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from grazing.cli import progress
+from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.whole import whole_number
 from grazing.outcome import InputError, shown
 
@@ -81,6 +82,8 @@ def run(
     store: Store,
     /,
     *given: Changes,
+    map: OwnMap = None,
+    model: OwnModel = None,
     shard: Shard = None,
     chunk: Chunk = None,
     cluster: Cluster = None,
@@ -109,7 +112,7 @@ def run(
     study = read_toml(config).get("study")
     if not isinstance(study, str) or study not in STUDIES:
         raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(STUDIES)}")
-    plan = plan_of(recipe_from(study, given, {}, config))
+    plan = plan_of(recipe_from(study, given, {"map": map, "model": model}, config))
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)
         return _say(asdict(found), str(found), json)
@@ -128,6 +131,8 @@ def resume(
     store: Store,
     /,
     *,
+    map: OwnMap = None,
+    model: OwnModel = None,
     shard: Shard = None,
     cluster: Cluster = None,
     workers: Workers = None,
@@ -151,7 +156,7 @@ def resume(
         progress.counted("cells", quiet) as show,
     ):
         options = {"shard": share, "executor": executor, "threads": threads, "progress": show, "fsync": fsync}
-        status = asked(partial(sweep.resume, store, **options), other_code)
+        status = asked(partial(sweep.resume, store, _plan(store, map, model), **options), other_code)
     return _report(status, json)
 
 
@@ -171,6 +176,8 @@ def verify(
     store: Store,
     /,
     *,
+    map: OwnMap = None,
+    model: OwnModel = None,
     share: Annotated[float, Parameter(help="Share of the chunks that are computed again.")] = 0.01,
     seed: Annotated[int, Parameter(help="Chooses the chunks.")] = 0,
     repair: Annotated[
@@ -193,7 +200,10 @@ def verify(
     from grazing import sweep
 
     with progress.counted("chunks", quiet) as show:
-        found = sweep.verify(store, share, seed, repair=repair, other_code=other_code, threads=threads, progress=show)
+        plan = _plan(store, map, model)
+        found = sweep.verify(
+            store, share, seed, plan, repair=repair, other_code=other_code, threads=threads, progress=show
+        )
     _say(asdict(found) | {"ok": found.ok}, str(found), json)
     if not found.ok:
         return FAILED
@@ -242,6 +252,17 @@ def resumable(store: str | Path) -> Iterator[None]:
         raise KeyboardInterrupt(
             f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {shlex.quote(str(store))}'."
         ) from None
+
+
+def _plan(store: str, map: str | None, model: str | None) -> Any:
+    """Return the plan of a store that is made of code which this call names; None if it names none."""
+    if map is None and model is None:
+        return None
+    from grazing.sweep.store import folder_of, open_existing
+    from grazing.sweep.task import plan_from_recipe
+
+    found = open_existing(folder_of(store))
+    return plan_from_recipe(found, own=named_here(found.recipe, map, model, store))
 
 
 def _shard(shard: str | None) -> tuple[int, int] | None:

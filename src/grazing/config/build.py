@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
+from grazing.config.own import refuse_unnamed
 from grazing.config.schema import ALONE
 from grazing.config.settings import STUDIES, WHOLE
 from grazing.config.values import DEFAULT, extremes, values_of
@@ -42,13 +43,15 @@ def map_in(recipe: Recipe) -> Map:
     return map_of({**recipe, "parameters": given})
 
 
-def plan_of(config: Mapping[str, Any]) -> Plan:
+def plan_of(config: Mapping[str, Any], *, code: str | None = None) -> Plan:
     """Return the plan of the study that a configuration asks for.
 
     Parameters
     ----------
     config : mapping
         As a TOML file has it, or the recipe that a result or a store keeps.
+    code : {"trust"}, optional
+        Run the file of your own that ``map`` or ``model`` names; without it such a configuration is refused.
 
     Returns
     -------
@@ -68,7 +71,8 @@ def plan_of(config: Mapping[str, Any]) -> Plan:
     >>> plan.cells, plan.recipe["settings"]["starts"]
     (5, 100)
     """
-    recipe = checked(config)
+    recipe = checked(config, code=code)
+    refuse_unnamed(recipe)
     study = STUDIES[recipe["study"]]
     if recipe["study"] in WHOLE:
         others = ", ".join(name for name in STUDIES if name not in WHOLE)
@@ -90,13 +94,15 @@ def graph_in(recipe: Recipe) -> xr.Dataset:
     return graph(map_in(recipe), name, values_of(written), order=order, **recipe["settings"])
 
 
-def boundaries_of(config: Mapping[str, Any]) -> xr.Dataset | None:
+def boundaries_of(config: Mapping[str, Any], *, code: str | None = None) -> xr.Dataset | None:
     """Return the exact boundary curves that a configuration wants on its chart; None if it wants none.
 
     Parameters
     ----------
     config : mapping
         As a TOML file has it.
+    code : {"trust"}, optional
+        See :func:`plan_of`.
 
     Raises
     ------
@@ -110,9 +116,10 @@ def boundaries_of(config: Mapping[str, Any]) -> xr.Dataset | None:
     >>> boundaries_of({**config, "vary": {"l": "0:1:9", "mu": "0:0.4:9"}}).label.values.tolist()
     ['3 pd', '3 bc', '4 pd', '4 bc']
     """
-    recipe = checked(config)
+    recipe = checked(config, code=code)
     if not recipe.get("curves"):
         return None
+    refuse_unnamed(recipe)
     sides = [(name, values_of(written)) for name, written in recipe["vary"].items()]
     for name, values in sides:
         if values.min() == values.max():
@@ -133,6 +140,7 @@ def orbits_of(config: Mapping[str, Any], threads: int | None = None) -> Orbits:
     from grazing.orbits.periodic import periodic_orbits
 
     recipe = checked(config)
+    refuse_unnamed(recipe)
     return periodic_orbits(map_in(recipe), **recipe["settings"], threads=threads)
 
 
@@ -185,7 +193,13 @@ def kept(recipe: Recipe) -> Recipe:
     return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
 
 
-def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress: Progress | None = None) -> xr.Dataset:
+def result_of(
+    config: Mapping[str, Any],
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    code: str | None = None,
+) -> xr.Dataset:
     """Return the result of what a configuration asks for, computed in memory.
 
     Parameters
@@ -196,6 +210,8 @@ def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress
         None for one per processor; the result does not depend on it.
     progress : callable, optional
         ``progress(done, total)``.
+    code : {"trust"}, optional
+        See :func:`plan_of`.
 
     Returns
     -------
@@ -209,7 +225,8 @@ def result_of(config: Mapping[str, Any], *, threads: int | None = None, progress
     >>> dict(result_of({**config, "settings": {"state": [0.0], "steps": 3}}).sizes)
     {'n': 4, 'step': 3, 'place': 1202}
     """
-    recipe = checked(config)
+    recipe = checked(config, code=code)
+    refuse_unnamed(recipe)
     if recipe["study"] == "trajectory":
         result = signed(trajectory(model_of(recipe), **recipe["settings"]))
     elif recipe["study"] == "orbit":

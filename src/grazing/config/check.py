@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
 from pydantic import ValidationError
 
 from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
-from grazing.config.own import is_own, located, own_object
+from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
 from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
@@ -26,7 +26,9 @@ DEEPEST = 8
 ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves", "coordinate")
 
 
-def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", label: Label = dotted) -> Recipe:
+def checked(
+    mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", label: Label = dotted, code: str | None = None
+) -> Recipe:
     """Return a configuration with all that was left out filled in, as JSON can write it.
 
     Parameters
@@ -39,6 +41,9 @@ def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", 
         Where the mapping is from, for the message.
     label : callable
         How the message names a path in it.
+    code : {"trust"}, optional
+        Run the file that ``map`` or ``model`` names, if it is one of your own. Without it nothing is run: what only
+        that code knows, such as its parameters, is neither checked nor filled in.
 
     Returns
     -------
@@ -64,7 +69,7 @@ def checked(mapping: Mapping[str, Any], *, folder: str = ".", source: str = "", 
     """
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
-    raw: Recipe = _plain(mapping, source)
+    raw: Recipe = named(_plain(mapping, source), code)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
@@ -86,7 +91,7 @@ def _plain(value: Any, source: str, depth: int = 0) -> Any:
 
 def _located(raw: Recipe, folder: str) -> Recipe:
     """Return the mapping with whole paths of the user's files; a file that holds an oscillator is the model."""
-    for key in ("map", "model"):
+    for key in KEYS:
         if isinstance(raw.get(key), str) and is_own(raw[key]):
             raw[key] = located(raw[key], folder)
     return raw
@@ -112,6 +117,7 @@ def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
     if any(problem.path == ("study",) for problem in problems):  # any of them stood in, so that the rest can be seen
         del found["study"]
         found["settings"] = {}
+    found |= {key: raw[key] for key in KEYS if isinstance(raw.get(key), Named) and key in found}  # the schema has text
     return problems, {**found, "parameters": {**found["parameters"], **own}}
 
 
@@ -146,6 +152,13 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     if not is_own(kind) and kind not in MAPS:
         yield Problem(("map",), partial(unknown_key, kind, [*MAPS, "file.py:name"], f"map = {shown(kind)}"))
         return
+    if unnamed(config):  # only the code knows the rest
+        broken_ranges: list[Problem] = []
+        config["vary"] = dict(_ranges(config, broken_ranges))
+        yield from broken_ranges
+        yield from _numbers(config["parameters"])
+        _order(config)
+        return
     try:
         _adopt(config)
         known, (names, coordinates) = parameter_defaults(config), names_of(config)
@@ -156,7 +169,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         if problem.path[0] == "parameters" and len(problem.path) > 1 and problem.path[1] not in known:
             before[i] = Problem(problem.path, partial(unknown_key, problem.path[1], known, "unknown parameter"))
     yield from _pieces(config)
-    broken_ranges: list[Problem] = []
+    broken_ranges = []
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
@@ -175,6 +188,10 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     if isinstance(config["settings"], Mapping):
         yield from _orbits(config, ranges, names, ("settings", "period") in broken)
     config["vary"] = ranges
+    _order(config)
+
+
+def _order(config: Recipe) -> None:
     ordered = {key: config[key] for key in ORDER if key in config}
     config.clear()
     config |= ordered
@@ -335,7 +352,7 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
     """Yield parameters that the map does not have, or needs; then complete them and see that the map can be made."""
     given = config["parameters"]
     sound = True
-    for name, value in list(given.items()):
+    for name in given:
         if name not in known:
             sound = False
             extra = (
@@ -344,12 +361,9 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
                 else "unknown parameter"
             )
             yield Problem(("parameters", name), partial(unknown_key, name, known, extra))
-        elif name not in AMPLITUDES:
-            try:
-                given[name] = number(value, name)
-            except InputError as error:
-                sound = False
-                yield Problem(("parameters", name), str(error))
+    for problem in _numbers(given, known):
+        sound = False
+        yield problem
     for name, default in known.items():
         if default is None and name not in given and name not in elsewhere:
             sound = False
@@ -365,6 +379,16 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             map_of({**config, "parameters": filled})
         except GrazingError as error:
             yield Problem(("parameters",), str(error))
+
+
+def _numbers(given: Recipe, known: Iterable[str] | None = None) -> Iterator[Problem]:
+    """Yield parameters that are no numbers, of those that are known, and take the others for numbers."""
+    for name in [*given] if known is None else [name for name in given if name in known]:
+        if name not in AMPLITUDES:
+            try:
+                given[name] = number(given[name], name)
+            except InputError as error:
+                yield Problem(("parameters", name), str(error))
 
 
 def _says(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import LAW, UNFOLD, parameter_defaults
-from grazing.config.own import is_own
+from grazing.config.own import is_own, unnamed
 from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
 from grazing.config.values import DEFAULT
@@ -63,9 +63,12 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
     for key, usual in KEYS.items():
         if recipe.get(key, usual) != usual:
             yield from _option(key, recipe[key])
-    usual = parameter_defaults({**recipe, "parameters": {}})  # the pinball's, unless law or what varies is not its
+    unsaid = unnamed(recipe) is not None  # only the code knows its defaults
+    usual = (
+        {} if unsaid else parameter_defaults({**recipe, "parameters": {}})
+    )  # the pinball's, unless law or what varies is not its
     said = {name: value for name, value in recipe["parameters"].items() if value != usual.get(name)}
-    defaults = parameter_defaults({**recipe, "parameters": said})
+    defaults = {} if unsaid else parameter_defaults({**recipe, "parameters": said})
     own = is_own(recipe["map"]) or "model" in recipe
     for name, value in recipe["parameters"].items():
         if value != defaults.get(name):

@@ -52,13 +52,16 @@ def read_text(source: Path) -> str:
         raise InputError(f"{source} is no text; give a TOML file in UTF-8") from None
 
 
-def load_config(path: str | os.PathLike[str]) -> Recipe:
+def load_config(path: str | os.PathLike[str], *, code: str | None = None) -> Recipe:
     r"""Return the configuration in a TOML file, checked, with all that was left out filled in.
 
     Parameters
     ----------
     path : path-like
         Paths in it, of a user's own maps and models, begin at its folder.
+    code : {"trust"}, optional
+        Run the file that ``map`` or ``model`` names, if it is one of your own. Without it nothing is run, and what only
+        that code knows is not checked.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def load_config(path: str | os.PathLike[str]) -> Recipe:
     >>> config["parameters"]["V"], config["settings"]["transient"]
     (0.2, 200)
     """
-    return checked(read_toml(path), folder=str(Path(path).parent), source=str(path))
+    return checked(read_toml(path), folder=str(Path(path).parent), source=str(path), code=code)
 
 
 def toml_of(config: Mapping[str, Any]) -> str:

@@ -83,7 +83,7 @@ def beyond_pinball(config: Mapping[str, Any]) -> str | None:
 
 def own_model(text: str) -> Oscillator:
     """Return the oscillator that ``file.py:name`` names."""
-    found = own_object(text)
+    found = own_object(text, "model")
     if not isinstance(found, Oscillator):
         raise InputError(f"{text} is a gz.Map; give it as the map, and leave the model out")
     return found

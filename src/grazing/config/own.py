@@ -1,17 +1,39 @@
-"""Models and maps from a user's own Python file, named ``file.py:name``."""
+"""Models and maps from a user's own Python file, named ``file.py:name``.
+
+To read is not to run. What a file says (a configuration, the recipe of a result, of a store, of a figure) is text, and
+text runs nothing, whatever it names. Code runs only where the present call names it: such a name is :class:`Named`, and
+only :func:`own_object`, which takes no other, executes a file. No decoder of any format makes one.
+"""
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import shlex
 import stat
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import GrazingError, InputError, UserCodeError, shown
+
+#: The keys of a configuration that can name code.
+KEYS = ("map", "model")
+TRUST = "trust"
+
+
+class Named(str):
+    """``file.py:name`` that the present call names: an option of the command line, or ``code="trust"`` in Python."""
+
+    __slots__ = ()
+
+
+class NotNamed(InputError):
+    """Code that a file names and the present call does not."""
 
 
 def is_own(text: str) -> bool:
@@ -23,25 +45,73 @@ def located(text: str, folder: str | Path) -> str:
     """Return ``file.py:name`` with the file's whole path, found from a folder."""
     file, _, name = text.rpartition(":")
     try:
-        return f"{os.path.realpath(Path(folder) / file)}:{name}"
+        return type(text)(f"{os.path.realpath(Path(folder) / file)}:{name}")
     except (OSError, ValueError):  # it cannot be the name of a file, which is said where it is opened
         return text
 
 
-def own_object(text: str) -> Map | Oscillator:
-    """Return the map or the oscillator that ``file.py:name`` names.
-
-    Parameters
-    ----------
-    text : str
+def named(config: Mapping[str, Any], code: str | None) -> dict[str, Any]:
+    """Return a configuration in which the code that it names is named by this call, if ``code`` is ``"trust"``.
 
     Raises
     ------
+    InputError
+        If ``code`` is anything else but None.
+    """
+    if code not in (None, TRUST):
+        raise InputError(f"code = {code!r}; allowed are None, which runs none, and {TRUST!r}, which runs what is named")
+    found = dict(config)
+    for key in KEYS if code == TRUST else ():
+        if isinstance(found.get(key), str) and is_own(found[key]):
+            found[key] = Named(found[key])
+    return found
+
+
+def unnamed(config: Mapping[str, Any]) -> str | None:
+    """Return the first key of a configuration with code that this call does not name; None if there is none."""
+    for key in KEYS:
+        text = config.get(key)
+        if isinstance(text, str) and is_own(text) and not isinstance(text, Named):
+            return key
+    return None
+
+
+def refuse_unnamed(config: Mapping[str, Any]) -> None:
+    """Raise :class:`NotNamed` for a configuration with code that this call does not name."""
+    key = unnamed(config)
+    if key is not None:
+        raise not_named(config[key], key)
+
+
+def not_named(text: str, key: str) -> NotNamed:
+    """Return what is said of code that a file names and the present call does not."""
+    return NotNamed(
+        f"{key} = {text!r} is code that a file names, and reading a file runs no code. If you trust it, name it in "
+        f"this call: --{key} {shlex.quote(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
+    )
+
+
+def own_object(text: str, key: str = "map") -> Map | Oscillator:
+    """Return the map or the oscillator that ``file.py:name`` names. Nothing else executes a file.
+
+    Parameters
+    ----------
+    text : Named
+        Any other text is refused before the file is looked at.
+    key : {"map", "model"}
+        Where it stands, for the message.
+
+    Raises
+    ------
+    NotNamed
+        If this call does not name it.
     InputError
         If there is no such file or name, or it is something else.
     UserCodeError
         If the file cannot be run.
     """
+    if not isinstance(text, Named):
+        raise not_named(text, key)
     file, _, name = text.rpartition(":")
     path = Path(file)
     try:
@@ -66,7 +136,7 @@ def own_object(text: str) -> Map | Oscillator:
 
 def _module(path: Path) -> Any:
     """Return the module of a file; run it once per process and state of the file."""
-    name = f"_grazing_own_{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
+    name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
     if name in sys.modules:
         return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)

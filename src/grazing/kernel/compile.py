@@ -12,12 +12,11 @@ import dis
 import hashlib
 import math
 import os
-import stat
 import sys
-import tempfile
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
 from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
@@ -25,6 +24,8 @@ from typing import Any
 
 import numpy as np
 
+from grazing.kernel.disk import KernelFiles
+from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.primitives import forms, pointed
 from grazing.outcome import InputError, UserCodeError
 
@@ -34,7 +35,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 #: The functions of these modules have a compiled form of their own and are not compiled from their source.
 PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.turns", "grazing.kernel.rows", "grazing.kernel.vectors")
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 3
+LAYOUT = 4
 
 _lock = threading.RLock()
 _inner: dict[tuple[FunctionType, str], Any] = {}
@@ -117,6 +118,18 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
         call(entry.compile, wanted, who=who)
         code = entry.overloads[wanted]
     return float(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+
+
+@contextmanager
+def compiler_time() -> Iterator[Callable[[], float]]:
+    """Yield a function that says how many seconds the compiler has taken in the block so far."""
+    if jit_disabled():
+        yield lambda: 0.0
+        return
+    from numba.core import event
+
+    with event.install_listener("numba:compile", event.TimingListener()) as clock:
+        yield lambda: float(clock.duration) if clock.done else 0.0
 
 
 def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
@@ -294,40 +307,6 @@ def _code_content(code: CodeType) -> Any:
 # ---- the disk cache
 
 
-@cache
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one."""
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
-    try:
-        wanted.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=wanted).close()
-    except OSError:
-        fallback = _private_folder()
-        warnings.warn(
-            f"compiled kernels cannot be kept in {wanted}; they go to {fallback}. Set GRAZING_CACHE to choose",
-            RuntimeWarning,
-            stacklevel=2,
-        )
-        return fallback
-    return wanted
-
-
-def _private_folder() -> Path:
-    """Return a temporary folder that nobody else can write to: what lies in it will be executed."""
-    user = os.getuid() if hasattr(os, "getuid") else None
-    folder = Path(tempfile.gettempdir()) / f"grazing-{'user' if user is None else user}"
-    try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
-        ours = user is None or (found.st_uid == user and not found.st_mode & 0o077)
-        if ours and stat.S_ISDIR(found.st_mode) and os.access(folder, os.W_OK):
-            return folder
-    except OSError:
-        folder = Path(tempfile.gettempdir())  # the next line says what is wrong with it
-    return Path(tempfile.mkdtemp(prefix="grazing-"))
-
-
 def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announce: str) -> None:
     """Give a dispatcher a disk cache whose file name is the hash of its content.
 
@@ -335,7 +314,7 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
     """
     import llvmlite
     import numba
-    from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+    from numba.core.caching import CompileResultCacheImpl, FunctionCache
 
     ways = _text("grazing.kernel.pipeline") + _text("grazing.kernel.simd")
     versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__}"
@@ -361,7 +340,7 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
             self._py_func = py_func
             self._impl = Implementation(py_func)
             self._cache_path = os.fspath(cache_folder())
-            self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)
+            self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base)
             self.enable()
 
         def _index_key(self, sig: Any, codegen: Any) -> Any:
@@ -370,7 +349,7 @@ def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announc
         def _load_overload(self, sig: Any, target_context: Any) -> Any:
             try:
                 found = super()._load_overload(sig, target_context)
-            except Exception:  # a truncated or foreign file is as good as none: compile again
+            except Exception:  # what the linker does not take is as good as none: compile again
                 found = None
             if found is None and announce:
                 print(f"grazing: {announce}", file=sys.stderr, flush=True)

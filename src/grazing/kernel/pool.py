@@ -18,6 +18,11 @@ Progress = Callable[[int, int], Any]
 Task = Callable[[], Iterator[None]]
 
 
+def workers_of(threads: int | None) -> int:
+    """Return the number of threads that is meant; None is one per processor."""
+    return (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
+
+
 def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progress | None = None) -> None:
     """Run every task once, in a scattered order, on threads.
 
@@ -38,7 +43,7 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
     InputError
         For threads that are not a whole number >= 1.
     """
-    workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
+    workers = workers_of(threads)
     order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64)))
     if workers == 1 or len(tasks) <= 1:
         for done, i in enumerate(order, start=1):

@@ -173,10 +173,6 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
     law = model.reset
     step, tangent = local_map_of(law.law, law.slope, order, flown)
 
-    def again(values: dict[str, Any]) -> Map:
-        own = {name: value for name, value in values.items() if name != "phase"}
-        return _local_map(model.replace(**own), order, values["phase"], flown)
-
     return Map(
         step,
         params={**model.params, "phase": checked_phase(model, phase)},
@@ -188,11 +184,16 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",
         check=above_wall if not flown else None,
         exact=law.exact_slope,
-        source=again,
+        source=partial(_again, model, order, flown),
         describe=describe_parameter,
         model=model,
         clock=partial(periods_passed, list(model.params).index("omega")) if flown else None,
     )
+
+
+def _again(model: Oscillator, order: str, flown: bool, values: dict[str, Any]) -> Map:
+    own = {name: value for name, value in values.items() if name != "phase"}
+    return _local_map(model.replace(**own), order, values["phase"], flown)
 
 
 class ZeroTime(NamedTuple):

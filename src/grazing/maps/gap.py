@@ -74,5 +74,9 @@ def gap_map(lam: float, mu: float, l: float) -> Map:
         tangent=gap_tangent,
         name="gap map",
         describe=PARAMETERS.__getitem__,
-        source=lambda values: gap_map(**values),
+        source=_again,
     )
+
+
+def _again(values: dict[str, float]) -> Map:
+    return gap_map(**values)

@@ -211,7 +211,7 @@ def impact_map(model: Oscillator) -> Map:
         name="impact map",
         check=leaves_wall,
         exact=law.exact_slope,
-        source=lambda values: impact_map(model.replace(**values)),
+        source=partial(_again, model),
         pointed=partial(
             pointed_derivative,
             model.harmonics,
@@ -225,3 +225,7 @@ def impact_map(model: Oscillator) -> Map:
         section="impact",
         clock=partial(time_passed, list(model.params).index("omega")),
     )
+
+
+def _again(model: Oscillator, values: dict[str, Any]) -> Map:
+    return impact_map(model.replace(**values))

@@ -88,8 +88,12 @@ def linearised_map(lam: float, det: float, mu: float, l: float, root: float = 1.
         tangent=linearised_tangent,
         name="linearised map",
         describe=PARAMETERS.__getitem__,
-        source=lambda values: linearised_map(**values),
+        source=_again,
     )
+
+
+def _again(values: dict[str, float]) -> Map:
+    return linearised_map(**values)
 
 
 def linearised_of(form: NormalForm, value: float | None = None) -> Map:

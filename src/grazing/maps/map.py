@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.copies import ByValue, Code, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import tangent_runner
 from grazing.kernel.pool import Progress, Task
@@ -56,8 +57,17 @@ class Segment(NamedTuple):
     undecided: int = 0
 
 
+#: What two equal maps have in common; all else follows from it, or is compiled from it.
+VALUE = (
+    "name", "params", "coordinates", "box", "letters", "escape", "exact", "model", "section", "step", "prepare",
+    "tangent", "check",
+)  # fmt: skip
+#: What may differ from the map that ``source`` makes.
+OWN = ("name", "coordinates", "box", "letters", "escape")
+
+
 @dataclass(frozen=True, eq=False)
-class Map:
+class Map(ByValue):
     """A step on a section: ``step(state, c) -> (state, letter, outcome)``.
 
     Parameters
@@ -163,6 +173,16 @@ class Map:
         object.__setattr__(self, "name", self.name or getattr(self.step, "__name__", "map"))
         if self._full_step is None:
             object.__setattr__(self, "_full_step", self.step if self.source is not None else _normalised(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Map) and all(alike(getattr(self, name), getattr(other, name)) for name in VALUE)
+
+    __hash__ = ByValue.__hash__
+
+    def __reduce__(self) -> Any:
+        if self.source is not None:
+            return _made_again, (Code(self.source), dict(self.params), {name: getattr(self, name) for name in OWN})
+        return _built_again, ({item.name: packed(getattr(self, item.name)) for item in fields(self) if item.init},)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
@@ -398,6 +418,19 @@ class Map:
     def packed(self) -> tuple[type, NDArray[np.float64]]:
         """Return the type of the parameters' named tuple and their values: how a kernel gets them."""
         return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()) or [0.0], dtype=np.float64)
+
+
+def _made_again(source: Any, params: dict[str, float], own: dict[str, Any]) -> Map:
+    """Return a map as its source makes it, with what was changed since."""
+    made: Map = plain(source)(params)
+    for name, value in own.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+def _built_again(parts: dict[str, Any]) -> Map:
+    """Return a map from the fields that a pickle keeps."""
+    return Map(**{name: plain(value) for name, value in parts.items()})
 
 
 def _normalised(P: Map) -> Callable[..., Any]:

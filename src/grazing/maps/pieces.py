@@ -36,8 +36,7 @@ def pieces(
     Columns
         Of one piece, in order; ``points`` and ``letters`` have as many steps as were kept in it, possibly none.
     """
-    orbits, cut = max(1, lanes.shape[0] * lanes.shape[2]), CUT if P.block is not None else 1
-    stride = cut * max(1, steps_of(P) // (cut * orbits))
+    stride = steps_of_piece(P, lanes.shape[0] * lanes.shape[2])
     for n in range(0, max(transient + keep, 1), stride):
         end = min(n + stride, transient + keep)
         passed = max(0, min(end, transient) - n)
@@ -46,6 +45,12 @@ def pieces(
         if n > 0:
             found.outcomes[:, 0][over] = 0  # an earlier piece has said how these ended
         yield found
+
+
+def steps_of_piece(P: Map, orbits: int) -> int:
+    """Return how many steps a piece of so many orbits has."""
+    cut = CUT if P.block is not None else 1
+    return cut * max(1, steps_of(P) // (cut * max(1, orbits)))
 
 
 def steps_of(P: Map) -> int:

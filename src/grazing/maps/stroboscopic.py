@@ -109,9 +109,6 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     checked_model(model)
     law = model.reset
 
-    def again(values: dict[str, Any]) -> Map:
-        return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])
-
     def settle(row: list[float], state: tuple[float, ...]) -> Settled | None:
         values = dict(zip(model.params, row, strict=False))  # the phase comes last
         proven = exact_period(model.replace(**values), (state[0], state[1]), row[-1])
@@ -121,7 +118,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
 
     def explain(row: list[float], state: tuple[float, ...]) -> str:
-        P = again(dict(zip([*model.params, "phase"], row, strict=True)))
+        P = _again(model, dict(zip([*model.params, "phase"], row, strict=True)))
         said = []
 
         def watched(v: float, p: Any) -> float:
@@ -154,7 +151,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         name="stroboscopic map",
         check=above_wall,
         exact=law.exact_slope,
-        source=again,
+        source=partial(_again, model),
         settle=settle,
         explain=explain,
         pointed=partial(
@@ -170,3 +167,8 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
         section="strobe",
         clock=partial(periods_passed, list(model.params).index("omega")),
     )
+
+
+def _again(model: Oscillator, values: dict[str, Any]) -> Map:
+    """Make the map at other values, from a model that checks their ranges."""
+    return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])

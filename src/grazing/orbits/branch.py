@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
@@ -49,7 +50,7 @@ MET = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(ByValue):
     """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
 
     ``events`` are the numbers of the orbits at special points, the first one among them where the piece begins at one;
@@ -65,7 +66,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class Branch(ByValue):
     """An orbit followed in a parameter; see :func:`continuation`.
 
     Parameters

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.orbit import Orbit
@@ -141,7 +142,7 @@ class Meeting(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Locus:
+class Locus(ByValue):
     """Where a special point lies in the plane of two parameters; see :func:`locus`.
 
     Parameters

@@ -143,7 +143,7 @@ class MapEquations(PointEquations):
         images = images.transpose(0, 2, 1)
         on = np.where((letters == self.letters).all(axis=1)[:, None, None], images, np.nan)
         k = len(h)
-        return slope(on[k], on[:k], on[: k : -1], h[:, None, None], h[:, None, None]), images, letters
+        return slope(on[k], on[:k], on[:k:-1], h[:, None, None], h[:, None, None]), images, letters
 
     def allowed(self, p: Floats) -> NDArray[np.bool_]:
         """Whether the map allows each of several values (k, names) of its parameters."""

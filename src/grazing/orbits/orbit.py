@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.maps.map import Map
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Orbit:
+class Orbit(ByValue):
     """A periodic orbit of a map.
 
     Parameters

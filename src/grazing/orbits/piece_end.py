@@ -100,12 +100,16 @@ def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
     return -1
 
 
-def unsure(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int]]) -> float:
+def unsure(
+    equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int]]
+) -> float:
     """Return by how much rounding may move the end in the scaled parameter, as the point at the border is moved."""
     images, J, error, _letters = equations.stepped(x, p)
     N, d = equations.N, equations.P.dimension
     size = np.abs(x).reshape(N, d)
-    slack = EPS * (np.abs(images) + np.abs(x.reshape(N, d))[(np.arange(N) + 1) % N] + np.einsum("jik,jk->ji", np.abs(J), size))
+    slack = EPS * (
+        np.abs(images) + np.abs(x.reshape(N, d))[(np.arange(N) + 1) % N] + np.einsum("jik,jk->ji", np.abs(J), size)
+    )
     wide = -np.eye(N * d)
     for j in range(N):
         k = (j + 1) % N

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from math import inf
 from types import MappingProxyType
 from typing import Any
 
+from grazing.copies import ByValue, packed, plain
 from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
@@ -71,6 +72,7 @@ def difference_of(law: Callable[..., float]) -> Callable[..., float]:
             return (3.0 * law(v, p) - 4.0 * law(v - h, p) + law(v - 2.0 * h, p)) / (2.0 * h)
         return (law(v + h, p) - law(v - h, p)) / (2.0 * h)
 
+    slope.made_by = difference_of, (law,)  # type: ignore[attr-defined]
     return slope
 
 
@@ -81,11 +83,12 @@ def constant_contraction(ratio: float, speed: float) -> Callable[..., tuple[floa
     def contraction(p: Any) -> tuple[float, float]:
         return ratio, speed
 
+    contraction.made_by = constant_contraction, (ratio, speed)  # type: ignore[attr-defined]
     return contraction
 
 
-@dataclass(frozen=True, slots=True)
-class Reset:
+@dataclass(frozen=True, slots=True, eq=False)
+class Reset(ByValue):
     """A reset law with its parameters; made by :func:`newton`, :func:`active`, :func:`triggered` or :func:`reset`.
 
     ``slope`` is d v_plus/d v_minus, ``exact_slope`` says whether it is exact or a central difference; ``affine``
@@ -104,6 +107,9 @@ class Reset:
         values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
         return f"{self.name}({values})"
 
+    def __reduce__(self) -> Any:
+        return _again, tuple(packed(getattr(self, field.name)) for field in fields(self))
+
     def __call__(self, v_minus: float, **params: float) -> float:
         """Return v_plus for one incoming velocity, in plain Python."""
         return checked_velocity(self, v_minus, {**self.params, **params})
@@ -114,6 +120,12 @@ class Reset:
             self.law, _checked({**self.params, **changes}), self.slope, self.contraction,
             self.exact_slope, self.name, self.affine,
         )  # fmt: skip
+
+
+def _again(law: Any, params: Any, slope: Any, contraction: Any, exact_slope: bool, name: str, affine: bool) -> Reset:
+    """Return a law from the parts that a pickle keeps."""
+    parts = (plain(law), _checked(params), plain(slope), plain(contraction))
+    return Reset(*parts, exact_slope, name, affine)
 
 
 def _checked(params: Mapping[str, Any]) -> Mapping[str, float]:

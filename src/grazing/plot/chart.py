@@ -76,10 +76,7 @@ def chart(
     first, second, _rank = expect(result, "chart", needed)
     curves = curves_of(curves, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
-    period, share = (np.asarray(result[name].values)[i][:, j] for name in ("period", "share"))
-    if "done" in result:  # the store of a sweep that is not complete: what is missing stays white
-        missing = ~np.asarray(result["done"].values, bool)[i][:, j]
-        period, share = np.where(missing[..., None], UNUSED, period), np.where(missing[..., None], 0.0, share)
+    period, share = _shown(result, i, j)
     bar = beside = None
     with styled():
         ax = axes(ax, 120.0, 88.0)
@@ -105,6 +102,23 @@ def chart(
         "curves": drawn,
         "provenance": provenance_of(result),
     }
+
+
+def _shown(result: xr.Dataset, i: NDArray[np.intp], j: NDArray[np.intp]) -> tuple[NDArray[Any], Floats]:
+    """Return periods and shares in order, with no more ranks than some cell has attractors.
+
+    There are as many ranks as starts, and most of them are empty everywhere: colouring them would take many times the
+    memory of the result.
+    """
+    period, share = (np.asarray(result[name].values) for name in ("period", "share"))
+    missing = ~np.asarray(result["done"].values, bool) if "done" in result else np.zeros(period.shape[:2], bool)
+    ranks = range(period.shape[2])
+    used = [k for k in ranks if ((share[..., k] > 0.0) & (period[..., k] != UNUSED) & ~missing).any()]
+    last = max(used, default=0) + 1
+    period, share = period[..., :last][i][:, j], share[..., :last][i][:, j]
+    missing = missing[i][:, j]
+    period[missing], share[missing] = UNUSED, 0.0  # of a sweep that is not complete: it stays white
+    return period, share
 
 
 def _periods(

@@ -9,6 +9,7 @@ from math import inf, nextafter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from grazing.copies import ByValue
 from grazing.maps.gap import gap_step
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
@@ -52,7 +53,7 @@ class NotProven(Exception):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Certificate:
+class Certificate(ByValue):
     """What was proven, or why nothing was.
 
     Parameters

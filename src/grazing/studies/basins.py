@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ from grazing.studies.runs import (
     checked_map,
     checked_values,
     describe_values,
+    size_of_orbit,
     together,
     tolerance_config,
 )
@@ -148,19 +150,6 @@ def plan(
         for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
             state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
             P.check(tuple(state[:, 0].tolist()), P.params)
-    row = np.array([list(P.params.values()) or [0.0]])
-
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        lanes, parts = _states(P, axes, others, cells)[None], []
-        for part in pieces(P, row, lanes, transient, keep, arithmetic):
-            parts.append(part)
-            yield
-        found = joined(parts)
-        settled = settled_columns(P, row, found)
-        arrays["reached_period"][...], arrays["reached_word"][...] = settled.period[0], settled.words[0]
-        arrays["reached_point"][...] = _points(P, row, found, settled)
-        arrays["outcome"][...], arrays["trust"][...] = found.outcomes[0, 0], settled.trust[0]
-
     name = P.name or "map"
     return Plan(
         P=P,
@@ -189,11 +178,29 @@ def plan(
             "outcome": Variable((), "int32", labels.outcome_attributes()),
             "trust": Variable((), "int8", labels.trust_attributes()),
         },
-        compute=compute,
+        compute=partial(_compute, P, axes, others, transient, keep, arithmetic),
         together=together(P, arithmetic),
         work=transient + keep,
-        finish=lambda result: _with_attractors(P, axes, preimages, result),
+        working=size_of_orbit(P, keep),
+        finish=partial(_with_attractors, P, axes, preimages),
     )
+
+
+def _compute(
+    P: Map, axes: Mapping[str, Floats], others: Mapping[str, float], transient: int, keep: int, arithmetic: str,
+    cells: Ints, arrays: Arrays,
+) -> Iterator[None]:  # fmt: skip
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    row = np.array([list(P.params.values()) or [0.0]])
+    lanes, parts = _states(P, axes, others, cells)[None], []
+    for part in pieces(P, row, lanes, transient, keep, arithmetic):
+        parts.append(part)
+        yield
+    found = joined(parts)
+    settled = settled_columns(P, row, found)
+    arrays["reached_period"][...], arrays["reached_word"][...] = settled.period[0], settled.words[0]
+    arrays["reached_point"][...] = _points(P, row, found, settled)
+    arrays["outcome"][...], arrays["trust"][...] = found.outcomes[0, 0], settled.trust[0]
 
 
 def _checked_grid(P: Map, grid: Mapping[str, ArrayLike] | None) -> dict[str, Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
 from grazing.studies.growth import grower
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
-from grazing.studies.runs import checked_map, checked_runs, describe_values, tolerance_config
+from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,18 +113,6 @@ def plan(
     runs = checked_runs(P, params, starts, transient, keep, seed, arithmetic, box, TAKEN)
     lanes, steps = runs.settings.lanes, whole(exponent_steps, "exponent_steps", 1)
 
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        found: Columns | None = None
-        for found in runs.columns(cells):
-            if found is None:
-                yield
-        assert found is not None
-        settled = settled_columns(P, runs.rows(cells), found)
-        yield
-        first = rank(settled, found.outcomes, arrays)
-        yield
-        grow(P, runs.rows(cells), found, first, steps, arrays)
-
     names = " and ".join(runs.axes)
     return Plan(
         P=P,
@@ -141,10 +129,26 @@ def plan(
         axis_attrs={name: labels.quantity(P, name) for name in runs.axes},
         sizes={"rank": lanes},
         variables=_variables(runs.settings.keep),
-        compute=compute,
+        compute=partial(_compute, runs, steps),
         together=runs.together,
         work=runs.work,
+        working=runs.kept_size,
     )
+
+
+def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    found: Columns | None = None
+    for found in runs.columns(cells):
+        if found is None:
+            yield
+    assert found is not None
+    P = runs.P
+    settled = settled_columns(P, runs.rows(cells), found)
+    yield
+    first = rank(settled, found.outcomes, arrays)
+    yield
+    grow(P, runs.rows(cells), found, first, steps, arrays)
 
 
 def _variables(keep: int) -> dict[str, Variable]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -109,18 +109,6 @@ def plan(
     name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
 
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        found: Columns | None = None
-        for found in runs.columns(cells):
-            if found is None:
-                yield
-        assert found is not None
-        settled = settled_columns(P, runs.rows(cells), found)
-        arrays["reached_period"][...], arrays["reached_word"][...] = settled.period, settled.words
-        arrays["outcome"][...], arrays["trust"][...] = found.outcomes[:, 0], settled.trust
-        arrays["last"][...] = found.points[:, -1].transpose(0, 2, 1)
-        arrays["steps"][...] = yield from lifetimes(runs, cells, found, settled.period)
-
     return Plan(
         P=P,
         title=f"attractors of the {P.name} in {name}",
@@ -137,11 +125,26 @@ def plan(
         sizes={"start": runs.settings.lanes, "coordinate": P.dimension},
         coords={"coordinate": ("coordinate", np.array(P.coordinates))},
         variables=_variables(runs.settings.keep),
-        compute=compute,
+        compute=partial(_compute, runs),
         together=runs.together,
         work=2 * runs.work,
-        finish=lambda result: _with_attractors(P, name, runs.settings.transient, runs.settings.keep, result),
+        working=runs.kept_size,
+        finish=partial(_with_attractors, P, name, runs.settings.transient, runs.settings.keep),
     )
+
+
+def _compute(runs: Runs, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    found: Columns | None = None
+    for found in runs.columns(cells):
+        if found is None:
+            yield
+    assert found is not None
+    settled = settled_columns(runs.P, runs.rows(cells), found)
+    arrays["reached_period"][...], arrays["reached_word"][...] = settled.period, settled.words
+    arrays["outcome"][...], arrays["trust"][...] = found.outcomes[:, 0], settled.trust
+    arrays["last"][...] = found.points[:, -1].transpose(0, 2, 1)
+    arrays["steps"][...] = yield from lifetimes(runs, cells, found, settled.period)
 
 
 def _variables(keep: int) -> dict[str, Variable]:

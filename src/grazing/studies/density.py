@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import floor
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
+from grazing.memory import refuse_too_large
 from grazing.outcome import AMBIGUOUS, FATAL, InputError, shown
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
@@ -32,6 +33,8 @@ BLOCK = 64
 ROOM = 0.05
 #: A trial looks at so many values, starts and steps.
 TRIAL = 64, 20, 100
+#: Bytes that a bin takes: counts, while they are made and as they are stored, edges and centres.
+BIN = 8 * 6
 
 
 def density(
@@ -116,26 +119,14 @@ def plan(
 ) -> Plan:
     """Return the plan of a density, see :func:`density`."""
     name = checked_name(name, checked_map(P).params, P.name or "the map")
-    runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
+    runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN, as_they_come=True)
     seen = P.coordinates[0] if coordinate is None else coordinate
     if not isinstance(seen, str) or seen not in P.coordinates:
         raise InputError(f"coordinate = {shown(coordinate)}; allowed are {', '.join(P.coordinates)}")
     bins, i = whole(bins, "bins", 1), list(P.coordinates).index(seen)
+    refuse_too_large(BIN * bins, f"reduce bins ({bins})", "one cell and the places of its bins")
     grid = runs.axes[name]
     low, high = trial_range(runs, i) if range is None else checked_range(range)
-
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        counts = np.zeros((len(cells), bins + 3), np.int64)
-        lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
-        for part in runs.pieces(cells):
-            call(compiled_raster(), part.points, i, low, high, bins, counts)
-            lost |= part.outcomes[:, 0] & FATAL
-            doubtful |= part.outcomes[:, 0] & AMBIGUOUS
-            yield
-        arrays["count"][...] = counts[:, 1:-2]
-        arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
-        arrays["ended"][...] = np.count_nonzero(lost, axis=1)
-        arrays["ambiguous"][...] = np.count_nonzero(doubtful, axis=1)
 
     edges = np.linspace(low, high, bins + 1)
     ends = {"low": low, "high": high}
@@ -162,10 +153,26 @@ def plan(
             "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
             "ambiguous": Variable((), "int64", {"long_name": "starts with an ambiguous decision", "units": "1"}),
         },
-        compute=compute,
+        compute=partial(_compute, runs, i, low, high, bins),
         together=runs.together,
         work=runs.work,
+        working=runs.piece_size + 3 * 8 * bins,
     )
+
+
+def _compute(runs: Runs, i: int, low: float, high: float, bins: int, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    counts = np.zeros((len(cells), bins + 3), np.int64)
+    lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
+    for part in runs.pieces(cells):
+        call(compiled_raster(), part.points, i, low, high, bins, counts)
+        lost |= part.outcomes[:, 0] & FATAL
+        doubtful |= part.outcomes[:, 0] & AMBIGUOUS
+        yield
+    arrays["count"][...] = counts[:, 1:-2]
+    arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
+    arrays["ended"][...] = np.count_nonzero(lost, axis=1)
+    arrays["ambiguous"][...] = np.count_nonzero(doubtful, axis=1)
 
 
 def checked_range(ends: object) -> tuple[float, float]:

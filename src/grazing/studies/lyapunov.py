@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from grazing.studies import labels
 from grazing.studies.classify import ENDED, settled_columns
 from grazing.studies.growth import stretcher, turned
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
-from grazing.studies.runs import checked_map, checked_runs, describe_values, tolerance_config
+from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,28 +116,6 @@ def plan(
     runs = checked_runs(P, axes, starts, transient, keep, seed, arithmetic, box, TAKEN)  # type: ignore[arg-type]
     steps, lanes = whole(steps, "steps", 1), runs.settings.lanes
 
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        found: Columns | None = None
-        for found in runs.columns(cells):
-            if found is None:
-                yield
-        assert found is not None
-        rows = runs.rows(cells)
-        settled = settled_columns(P, rows, found)
-        arrays["period"][...], arrays["word"][...] = settled.period, settled.words
-        arrays["trust"][...], arrays["outcome"][...] = settled.trust, found.outcomes[:, 0]
-        arrays["exponent"][...] = np.nan
-        if P.clock is not None:
-            arrays["return_time"][...] = np.nan
-        for part in (settled.period > 0, (settled.period <= 0) & (settled.period != ENDED)):
-            q, j = np.nonzero(part)
-            if q.size:
-                many = settled.period[part] if settled.period[part][0] > 0 else None
-                seen = found.points[q, -1, :, j], found.letters[q, :, j]
-                yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
-        if P.clock is not None:
-            arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
-
     return Plan(
         P=P,
         title=f"Lyapunov exponents of the {P.name}" + (f" in {name}" if name else ""),
@@ -152,10 +131,35 @@ def plan(
         axis_attrs={name: labels.quantity(P, name) for name in runs.axes},
         sizes={"start": lanes, "index": P.dimension},
         variables=_variables(P, runs.settings.keep),
-        compute=compute,
+        compute=partial(_compute, runs, steps),
         together=max(1, runs.together // 8),
         work=runs.work + SLOWER * lanes * steps,
+        working=2 * runs.kept_size,  # letters once more, and deviations
     )
+
+
+def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    found: Columns | None = None
+    for found in runs.columns(cells):
+        if found is None:
+            yield
+    assert found is not None
+    P, rows = runs.P, runs.rows(cells)
+    settled = settled_columns(P, rows, found)
+    arrays["period"][...], arrays["word"][...] = settled.period, settled.words
+    arrays["trust"][...], arrays["outcome"][...] = settled.trust, found.outcomes[:, 0]
+    arrays["exponent"][...] = np.nan
+    if P.clock is not None:
+        arrays["return_time"][...] = np.nan
+    for part in (settled.period > 0, (settled.period <= 0) & (settled.period != ENDED)):
+        q, j = np.nonzero(part)
+        if q.size:
+            many = settled.period[part] if settled.period[part][0] > 0 else None
+            seen = found.points[q, -1, :, j], found.letters[q, :, j]
+            yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
+    if P.clock is not None:
+        arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:

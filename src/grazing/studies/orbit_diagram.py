@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -135,19 +135,6 @@ def plan(
         **tolerance_config(keep),
     }
 
-    def compute(cells: Ints, arrays: Arrays) -> Iterator[None]:
-        if sweep is None:
-            yield from _fill(runs, cells, arrays, slice(0, len(cells)), None)
-            return
-        order = np.argsort(grid[cells], kind="stable")
-        order = order if sweep == "up" else order[::-1]
-        states = np.full((1, P.dimension, lanes), np.nan)
-        for i in order.tolist():
-            at = {**P.params, name: float(grid[cells[i]])}
-            allowed = [_allowed(P, state, at) for state in states[0].T]
-            states = np.where(allowed, states, runs.states(cells[i : i + 1]))
-            yield from _fill(runs, cells[i : i + 1], arrays, slice(i, i + 1), states)
-
     return Plan(
         P=P,
         title=f"orbit diagram of the {P.name} in {name}",
@@ -156,11 +143,28 @@ def plan(
         axis_attrs={name: labels.quantity(P, name)},
         sizes={"start": lanes, "n": keep},
         variables=_variables(P, keep),
-        compute=compute,
+        compute=partial(_compute, runs, name, sweep),
         together=runs.together,
         work=runs.work,
+        working=runs.kept_size,
         sequential=sweep is not None,
     )
+
+
+def _compute(runs: Runs, name: str, sweep: str | None, cells: Ints, arrays: Arrays) -> Iterator[None]:
+    """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    if sweep is None:
+        yield from _fill(runs, cells, arrays, slice(0, len(cells)), None)
+        return
+    P, grid, lanes = runs.P, runs.axes[name], runs.settings.lanes
+    order = np.argsort(grid[cells], kind="stable")
+    order = order if sweep == "up" else order[::-1]
+    states = np.full((1, P.dimension, lanes), np.nan)
+    for i in order.tolist():
+        at = {**P.params, name: float(grid[cells[i]])}
+        allowed = [_allowed(P, state, at) for state in states[0].T]
+        states = np.where(allowed, states, runs.states(cells[i : i + 1]))
+        yield from _fill(runs, cells[i : i + 1], arrays, slice(i, i + 1), states)
 
 
 def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.kernel.pool import Progress as Progress
-from grazing.kernel.pool import run_tasks
+from grazing.kernel.pool import run_tasks, workers_of
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.studies import labels
@@ -29,10 +30,12 @@ Ints = NDArray[np.int64]
 Arrays = Mapping[str, NDArray[Any]]
 #: Bytes that a text takes in memory: the same few words many times over.
 POINTER = 8
+#: Copies of the arrays in memory where something is added when all cells are there.
+FINISHED = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Variable:
+class Variable(ByValue):
     """What a study computes for each cell.
 
     Parameters
@@ -58,8 +61,8 @@ class Variable:
         return np.dtype(object if self.kind == "text" else self.kind)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Plan(ByValue):
     """A study before it runs.
 
     Parameters
@@ -81,6 +84,8 @@ class Plan:
         How many cells are worth computing in one go.
     work : int
         Steps of the map that a cell takes, for estimates.
+    working : int
+        Bytes that a cell takes while it is computed, beside its variables.
     axis_attrs : mapping of str to dict
         Attributes of the axes.
     coords : mapping
@@ -101,12 +106,21 @@ class Plan:
     compute: Callable[[Ints, Arrays], Iterator[None]]
     together: int
     work: int
+    working: int = 0
     sizes: Mapping[str, int] = field(default_factory=dict)
     axis_attrs: Mapping[str, labels.Attributes] = field(default_factory=dict)
     coords: Mapping[str, Any] = field(default_factory=dict)
     finish: Callable[[xr.Dataset], xr.Dataset] | None = None
     sequential: bool = False
     recipe: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        sizes = ", ".join(f"{name} ({size})" for name, size in self.sizes.items())
+        refuse_too_large(self.size_of_cell + self.working, f"reduce {sizes or 'keep'}", "one cell")
+
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items()) or "1 cell"
+        return f"<Plan {self.title}: {axes}>"
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -138,6 +152,11 @@ class Plan:
             prod(self.shape_of(name)) * (POINTER if variable.kind == "text" else variable.dtype.itemsize)
             for name, variable in self.variables.items()
         )
+
+    def memory(self, cells: int, threads: int) -> int:
+        """Return the bytes that so many cells take when they are computed in memory by so many threads at a time."""
+        flying = min(cells, threads * max(1, self.together)) if not self.sequential else 1
+        return cells * self.size_of_cell * (FINISHED if self.finish is not None else 1) + flying * self.working
 
 
 def empty_arrays(plan: Plan, cells: int) -> dict[str, NDArray[Any]]:
@@ -185,8 +204,8 @@ def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None =
     """
     axes = ", ".join(f"{name} ({len(values)})" for name, values in plan.axes.items())
     sizes = "".join(f", {name} ({size})" for name, size in plan.sizes.items())
-    advice = f"reduce {axes}{sizes}, or sweep into a store: -o result.zarr, gz.sweep.run"
-    refuse_too_large(plan.cells * plan.size_of_cell, advice)
+    advice = f"reduce {axes}{sizes} or threads, or sweep into a store: -o result.zarr, gz.sweep.run"
+    refuse_too_large(plan.memory(plan.cells, workers_of(threads)), advice)
     arrays = empty_arrays(plan, plan.cells)
     step = plan.cells if plan.sequential else max(1, plan.together)
 

@@ -12,7 +12,8 @@ from grazing.kernel.compile import FLAGS
 from grazing.maps.columns import Columns
 from grazing.maps.ensemble import padded
 from grazing.maps.map import Map
-from grazing.maps.pieces import joined, pieces
+from grazing.maps.pieces import joined, pieces, steps_of_piece
+from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
 from grazing.parameter import real, unknown, whole
@@ -27,6 +28,9 @@ Box = tuple[tuple[float, float], ...]
 #: Orbits that are computed together: two blocks of oscillators; of a map that is a formula so many that
 #: a tile is worth its handling, and of one that follows flight after flight few.
 TOGETHER, MANY, FEW = 1024, 8192, 64
+#: Arrays of an orbit's points that are in use at a time, its pieces and what they are joined to, and of its state:
+#: the start, the last one, outcomes and nearness.
+PIECES_AND_WHOLE, STATES = 2, 8
 #: Values of a parameter at which the map itself is made before a study begins.
 LOOKS = 5
 
@@ -71,6 +75,17 @@ class Runs:
         cells = max(1, together(self.P, self.settings.arithmetic) // self.settings.lanes)
         block = max(1, LANES // padded(self.settings.lanes)) if flies(self.P, self.settings.arithmetic) else 1
         return cells // block * block if cells > block else cells  # a block that is not full takes as long
+
+    @property
+    def kept_size(self) -> int:
+        """Bytes that a cell takes while it is computed, where all points that are kept are needed at once."""
+        return self.settings.lanes * size_of_orbit(self.P, self.settings.keep)
+
+    @property
+    def piece_size(self) -> int:
+        """Bytes that a cell takes while it is computed, where points are used up as they come."""
+        steps = min(self.settings.keep, steps_of_piece(self.P, self.settings.lanes))
+        return self.settings.lanes * size_of_orbit(self.P, steps)
 
     @property
     def work(self) -> int:
@@ -148,6 +163,11 @@ class Runs:
         }
 
 
+def size_of_orbit(P: Map, steps: int) -> int:
+    """Return the bytes that an orbit takes with so many steps: points and letters in pieces and joined, and states."""
+    return (PIECES_AND_WHOLE * steps + STATES) * 8 * (P.dimension + 1)
+
+
 def flies(P: Map, arithmetic: str) -> bool:
     """Return whether orbits of a map fly as blocks; only fast arithmetic does that."""
     return P.block is not None and arithmetic == "fast"
@@ -170,6 +190,8 @@ def checked_runs(
     arithmetic: str,
     box: Sequence[tuple[float, float]] | None,
     taken: Sequence[str] = (),
+    *,
+    as_they_come: bool = False,
 ) -> Runs:
     """Return the orbits of a study, or raise InputError.
 
@@ -179,6 +201,8 @@ def checked_runs(
         As the user gave them.
     taken : sequence of str
         Names of variables and dimensions of the result, which neither a parameter nor a coordinate may have.
+    as_they_come : bool
+        Whether the study uses points up as they come, and needs no cell's at once.
     """
     checked_map(P)
     grids: dict[str, Floats] = {}
@@ -196,7 +220,10 @@ def checked_runs(
         checked_arithmetic(arithmetic),
         None if box is None else checked_box(box, P.coordinates),
     )
-    return Runs(P, grids, settings, _moving(P, grids, settings.starts))
+    found = Runs(P, grids, settings, _moving(P, grids, settings.starts))
+    size = found.piece_size if as_they_come else found.kept_size
+    refuse_too_large(size, f"reduce starts ({settings.lanes}) or keep ({settings.keep})", "the orbits of one cell")
+    return found
 
 
 def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[int, ...]:

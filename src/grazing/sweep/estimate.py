@@ -10,15 +10,18 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.compile import compiler_time
 from grazing.kernel.random import mixed
 from grazing.outcome import InputError
 from grazing.parameter import whole
 from grazing.studies.plan import Plan, empty_arrays
-from grazing.sweep.grid import Chunk, grid_of
+from grazing.sweep.grid import Chunk, grid_of, seconds_per_step
 from grazing.sweep.run import COPIES
 
-#: Seconds that timing goes on; a first call may take longer, since it may compile.
+#: Seconds that timing goes on, those of the compiler left out.
 PATIENCE = 1.0
+#: Bytes of a cell beyond which it is not tried: a dry run takes little of anything.
+TRIED = 2**28
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ class Estimate:
         Cells that were timed; 0 if not one was finished in time.
     seconds : float
         On all threads. A lower bound if no cell was finished.
+    rough : bool
+        Whether a cell is too large to be tried, and the time is a rule of thumb from the number of steps.
     """
 
     title: str
@@ -52,15 +57,19 @@ class Estimate:
     threads: int
     timed: int
     seconds: float
+    rough: bool = False
 
     def __str__(self) -> str:
         sizes = " x ".join(f"{size} {name}" for name, size in self.shape.items()) or "1 cell"
-        time = f"about {_duration(self.seconds)}" if self.timed else f"more than {_duration(self.seconds)}"
+        word, of = ("about" if self.timed else "more than"), f"{self.timed} cells"
+        if self.rough:
+            word, of = "roughly", "the number of steps: a cell is too large to be tried"
+        time = f"{word} {_duration(self.seconds)}"
         chunks = "1 chunk" if self.chunks == 1 else f"{self.chunks} chunks"
         return (
             f"{self.title}: {sizes} = {self.cells} cells in {chunks}\n"
             f"{self.bytes / 1e6:.3g} MB before compression, {self.memory / 1e6:.3g} MB of memory at a time\n"
-            f"{time} on {self.threads} threads, from {self.timed} cells"
+            f"{time} on {self.threads} threads, from {of}"
         )
 
 
@@ -78,7 +87,8 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
     Returns
     -------
     Estimate
-        Times from cells all over the plan, computed for about a second; a first use compiles before that.
+        Times from cells all over the plan, computed for about a second; a first use compiles before that, which does
+        not count.
 
     Raises
     ------
@@ -101,7 +111,9 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
         )
     grid = grid_of(plan, chunk)
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
-    timed, seconds = _seconds_per_cell(plan)
+    rough = plan.size_of_cell + plan.working > TRIED
+    timed, seconds = (0, plan.work * seconds_per_step(plan)) if rough else _seconds_per_cell(plan)
+    busy, size = min(workers, max(grid.count, 1)), prod(grid.chunk)
     return Estimate(
         plan.title,
         dict(zip(plan.axes, grid.shape, strict=True)),
@@ -109,10 +121,11 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
         grid.count,
         plan.cells,
         plan.cells * _stored_size(plan),
-        min(workers, max(grid.count, 1)) * prod(grid.chunk) * plan.size_of_cell * COPIES,
+        busy * (size * plan.size_of_cell * COPIES + min(size, max(1, plan.together)) * plan.working),
         workers,
         timed,
-        seconds * plan.cells / min(workers, max(grid.count, 1)),
+        seconds * plan.cells / busy,
+        rough,
     )
 
 
@@ -153,12 +166,11 @@ def _seconds_per_cell(plan: Plan) -> tuple[int, float]:
 
 
 def _time(plan: Plan, cells: NDArray[np.int64], patience: float) -> tuple[bool, float]:
-    """Compute cells for a limited time after the first tile, which may compile; return whether that was enough."""
+    """Compute cells for a limited time, that of the compiler left out; return whether that was enough."""
     arrays = empty_arrays(plan, len(cells))
-    begun = perf_counter()
-    after: float | None = None
-    for _tile in plan.compute(np.sort(cells), arrays):
-        after = perf_counter() if after is None else after
-        if perf_counter() - after > patience:
-            return False, perf_counter() - begun
-    return True, perf_counter() - begun
+    with compiler_time() as compiling:
+        begun = perf_counter()
+        for _tile in plan.compute(np.sort(cells), arrays):
+            if perf_counter() - begun - compiling() > patience:
+                return False, perf_counter() - begun - compiling()
+        return True, perf_counter() - begun - compiling()

@@ -18,7 +18,7 @@ from functools import partial
 from grazing.outcome import GrazingError
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.store import Store, in_one_line
-from grazing.sweep.task import code_of, compute_chunk, send_plan
+from grazing.sweep.task import code_of, compute_chunk, own_of, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.
 WINDOW = 2000
@@ -43,7 +43,7 @@ def run_on_executor(
     """
     name = send_plan(plan, store, needed=not isinstance(executor, ThreadPoolExecutor))
     code = "" if other_code else code_of(plan)
-    task = partial(compute_chunk, os.fspath(store.path), store.token, name, code, store.fsync)
+    task = partial(compute_chunk, os.fspath(store.path), store.token, name, code, store.fsync, own=own_of(plan))
     waiting = iter(numbers)
     pending: set[Future[int]] = set()
     finished = 0

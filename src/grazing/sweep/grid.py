@@ -114,14 +114,15 @@ def grid_of(plan: Plan, chunk: Chunk = None) -> Grid:
 
 def _worthwhile(plan: Plan) -> int:
     """Return a number of cells that take a few seconds and fit into memory."""
-    cost = max(plan.work, 1) * _seconds_per_step(plan)
+    cost = max(plan.work, 1) * seconds_per_step(plan)
     seconds = min(LONG, plan.cells * cost / PIECES)
     together = max(1, plan.together)
     wanted = max(1, round(seconds / cost / together)) * together
     return max(1, min(wanted, LARGEST // max(plan.size_of_cell, 1)))
 
 
-def _seconds_per_step(plan: Plan) -> float:
+def seconds_per_step(plan: Plan) -> float:
+    """Return the seconds that a step takes, by a rule of thumb."""
     if plan.P.prepare is None:
         return FORMULA
     return FLIGHT if plan.P.block is None or plan.config.get("arithmetic") == "strict" else BLOCK

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
-from grazing.studies.plan import Plan
+from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.codec import fill_value
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
 from grazing.sweep.letters import TEXT, decoded, restored_attrs
@@ -29,7 +29,7 @@ NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
 MIXTURE, UNBOUND = "grazing_mixture", "grazing_unbound"
 
 
-def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Dataset:
+def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code: str | None = None) -> xr.Dataset:
     """Return the result of a sweep, as the study would return it from memory.
 
     Parameters
@@ -38,6 +38,8 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     plan : Plan, optional
         For a store that keeps no recipe: what the study adds when all cells are there, such as a table of
         attractors, is added by the plan. Without it the result has an attribute ``grazing_note`` that says so.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names, to add the same. Without it nothing is run.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     if plan is not None:
         refuse_another(found, plan, other_code=True)  # reading mixes nothing
     names = [*found.layout.variables, *found.layout.coords]
-    size = sum(prod(found.arrays[name].shape) * np.dtype(found.arrays[name].dtype).itemsize for name in names)
+    size = sum(_size(found, name) for name in names)
     refuse_too_large(size, f"open a part of it with xarray.open_zarr({str(found.path)!r})")
     done = found.done()
     records = _records(found, done)
@@ -77,8 +79,13 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None) -> xr.Da
     if finished and plan is None and found.recipe is None:
         result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
     elif finished:
-        plan = plan_from_recipe(found) if plan is None else plan
-        result = result if plan.finish is None else plan.finish(result)
+        from grazing.config.own import NotNamed
+
+        try:
+            plan = plan_from_recipe(found, code) if plan is None else plan
+            result = result if plan.finish is None else plan.finish(result)
+        except NotNamed as error:
+            result.attrs[NOTE] = f"what the study adds at the end is missing: {error}"
     _say_who(found, records, result)
     if not done.all():
         result[DONE] = (found.layout.axes, _by_cell(found, done), {"long_name": "whether a cell has been computed"})
@@ -120,10 +127,14 @@ def _dataset(store: Store, done: NDArray[np.bool_], records: Mapping[int, Record
     for name, kind in {**layout.variables, **layout.coords}.items():
         spec = store.arrays[name]
         dims, attrs = spec.dims, dict(spec.attrs)
-        values = _values(store, name, records) if name in layout.variables else _coordinate(store, name)
-        if attrs.pop(TEXT, None) is not None:
+        texts = attrs.pop(TEXT, None) is not None
+        if name in layout.variables:
+            values = (_texts if texts else _values)(store, name, records)
+        else:
+            values = _coordinate(store, name, texts)
+        if texts:
+            dims = dims[:-1]
             try:
-                values, dims = decoded(values), dims[:-1]
                 values = values.astype(kind) if kind not in ("text", "object") else values
             except (ValueError, TypeError) as error:
                 raise _damaged(store, name, error) from error
@@ -141,17 +152,35 @@ def _values(store: Store, name: str, records: Mapping[int, Record | None]) -> ND
     spec = store.arrays[name]
     values = np.full(spec.shape, fill_value(spec.dtype), spec.dtype)
     for number, record in records.items():
-        try:
-            values[store.grid.block(number)] = store.read(name, number, None if record is None else record.files)
-        except (OSError, ValueError) as error:
-            raise _damaged(store, f"{name} in chunk {number}", error) from error
+        values[store.grid.block(number)] = _chunk(store, name, number, record)
     return values
 
 
-def _coordinate(store: Store, name: str) -> NDArray[Any]:
+def _texts(store: Store, name: str, records: Mapping[int, Record | None]) -> NDArray[Any]:
+    """Return the words of a variable, read chunk by chunk: their letters, all together, can be many times as large."""
+    values = np.full(store.arrays[name].shape[:-1], "", object)
+    known: dict[str, str] = {}
+    for number, record in records.items():
+        try:
+            words = decoded(_chunk(store, name, number, record))
+        except (ValueError, TypeError) as error:
+            raise _damaged(store, f"{name} in chunk {number}", error) from error
+        values[store.grid.block(number)] = np.vectorize(lambda word: known.setdefault(word, word), "O")(words)
+    return values
+
+
+def _chunk(store: Store, name: str, number: int, record: Record | None) -> NDArray[Any]:
     try:
-        return store.read(name, None, None if store.template is None else store.template.coordinates)
-    except (OSError, ValueError, KeyError) as error:
+        return store.read(name, number, None if record is None else record.files)
+    except (OSError, ValueError) as error:
+        raise _damaged(store, f"{name} in chunk {number}", error) from error
+
+
+def _coordinate(store: Store, name: str, texts: bool) -> NDArray[Any]:
+    try:
+        values = store.read(name, None, None if store.template is None else store.template.coordinates)
+        return decoded(values) if texts else values
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise _damaged(store, name, error) from error
 
 
@@ -160,6 +189,14 @@ def _damaged(store: Store, what: str, error: Exception) -> InputError:
         f"{store.path} is damaged: {what} cannot be read ({in_one_line(error)}); sweep.verify finds all that is, and "
         f"with repair=True (grazing sweep verify --repair) marks it as missing, so that resume computes it again"
     )
+
+
+def _size(store: Store, name: str) -> int:
+    """Return the bytes that an array takes in memory; texts are the same few words many times over."""
+    spec = store.arrays[name]
+    if TEXT in spec.attrs:
+        return int(prod(spec.shape[:-1])) * POINTER
+    return int(prod(spec.shape)) * np.dtype(spec.dtype).itemsize
 
 
 def _by_cell(store: Store, done: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ import sys
 from concurrent.futures import Executor
 from datetime import UTC, datetime
 from functools import partial
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -132,6 +133,7 @@ def resume(
     progress: Progress | None = None,
     other_code: bool = False,
     fsync: bool = False,
+    code: str | None = None,
 ) -> Status:
     """Go on with a sweep.
 
@@ -142,6 +144,8 @@ def resume(
         Needed if the store keeps no recipe to make it from: that of a map or a law of one's own.
     shard, executor, threads, progress, other_code, fsync
         See :func:`run`.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names. Without it, and without a plan, such a store is refused.
 
     Returns
     -------
@@ -164,7 +168,7 @@ def resume(
     True
     """
     found = open_existing(folder_of(store))
-    plan = plan_from_recipe(found) if plan is None else plan
+    plan = plan_from_recipe(found, code) if plan is None else plan
     options: dict[str, Any] = {"shard": shard, "executor": executor, "threads": threads, "progress": progress}
     return run(plan, found.path, other_code=other_code, fsync=fsync, **options)
 
@@ -218,7 +222,8 @@ def _complete(
     """Compute the missing chunks of our share, alone on it."""
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     if executor is None:
-        size = int(np.prod(store.grid.chunk, dtype=np.float64)) * plan.size_of_cell * COPIES
+        cells = prod(store.grid.chunk)
+        size = cells * plan.size_of_cell * COPIES + min(cells, max(1, plan.together)) * plan.working
         refuse_too_large(workers * size, f"use smaller chunks {store.grid.chunk}, or fewer threads ({workers})")
     with locked(store.locks, shard):
         numbers = [int(number) for number in _missing(store, shard)]

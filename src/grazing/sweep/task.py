@@ -8,7 +8,7 @@ import json
 import os
 import pickle
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -110,7 +110,9 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
     return name
 
 
-def compute_chunk(path: str, token: str, name: str, code: str, fsync: bool, number: int) -> int:
+def compute_chunk(
+    path: str, token: str, name: str, code: str, fsync: bool, number: int, own: Mapping[str, str] | None = None
+) -> int:
     """Compute one chunk on a worker and write it.
 
     Parameters
@@ -127,8 +129,10 @@ def compute_chunk(path: str, token: str, name: str, code: str, fsync: bool, numb
         Whether to force what is written to the disk.
     number : int
         The chunk.
+    own : mapping, optional
+        What :func:`own_of` returned: code that the call of the run named. What the store names runs nothing.
     """
-    plan, store = _plan_on_worker(path, token, name, code, fsync)
+    plan, store = _plan_on_worker(path, token, name, code, fsync, own)
     for _tile in chunk_task(plan, store, number):
         pass
     return number
@@ -139,7 +143,17 @@ def code_of(plan: Plan) -> str:
     return hashlib.sha256(json.dumps(made_by(plan), sort_keys=True).encode()).hexdigest()
 
 
-def _plan_on_worker(path: str, token: str, name: str, code: str, fsync: bool) -> tuple[Plan, Store]:
+def own_of(plan: Plan) -> dict[str, str]:
+    """Return the files of the user that made a plan, as the call that made it named them."""
+    from grazing.config.own import KEYS, Named
+
+    recipe = plan.recipe or {}
+    return {key: str(recipe[key]) for key in KEYS if isinstance(recipe.get(key), Named)}
+
+
+def _plan_on_worker(
+    path: str, token: str, name: str, code: str, fsync: bool, own: Mapping[str, str] | None
+) -> tuple[Plan, Store]:
     with _lock:
         if (path, token, name) in _plans:
             return _plans[path, token, name]
@@ -150,7 +164,7 @@ def _plan_on_worker(path: str, token: str, name: str, code: str, fsync: bool) ->
         raise GrazingError(f"{where}: {error}. The store must be on a disk that all workers share") from error
     if store.token != token:
         raise GrazingError(f"{where}: {path} is not the store that the run began with")
-    plan = _unpickled(store, name, where) if name else plan_from_recipe(store)
+    plan = _unpickled(store, name, where) if name else plan_from_recipe(store, own=own)
     try:
         refuse_another(store, plan, other_code=True)  # whether that is allowed, the run has decided
     except InputError as error:
@@ -172,19 +186,29 @@ def _keep(key: tuple[str, str, str], found: tuple[Plan, Store]) -> None:
             del _plans[next(iter(_plans))]
 
 
-def plan_from_recipe(store: Store) -> Plan:
+def plan_from_recipe(store: Store, code: str | None = None, own: Mapping[str, str] | None = None) -> Plan:
     """Make the plan of a store again.
+
+    Parameters
+    ----------
+    store : Store
+    code : {"trust"}, optional
+        Run the file that the recipe names, if it is one of the user's own.
+    own : mapping, optional
+        Files that this call names, by the keys of a configuration, in the place of those in the recipe.
 
     Raises
     ------
     InputError
-        If the store keeps no recipe.
+        If the store keeps no recipe, or one that names code which this call does not.
     """
     if store.recipe is None:
         raise InputError(f"{store.path} keeps no recipe of its plan; give the plan itself")
     from grazing.config import plan_of
+    from grazing.config.own import Named, named
 
-    plan: Plan = plan_of(store.recipe)
+    here = {key: Named(text) for key, text in (own or {}).items()}
+    plan: Plan = plan_of(named({**store.recipe, **here}, code))
     return plan
 
 

@@ -103,6 +103,7 @@ def verify(
     other_code: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
+    code: str | None = None,
 ) -> Verified:
     """Hold a store to its manifest and its plan.
 
@@ -127,6 +128,8 @@ def verify(
         Compare although the step, or this package, is not the one that the store was begun with.
     threads, progress
         See :func:`run`.
+    code : {"trust"}, optional
+        Run the file of your own that the recipe names. Without it, and without a plan, such a store is refused.
 
     Returns
     -------
@@ -159,7 +162,7 @@ def verify(
         found = open_existing(path)
         if repair and found.template is None:
             raise InputError(f"{path} has no manifest to repair it from: version 0.1 wrote none; begin another store")
-        plan = plan_from_recipe(found) if plan is None else plan
+        plan = plan_from_recipe(found, code) if plan is None else plan
         refuse_another(found, plan, other_code=other_code)
         done = np.flatnonzero(found.done())
         count = min(len(done), max(1, ceil(share * len(done))))

@@ -1,0 +1,126 @@
+"""Copies of models, maps, orbits and plans: equal by value, and pickled with the functions that they are made of.
+
+Compiled code is never copied: a copy finds it again by its content.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import partial
+from importlib import import_module
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from grazing.kernel.compile import digest
+from grazing.outcome import InputError
+
+#: How the modules begin that a user's file is run as: no other process finds them by name.
+OWN_MODULE = "_grazing_own_"
+
+
+class ByValue:
+    """Equality by value for classes of fields; the hash is that of what they say of themselves."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and all(alike(*pair) for pair in zip(_parts(self), _parts(other), strict=True))
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, repr(self)))
+
+
+def _parts(value: Any) -> list[Any]:
+    """Return what an object consists of; what its class leaves out of comparisons holds nothing but compiled code."""
+    if is_dataclass(value):
+        return [getattr(value, field.name) for field in fields(value) if field.compare]
+    return [vars(value)] if hasattr(value, "__dict__") else []
+
+
+def alike(a: Any, b: Any) -> bool:
+    """Say whether two values are the same: arrays by their numbers, functions by their code, NaN equals NaN."""
+    if a is b:
+        return True
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return list(a) == list(b) and all(alike(a[key], b[key]) for key in a)
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        if a.shape != b.shape or a.dtype != b.dtype:
+            return False
+        return (
+            a.tolist() == b.tolist() if a.dtype.kind in "OU" else np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+        )
+    if isinstance(a, (tuple, list)):
+        return len(a) == len(b) and all(alike(*pair) for pair in zip(a, b, strict=True))
+    if isinstance(a, partial):
+        return alike((a.func, a.args, a.keywords), (b.func, b.args, b.keywords))
+    if isinstance(a, FunctionType):
+        return a.__name__ == b.__name__ and digest(a) == digest(b)
+    if isinstance(a, float):
+        return bool(a == b) or (a != a and b != b)
+    if (
+        not any("__eq__" in kind.__dict__ for kind in type(a).__mro__[:-1])
+        and type(a).__module__.partition(".")[0] == "grazing"
+    ):
+        return all(alike(*pair) for pair in zip(_parts(a), _parts(b), strict=True))
+    return bool(a == b)
+
+
+class Code:
+    """A function on its way into a pickle; what comes out is the function itself, and a copy in memory shares it.
+
+    One that a module has at its top travels by name; one that has ``made_by``, a function and its arguments, is made
+    again. Any other, such as a lambda, travels whole if cloudpickle is there.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+
+    def __deepcopy__(self, memo: Any) -> Callable[..., Any]:
+        return self.function
+
+    def __reduce__(self) -> Any:
+        made_by = getattr(self.function, "made_by", None)
+        if made_by is not None:
+            factory, args = made_by
+            return factory, tuple(packed(arg) for arg in args)
+        try:
+            if not str(getattr(self.function, "__module__", "")).startswith(OWN_MODULE):
+                pickle.dumps(self.function)
+                return plain, (self.function,)
+        except Exception:  # whatever an object says that cannot be pickled
+            pass
+        try:
+            return pickle.loads, (_whole(self.function),)
+        except ImportError:
+            name = getattr(self.function, "__qualname__", repr(self.function))
+            raise InputError(
+                f"{name} cannot be pickled, because no other process could find it by that name; "
+                "define it at the top of a module with def, or pip install cloudpickle, which takes it whole"
+            ) from None
+
+
+def _whole(function: Any) -> bytes:
+    cloudpickle: Any = import_module("cloudpickle")
+    name = str(getattr(function, "__module__", ""))
+    if name.startswith(OWN_MODULE):
+        cloudpickle.register_pickle_by_value(import_module(name))
+    content: bytes = cloudpickle.dumps(function)
+    return content
+
+
+def packed(value: Any) -> Any:
+    """Return a value as a pickle can keep it: functions as :class:`Code`, mappings as dictionaries."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    return Code(value) if callable(value) else value
+
+
+def plain(value: Any) -> Any:
+    """Return what :func:`packed` was given."""
+    return value.function if isinstance(value, Code) else value

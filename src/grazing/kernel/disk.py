@@ -1,0 +1,174 @@
+"""Where compiled kernels are kept, and the files that they are kept in.
+
+What is read here is executed. So a file is opened only if nobody but its owner, who is this user or root, can write to
+it; it is unpickled only if its SHA-256 fits its content and its own name, so that neither damage nor a file of another
+kernel is ever taken for this one. Anything else is as good as none: the kernel is compiled again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import stat
+import tempfile
+import warnings
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+#: What a file begins with; its SHA-256 follows.
+MAGIC = b"grazing kernel\n"
+
+
+@cache
+def cache_folder() -> Path:
+    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one."""
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
+    try:
+        wanted.parent.mkdir(parents=True, exist_ok=True)
+        wanted.mkdir(mode=0o700, exist_ok=True)
+        reason = others_can_write(wanted)
+        if not reason:
+            tempfile.TemporaryFile(dir=wanted).close()
+    except OSError as error:
+        reason = error.strerror or str(error)
+    if not reason:
+        return wanted
+    fallback = _private_folder()
+    warnings.warn(
+        f"compiled kernels cannot be kept in {wanted} ({reason}); they go to {fallback}. Set GRAZING_CACHE to choose",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return fallback
+
+
+def others_can_write(folder: Path) -> str:
+    """Return how another user could put a file into a folder, or another folder in its place; empty if none can.
+
+    Above the folder a sticky bit, as that of ``/tmp``, is as good as no permission.
+    """
+    if not hasattr(os, "getuid"):  # a system without such owners
+        return ""
+    real = folder.resolve()
+    found = real.stat()
+    if not _ours(found):
+        return f"it belongs to user {found.st_uid}"
+    if found.st_mode & 0o022:
+        return "others can write to it: chmod go-w"
+    for above in real.parents:
+        mode = above.stat().st_mode
+        if mode & stat.S_IWOTH and not mode & stat.S_ISVTX:
+            return f"others can write to {above}"
+    return ""
+
+
+def _ours(found: os.stat_result) -> bool:
+    """Say whether a file belongs to this user, or to root, who can do anything anyway."""
+    return not hasattr(os, "getuid") or found.st_uid in (os.getuid(), 0)
+
+
+def _private_folder() -> Path:
+    """Return a temporary folder that nobody else can write to."""
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    folder = Path(tempfile.gettempdir()) / f"grazing-{user}"
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        linked = stat.S_ISLNK(folder.lstat().st_mode)
+        if not linked and folder.is_dir() and not others_can_write(folder) and os.access(folder, os.W_OK):
+            return folder
+    return Path(tempfile.mkdtemp(prefix="grazing-"))
+
+
+class KernelFiles:
+    """The files of one kernel, one for each signature that it was compiled for.
+
+    It has the interface of numba's ``IndexDataCacheFile``, which keeps an index beside the files; this has none.
+
+    Parameters
+    ----------
+    folder : path-like
+    name : str
+        Different for different kernels.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
+        self._folder, self._name = Path(folder), name
+
+    def file(self, key: Any) -> Path:
+        """Return the file of a signature."""
+        return self._folder / f"{self._name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+
+    def load(self, key: Any) -> Any:
+        """Return what was kept; None if nothing was, or if the file is not to be trusted, which is said."""
+        file = self.file(key)
+        try:
+            content = _read(file)
+            if content is None:
+                return None
+            return pickle.loads(_opened(content, file.name))
+        except Exception as error:  # of whatever kind: a damaged file is as good as none
+            said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            warnings.warn(
+                f"the compiled kernel {file} cannot be used ({said}); it is compiled again",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+            with suppress(OSError):
+                file.rmdir() if file.is_dir() and not file.is_symlink() else file.unlink()
+            return None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep a compiled kernel, whole or not at all."""
+        from numba.core.serialize import dumps
+
+        file, content = self.file(key), dumps(data)
+        new = file.with_name(f".{file.name}-{uuid4().hex[:16]}")
+        try:
+            with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
+                opened.write(MAGIC + _checksum(content, file.name) + content)
+            os.replace(new, file)
+        finally:
+            new.unlink(missing_ok=True)
+
+    def flush(self) -> None:
+        """Forget all that is kept of this kernel."""
+        for file in self._folder.glob(f"{self._name}.*.nbc"):
+            file.unlink(missing_ok=True)
+
+
+def _checksum(content: bytes, name: str) -> bytes:
+    return hashlib.sha256(name.encode() + b"\0" + content).digest()
+
+
+def _opened(content: bytes, name: str) -> bytes:
+    """Return what a file keeps, once it is known to be what was written under this name."""
+    head = len(MAGIC) + hashlib.sha256().digest_size
+    if content[: len(MAGIC)] != MAGIC or content[len(MAGIC) : head] != _checksum(content[head:], name):
+        raise ValueError("it is damaged")
+    return content[head:]
+
+
+def _read(file: Path) -> bytes | None:
+    """Return the bytes of a file that only this user can have written; None if there is no file."""
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        opened = os.open(file, flags)
+    except FileNotFoundError:
+        return None
+    try:
+        found = os.fstat(opened)
+        if not stat.S_ISREG(found.st_mode):
+            raise ValueError("it is no file")
+        if not _ours(found):
+            raise ValueError(f"it belongs to user {found.st_uid}")
+        if hasattr(os, "getuid") and found.st_mode & 0o022:
+            raise ValueError("others can write to it")
+        with open(opened, "rb", closefd=False) as stream:
+            return stream.read()
+    finally:
+        os.close(opened)

@@ -1,0 +1,187 @@
+"""What is kept of compiled kernels: a damaged file costs a compilation, and one that others could write is not read."""
+
+import os
+import pickle
+import random
+import shutil
+import warnings
+from pathlib import Path
+
+import pytest
+
+from grazing.kernel import compile as compiling
+from grazing.kernel import disk
+from grazing.kernel.compile import compiled
+
+SOURCE = "def outer(x):\n    return {factor} * x + 1.0\n"
+
+
+def fresh(factor=2.0):
+    """The same kernel as a new function, as another process has it: only the disk knows it."""
+    names = {"__name__": __name__}
+    exec(SOURCE.format(factor=factor), names)
+    return compiled(names["outer"])
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "kept").mkdir(mode=0o700)
+    monkeypatch.setenv("GRAZING_CACHE", str(tmp_path / "kept"))
+    disk.cache_folder.cache_clear()
+    yield tmp_path / "kept"
+    disk.cache_folder.cache_clear()
+
+
+@pytest.fixture
+def kept(folder):
+    """The one file of a kernel that was compiled and found again."""
+    assert fresh()(3.0) == 7.0
+    again = fresh()
+    assert again(3.0) == 7.0 and sum(again.stats.cache_hits.values()) == 1
+    (file,) = folder.iterdir()
+    return file
+
+
+def heals(file):
+    """The number is right, one line says that the file is not used, and the next process finds a whole one."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        assert fresh()(3.0) == 7.0
+    assert len(said) == 1 and "\n" not in str(said[0].message)
+    assert "cannot be used" in str(said[0].message) and "it is compiled again" in str(said[0].message)
+    again = fresh()
+    assert again(3.0) == 7.0 and sum(again.stats.cache_hits.values()) == 1
+    assert [each.name for each in file.parent.iterdir()] == [file.name]
+    return str(said[0].message)
+
+
+def test_any_damage_costs_a_compilation_and_no_more(kept):
+    """Cut anywhere, filled with zeros, longer, any one bit flipped: a flipped bit of machine code would run."""
+    whole, chance = kept.read_bytes(), random.Random(1)
+    lengths = {0, 1, len(disk.MAGIC), len(disk.MAGIC) + 31, len(whole) // 2, len(whole) - 1}
+    damaged = [whole[:length] for length in lengths] + [bytes(len(whole)), whole + b"\0", b"\x80\x04", whole[1:]]
+    for _ in range(12):
+        place, bit = chance.randrange(len(whole)), chance.randrange(8)
+        damaged.append(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
+    for content in damaged:
+        kept.write_bytes(content)
+        assert "it is damaged" in heals(kept)
+
+
+class Marker:
+    """What runs when it is unpickled."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def __reduce__(self):
+        return open, (str(self.file), "w")
+
+
+def test_a_pickle_that_we_did_not_write_is_not_opened(kept, tmp_path):
+    kept.write_bytes(pickle.dumps(Marker(tmp_path / "ran")))
+    assert "it is damaged" in heals(kept)
+    assert not (tmp_path / "ran").exists()
+
+
+def test_the_file_of_another_kernel_is_not_taken_for_this_one(kept):
+    assert fresh(5.0)(3.0) == 16.0
+    (other,) = (file for file in kept.parent.iterdir() if file != kept)
+    shutil.move(other, kept)
+    assert "it is damaged" in heals(kept)
+
+
+@pytest.mark.parametrize("kind", ["folder", "full folder", "link", "pipe", "broken link"])
+def test_something_else_in_the_place_of_the_file(kept, kind, tmp_path):
+    whole = kept.read_bytes()
+    kept.unlink()
+    if "folder" in kind:
+        kept.mkdir()
+    if kind == "full folder":
+        (kept / "mine").write_text("")
+        with pytest.warns(RuntimeWarning) as said:
+            assert fresh()(3.0) == 7.0
+        assert ["cannot be used" in str(one.message) for one in said] == [True, False]
+        assert "could not be kept" in str(said[1].message)
+        return
+    if kind == "pipe":
+        os.mkfifo(kept)  # to open it as a file would wait for ever
+    if "link" in kind:
+        (tmp_path / "elsewhere").write_bytes(whole)
+        kept.symlink_to(tmp_path / ("elsewhere" if kind == "link" else "nowhere"))
+    heals(kept)
+
+
+@pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
+def test_a_file_that_others_could_write_is_not_read(kept, mode):
+    kept.chmod(mode)
+    assert "others can write to it" in heals(kept)
+    assert not kept.stat().st_mode & 0o077
+
+
+def test_a_file_of_another_user_is_not_read(kept, monkeypatch):
+    monkeypatch.setattr(disk, "_ours", lambda found: False)
+    with pytest.warns(RuntimeWarning, match=r"it belongs to user \d+\); it is compiled again"):
+        assert fresh()(3.0) == 7.0
+    if os.getuid() == 0:  # a real one
+        monkeypatch.undo()
+        file = disk.KernelFiles(kept.parent, "theirs").file("key")
+        file.write_bytes(b"")
+        os.chown(file, 12345, 12345)
+        with pytest.warns(RuntimeWarning, match="it belongs to user 12345"):
+            assert disk.KernelFiles(kept.parent, "theirs").load("key") is None
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o707, 0o777, 0o1777])
+def test_a_chosen_folder_that_others_could_write_is_not_used(folder, mode, tmp_path, monkeypatch):
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
+    folder.chmod(mode)
+    with pytest.warns(
+        RuntimeWarning, match=r"kept \(others can write to it: chmod go-w\); they go to .*grazing-"
+    ) as said:
+        assert fresh()(3.0) == 7.0
+    assert len(said) == 1 and not list(folder.iterdir())
+    assert list(tmp_path.glob("grazing-*/*.nbc"))
+
+
+def test_a_folder_below_one_that_others_could_write_is_not_used(tmp_path, monkeypatch):
+    (tmp_path / "open" / "kept").mkdir(parents=True)
+    (tmp_path / "open" / "kept").chmod(0o700)
+    (tmp_path / "open").chmod(0o777)
+    assert disk.others_can_write(tmp_path / "open" / "kept") == f"others can write to {tmp_path / 'open'}"
+    (tmp_path / "open").chmod(0o1777)  # as /tmp: they can write there, and not touch what is ours
+    assert disk.others_can_write(tmp_path / "open" / "kept") == ""
+
+
+def test_a_folder_of_another_user_is_not_used(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
+    if os.getuid() == 0:
+        os.chown(folder, 12345, 12345)
+    else:
+        monkeypatch.setattr(disk, "_ours", lambda found: found.st_ino != folder.stat().st_ino)
+    with pytest.warns(RuntimeWarning, match=r"it belongs to user \d+\); they go to"):
+        assert disk.cache_folder().parent == tmp_path
+
+
+def test_a_new_folder_is_closed_to_others(tmp_path, monkeypatch):
+    monkeypatch.setenv("GRAZING_CACHE", str(tmp_path / "a" / "b"))
+    disk.cache_folder.cache_clear()
+    before = os.umask(0o002)
+    try:
+        assert disk.cache_folder() == tmp_path / "a" / "b"
+    finally:
+        os.umask(before)
+        disk.cache_folder.cache_clear()
+    assert (tmp_path / "a" / "b").stat().st_mode & 0o777 == 0o700
+
+
+def test_a_linked_fallback_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
+    (tmp_path / "elsewhere").mkdir(mode=0o700)
+    (tmp_path / f"grazing-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
+    assert disk._private_folder() not in (tmp_path / f"grazing-{os.getuid()}", tmp_path / "elsewhere")
+
+
+def test_nothing_else_reads_pickles_of_kernels():
+    """The index of numba, a pickle beside every kernel that was read before anything was checked, is gone."""
+    assert "IndexDataCacheFile" not in Path(compiling.__file__).read_text()

@@ -1,0 +1,216 @@
+"""Whatever a session holds can be pickled, copied and sent to another process, and is the same there."""
+
+import copy
+import inspect
+import pickle
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.copies import alike
+from grazing.orbits.one_impact import one_impact_orbits
+
+
+def soft(v, p):
+    return -p.r * v / (1.0 - p.c * v)
+
+
+def logistic(state, p):
+    (x,) = state
+    return (p.a * x * (1.0 - x),)
+
+
+def halved(p):
+    return p
+
+
+def models():
+    yield "pinball", gz.pinball(d=0.12, V=0.4)
+    forced = gz.Forcing(2.8, t0=0.1, offset=0.05, cos=(1.0, 0.2), sin=(0.1,))
+    for name, law in laws():
+        yield name, gz.Oscillator(0.1, 1.0, forced, law, sigma=-0.1)
+
+
+def laws():
+    yield "newton", gz.newton(0.8)
+    yield "active", gz.active(0.8, 0.2)
+    yield "triggered", gz.triggered(r=0.5, V=0.4, trigger=0.1)
+    yield "own law", gz.reset(soft, r=0.8, c=0.1)
+    yield "own law, contraction", gz.reset(soft, r=0.8, c=0.1, contraction=(0.9, 0.5))
+
+
+def maps():
+    ball = gz.pinball(d=0.12, V=0.4)
+    yield "gap", gz.gap_map(0.8, 0.05, 0.1)
+    yield "linearised", gz.linearised_map(0.8, 0.05, 0.1, 0.1)
+    yield "own map", gz.Map(logistic, {"a": 3.2}, ("x",), ((0.1, 0.9),))
+    yield "own map, prepared", gz.Map(logistic, {"a": 3.2}, ("x",), ((0.1, 0.9),), prepare=halved, letters="L")
+    yield "impact", gz.impact_map(ball)
+    yield "discontinuity", gz.discontinuity_map(ball, "full", phase=0.3)
+    yield "zdm", gz.zdm(ball)
+    yield "own law", gz.stroboscopic_map(ball.replace(V=0.2), phase=0.4)
+    yield "xy", gz.normal_form(ball, "d").xy_map()
+    for name, model in models():
+        yield f"strobe, {name}", gz.stroboscopic_map(model)
+
+
+def found():
+    G = gz.gap_map(0.8, 0.5, 1.0)
+    orbits = gz.periodic_orbits(G, 2)
+    ball = gz.pinball(d=0.12, V=0.4)
+    yield "orbits", orbits
+    yield "orbit", orbits[0]
+    yield "searched", orbits.searched
+    yield "branch", gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
+    yield "impact orbit", one_impact_orbits(ball, 3)[-1]
+    yield "normal form", gz.normal_form(ball, "d")
+    logistic_map = dict(maps())["own map"]
+    yield "own branch", gz.continuation(logistic_map, gz.periodic_orbits(logistic_map, 1)[0], "a", (2.5, 3.3))
+
+
+def plans():
+    G, own, x = gz.gap_map(0.8, 0.1, 0.2), dict(maps())["own map"], np.linspace(0.1, 0.9, 3)
+    small = {"transient": 20, "keep": 10}
+    yield "density", gz.plans.density(G, "mu", x, starts=2, bins=4, **small)
+    yield "diagram", gz.plans.orbit_diagram(own, "a", [2.5, 3.0, 3.5], starts=2, sweep="up", **small)
+    yield "chart", gz.plans.chart(G, {"mu": x, "l": x}, starts=2, exponent_steps=5, **small)
+    yield "basins", gz.plans.basins(own, {"x": x}, **small)
+    yield "lyapunov", gz.plans.lyapunov(own, "a", [3.0, 3.9], starts=2, steps=20, **small)
+    yield "coexistence", gz.plans.coexistence(G, "mu", x, starts=3, **small)
+
+
+THINGS = {
+    f"{kind.__name__}: {name}": thing
+    for kind in (laws, models, maps)
+    for name, thing in [*kind(), *([("forcing", gz.Forcing(2.0))] if kind is laws else [])]
+}
+
+
+def there(thing):
+    """What another process says of a thing."""
+    return repr(thing), thing
+
+
+def copies(thing):
+    yield from (pickle.loads(pickle.dumps(thing, protocol)) for protocol in (2, pickle.HIGHEST_PROTOCOL))
+    yield from (copy.copy(thing), copy.deepcopy(thing))
+
+
+def same(thing):
+    for other in copies(thing):
+        assert type(other) is type(thing) and repr(other) == repr(thing)
+        assert other == thing and not other != thing and hash(other) == hash(thing)
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_laws_models_and_maps(name):
+    same(THINGS[name])
+    thing = THINGS[name]
+    if isinstance(thing, gz.Map):
+        start = [0.5 * (low + high) for low, high in thing.box]
+        with np.errstate(all="ignore"):
+            assert all(alike(tuple(other.orbit(start, 5)), tuple(thing.orbit(start, 5))) for other in copies(thing))
+        assert pickle.loads(pickle.dumps(thing)).replace(**thing.params) == thing
+        name = next(iter(thing.params))
+        assert thing.replace(**{name: 0.75 * thing.params[name]}) != thing
+
+
+def test_orbits_branches_and_normal_forms():
+    for _name, thing in found():
+        same(thing)
+    branch = dict(found())["branch"]
+    assert pickle.loads(pickle.dumps(branch)).at(0.5) == branch.at(0.5)
+
+
+def test_plans_and_what_they_compute():
+    from grazing.studies.plan import run_plan
+
+    for _name, plan in plans():
+        for other in (pickle.loads(pickle.dumps(plan)), copy.deepcopy(plan)):
+            assert other == plan and other.document == plan.document
+        assert run_plan(pickle.loads(pickle.dumps(plan))).identical(run_plan(plan))
+
+
+def test_other_values_are_not_equal():
+    laws_, models_, maps_ = dict(laws()), dict(models()), dict(maps())
+    for group in (laws_, models_, maps_, dict(plans())):
+        things = list(group.values())
+        assert all((a == b) == (i == j) for i, a in enumerate(things) for j, b in enumerate(things)), group
+        assert len({hash(thing) for thing in things}) > len(things) // 2
+    assert gz.newton(0.8) != gz.newton(0.7) and gz.newton(0.8) != 0.8
+
+
+def test_spawned_workers_run_them():
+    wanted = [maps_ for name, maps_ in maps() if name in ("gap", "own map", "strobe, own law")]
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        for thing in [*wanted, next(plans())[1], gz.reset(soft, r=0.8, c=0.1)]:
+            said, back = pool.submit(there, thing).result(timeout=300)
+            assert said == repr(thing) and back == thing
+        P = wanted[0]
+        assert pool.submit(P.iterate, (0.1,), 20).result(timeout=300).tolist() == P.iterate((0.1,), 20).tolist()
+
+
+# ---- functions that no module has at its top
+
+
+def made(factor):
+    def law(v, p):
+        return -p.r * factor * v
+
+    return law
+
+
+def test_a_function_that_no_other_process_could_find_travels_whole_or_says_why_not(monkeypatch):
+    things = [
+        gz.reset(lambda v, p: -p.r * v, r=0.5),
+        gz.reset(made(0.9), r=0.5),
+        gz.Map(lambda state, p: (p.a * state[0],), {"a": 0.5}),
+    ]
+    things.append(gz.Oscillator(0.1, 1.0, gz.Forcing(2.0), things[1]))
+    pytest.importorskip("cloudpickle")
+    for thing in things:
+        assert pickle.loads(pickle.dumps(thing)) == thing
+        assert copy.deepcopy(thing) == thing
+    assert gz.reset(made(0.9), r=0.5) != gz.reset(made(0.8), r=0.5)
+    monkeypatch.setitem(sys.modules, "cloudpickle", None)
+    for thing in things:
+        with pytest.raises(
+            gz.InputError, match=r"cannot be pickled.* define it at the top of a module with def, or pip"
+        ):
+            pickle.dumps(thing)
+        assert copy.deepcopy(thing) == thing  # nothing leaves this process
+
+
+def test_a_map_from_a_file_of_ones_own_travels_whole(tmp_path):
+    """Its module has a name that no other process knows."""
+    pytest.importorskip("cloudpickle")
+    from grazing.config.own import Named, own_object
+
+    (tmp_path / "mine.py").write_text(
+        "import grazing as gz\ndef step(state, p):\n    return (p.a * state[0],)\nP = gz.Map(step, {'a': 0.5})\n"
+    )
+    (tmp_path / "a.pickle").write_bytes(pickle.dumps(own_object(Named(f"{tmp_path}/mine.py:P"))))
+    program = f"import pickle; print(pickle.load(open({str(tmp_path / 'a.pickle')!r}, 'rb')).iterate((8.0,), 3)[-1, 0])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.returncode) == ("1.0\n", 0), done.stderr
+
+
+def test_every_public_class_is_here():
+    """A new one has to be added above: of each there is an object that was copied, or a reason why not."""
+    plain = {"GrazingError", "InputError", "OutsideForm", "UserCodeError", "Outcome", "Trust"}
+    held = {"Attractor": "a named tuple", "Certificate": "tests/proof", "Locus": "tests/orbits"}
+    covered = {type(thing).__name__ for thing in [*THINGS.values(), *dict(found()).values()]}
+    covered |= {base.__name__ for thing in dict(found()).values() for base in type(thing).__mro__}
+    public = {name for name in gz.__all__ if inspect.isclass(getattr(gz, name))}
+    assert public - covered - plain == set(held)
+    for name in plain:
+        kind = getattr(gz, name)
+        one = next(iter(kind)) if hasattr(kind, "__members__") else kind("said")
+        assert repr(pickle.loads(pickle.dumps(one))) == repr(one)
+    attractor = gz.attractors(gz.orbit_diagram(gz.gap_map(0.8, 0.5, 1.0), "mu", [0.5], starts=2))[0]
+    assert alike(pickle.loads(pickle.dumps(attractor)), attractor)
