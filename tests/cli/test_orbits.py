@@ -136,8 +136,11 @@ def test_a_law_of_ones_own_is_proven_and_verified_with_its_file(folder, capsys):
         "ball = gz.Oscillator(3.0, 1.0, gz.Forcing(2.2, offset=0.12), gz.reset(soft, r=0.8, c=0.1))\n"
     )
     said(capsys, 0, "orbit", "--model", "mine.py:ball", "--word", "01", "-q", *FEW, "--save", "own.json")
-    said(capsys, 1, "orbit", "check", "own.json")
+    # The file holds the law itself; --model holds a law of one's own against it.
+    assert "u' = (-p.r)*v/(1.0 - p.c*v)" in said(capsys, 0, "orbit", "check", "own.json")
     assert "verified" in said(capsys, 0, "orbit", "check", "own.json", "--model", "mine.py:ball")
+    (folder / "other.py").write_text((folder / "mine.py").read_text().replace("1.0 - p.c", "1.0 + p.c"))
+    said(capsys, 1, "orbit", "check", "own.json", "--model", "other.py:ball")
 
 
 # ---- branch

@@ -254,7 +254,7 @@ def resumable(store: str | Path) -> Iterator[None]:
         ) from None
 
 
-def _plan(store: str, map: str | None, model: str | None) -> Any:
+def _plan(store: Path, map: str | None, model: str | None) -> Any:
     """Return the plan of a store that is made of code which this call names; None if it names none."""
     if map is None and model is None:
         return None
