@@ -80,7 +80,9 @@ def extrapolated(rough: Floats, noise: Floats, power: int) -> tuple[Floats, Floa
         share = 1.0 / (FINER ** (m if power == 1 else 2 * m) - 1.0)
         finer = column[1:] + share * (column[1:] - column[:-1])
         entries.append(finer)
-        errors.append(np.maximum(np.abs(finer - column[1:]), np.abs(finer - column[:-1])) + 2.0 * noise[m:])
+        apart = np.maximum(np.abs(finer - column[1:]), np.abs(finer - column[:-1])) + 2.0 * noise[m:]
+        apart[:-1] = np.maximum(apart[:-1], np.abs(finer[1:] - finer[:-1]))  # two may agree by chance
+        errors.append(apart)
         column = finer
     error = np.concatenate(errors)
     error[~np.isfinite(error)] = np.inf

@@ -31,8 +31,8 @@ STRAIGHT = 0.97
 SHORTEST, FIRST = 1e-9, 1e-3
 #: Newton steps cut short at the end of a piece, one after the other, after which there is no solution on it.
 CUT = 3
-#: Defect, in scaled unknowns, up to which a point on a piece of a map is a solution.
-CLOSED = 1e-9
+#: Defect, in scaled unknowns and beside rounding, up to which a point on a piece of a map is a solution.
+CLOSED = 1e-13
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
 #: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.
@@ -200,7 +200,8 @@ def corrected(
             cut = 0
         z = z - move
         if size <= SMALL or (size <= 1e-9 and size >= 0.25 * before):
-            return (z, wide, step) if closes(equations, z) else None
+            if closes(equations, z):
+                return z, wide, step
         if size > 2.0 * before and step > 2:
             return None
         before = size
@@ -216,8 +217,10 @@ def closes(equations: Equations, z: Floats) -> bool:
     """Whether what Newton's method found on a piece of a map is a solution, not a place where the map jumps."""
     if not equations.pieced:
         return True
-    F, _J = equations.defects(*unscaled(equations, z))
-    return bool((np.abs(F / equations.scale) <= CLOSED * (1.0 + np.abs(z[: len(F)]))).all())
+    x, p = unscaled(equations, z)
+    F, J = equations.defects(x, p)
+    rounding = 8.0 * EPS * (np.abs(J) @ np.abs(x))
+    return bool((np.abs(F) <= CLOSED * equations.scale * (1.0 + np.abs(z[: len(F)])) + rounding).all())
 
 
 def rowwise(wide: Floats) -> Floats:
@@ -509,7 +512,7 @@ def shown(
     error = event.point.tests[i].error
     if error == 0.0:
         return found
-    if not error <= VANISHED * max(abs(before.value), abs(after.value)):
+    if not error <= VANISHED * min(1.0, max(abs(before.value), abs(after.value))):
         return None
     slack = error / abs(after.value - before.value) * abs(way) * float(equations.spans[-1])
     return share, event._replace(low=event.low - slack, high=event.high + slack)
@@ -570,6 +573,8 @@ def located(
     low, high = sorted(float(seen[t][0].z[-1]) * float(equations.spans[-1]) for t in sides)
     value = float(point.z[-1]) * float(equations.spans[-1])
     if good and abs(rest) > VANISHED * max(abs(seen[0.0][1]), abs(seen[length][1])):
+        return None
+    if equations.pieced and where != HALVES and not abs(rest) <= VANISHED:  # next to an infinite slope all else is small
         return None
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 

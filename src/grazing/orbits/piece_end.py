@@ -16,12 +16,18 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 #: Distances from a solution, in sizes of the box and of the range, at which another letter, or a steep slope is sought.
-NEAR = 4.0 ** np.arange(-23.0, -11.0)
+NEAR = 4.0 ** np.arange(-80.0, -11.0)
 STEEP = 4.0 ** np.arange(-14.0, -5.0)
+#: Bracket, in units of the range, where a steep slope is met that no letter tells from what lies beside it.
+UNKNOWN = 1e-6
+#: Times a point's distance from the border over its speed that it may take to get there: twice on a parabola.
+LATE = 4.0
 #: Power of the distance with which values change at a steep slope, at most; a kink and a smooth map have 1 or more.
 POWER = 0.9
 #: Part of its size by which a value may jump, and a slope turn, where a map is smooth.
 JUMP, TURN = 1e-12, 1e-6
+#: How far beyond the last solution, in units of the last step, a jump is looked for.
+APART = 64.0
 #: Distances beyond the end at which the orbit is looked for with its new letters, in scaled unknowns.
 BEYOND = 4.0 ** np.arange(-24.0, -10.0)
 
@@ -37,13 +43,13 @@ def ending(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats
     steep = steep_at(equations, x, p)
     error = unsure(equations, x, p, dx, dp, touched)
     if steep >= 0:
-        return Ending("gr", steep, error)
+        return Ending("gr", steep, error if touched else max(error, UNKNOWN))
     beyond = smooth_beyond(equations, x, p, dx, dp, gap)
     if beyond is not None:
         return Ending("", -1, error, beyond)
     if touched:
         return Ending("bcb", touched[0][0], error)
-    return Ending("ep" if torn(equations, x, p, dx, dp, gap) else "", -1, error)
+    return Ending("ep" if torn(equations, x, p, dx, dp, gap) else "", -1, error + APART * gap)
 
 
 def ways(equations: MapEquations, x: Floats) -> Floats:
@@ -53,8 +59,8 @@ def ways(equations: MapEquations, x: Floats) -> Floats:
     return np.repeat(one[:, None], N, axis=1)
 
 
-def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int]]:
-    """Return the points that are next to a border between letters, the nearest first, each with the coordinate."""
+def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int, float]]:
+    """Return the points next to a border between letters, the nearest first, with the coordinate and the distance."""
     N, d = equations.N, equations.P.dimension
     moved = x.reshape(N, d) + NEAR[:, None, None, None] * ways(equations, x)
     row = equations.rows(p[None])
@@ -74,7 +80,7 @@ def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int]
             if seen != equations.letters:
                 found += [(k, i, -1) for i in range(N) if seen[i] != equations.letters[i]]
                 break
-    return [(j, way) for _k, j, way in sorted(found)]
+    return [(j, way, float(NEAR[k])) for k, j, way in sorted(found)]
 
 
 def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
@@ -101,32 +107,38 @@ def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
 
 
 def unsure(
-    equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int]]
+    equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int, float]]
 ) -> float:
-    """Return by how much rounding may move the end in the scaled parameter, as the point at the border is moved."""
-    images, J, error, _letters = equations.stepped(x, p)
+    """Return by how much the end may be off in the scaled parameter.
+
+    That is what rounding and the defects move it by while the point at the border stays there, and the way that this
+    point still has to go.
+    """
+    images, J, _error, _letters = equations.stepped(x, p)
     N, d = equations.N, equations.P.dimension
-    size = np.abs(x).reshape(N, d)
-    slack = EPS * (
-        np.abs(images) + np.abs(x.reshape(N, d))[(np.arange(N) + 1) % N] + np.einsum("jik,jk->ji", np.abs(J), size)
-    )
-    wide = -np.eye(N * d)
-    for j in range(N):
-        k = (j + 1) % N
-        wide[k * d : (k + 1) * d, j * d : (j + 1) * d] += J[j]
-    try:
-        moved = np.abs(np.linalg.inv(wide)) @ np.roll(slack, 1, axis=0).ravel()
-    except np.linalg.LinAlgError:
-        return float("inf")
+    points = x.reshape(N, d)
+    after = np.roll(points, -1, axis=0)
+    slack = np.abs(images - after) + EPS * (np.abs(images) + np.abs(after))
+    slack += EPS * np.einsum("jik,jk->ji", np.abs(J), np.abs(points))
+    size = equations.scale
+    wide = np.column_stack([equations.defects(x, p)[1] * size, equations.slopes(x, p)[:, -1] * equations.spans[-1]])
     rate = float(np.abs(dp[-1]) / equations.spans[-1])
-    off = EPS * float(np.abs(p[-1]) / equations.spans[-1])
-    shares = [off]
-    nearest = touched[0][0] if touched else -1
-    for j, i in touched:
-        if j == nearest and i >= 0:
-            going = abs(float(dx[j * d + i]))
-            shares.append(rate * float(moved[j * d + i]) / going if going > 0.0 else np.inf)
-    return float(max(shares))
+    found = [np.inf] if touched else [0.0]
+    for j, i, away in touched:
+        if j != touched[0][0]:
+            continue
+        if i < 0:  # a border that the parameter moves
+            found.append(away)
+            continue
+        place = j * d + i
+        going = abs(float(dx[place])) / size[place]
+        try:
+            held = np.linalg.inv(np.delete(wide, place, axis=1))[-1]
+        except np.linalg.LinAlgError:
+            continue
+        if going > 0.0:
+            found.append(float(np.abs(held) @ np.roll(slack, 1, axis=0).ravel()) + LATE * away * rate / going)
+    return float(min(found) + EPS * np.abs(p[-1]) / equations.spans[-1])
 
 
 def smooth_beyond(
@@ -160,7 +172,7 @@ def smooth_beyond(
 def torn(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> bool:
     """Whether the map jumps or has a kink between the last solution and what lies just beyond."""
     before, here, _l = equations.along(x, p, dx, dp)
-    t = 64.0 * gap
+    t = APART * gap
     if not equations.in_range(p + t * dp):
         return False
     after, there, _l = equations.along(x + t * dx, p + t * dp, dx, dp)
