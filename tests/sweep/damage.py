@@ -200,10 +200,28 @@ def change_metadata(store, dice, _other):
         record = json.loads(file.read_bytes())
         if dice.random() < 0.5:
             attributes = record["attributes"]
-            key = dice.choice([*attributes, "note"])
+            key = dice.choice([*attributes, "note", *["grazing_sweep"] * 9 * ("grazing_sweep" in attributes)])
             attributes[key] = dice.choice(["m", 7, [1], attributes.get(key, "x"), None, {"a": 1}])
             if isinstance(attributes[key], str) and key.startswith("grazing") and dice.random() < 0.5:
                 attributes[key] = attributes[key].replace("0", str(dice.randrange(10)), dice.randrange(1, 9))
+            if key == "grazing_sweep" and isinstance(attributes[key], str) and dice.random() < 0.7:
+                layout = json.loads(attributes[key])  # what a store without a manifest has but its word for
+                layout[dice.choice(list(layout))] = dice.choice(
+                    [
+                        None,
+                        1,
+                        "x",
+                        [],
+                        {},
+                        [10**9, 10**9],
+                        [1, 1],
+                        {"points": "float64"},
+                        {"points/bound": 3},
+                        [0],
+                        True,
+                    ]
+                )
+                attributes[key] = json.dumps(layout)
         else:
             key = dice.choice(list(CHANGES))
             record[key] = dice.choice(CHANGES[key])

@@ -29,7 +29,8 @@ def encode(values: NDArray[Any], chunk: tuple[int, ...]) -> bytes:
         values = whole
     kind = values.dtype.newbyteorder("<")
     packed = bytes(compress(np.ascontiguousarray(values, kind).reshape(-1).view(np.uint8), 0, False))
-    return packed + google_crc32c.value(packed).to_bytes(_CHECKSUM, "little")
+    checksum: int = google_crc32c.value(packed)
+    return packed + checksum.to_bytes(_CHECKSUM, "little")
 
 
 def decode(content: bytes, chunk: tuple[int, ...], dtype: str) -> NDArray[Any]:

@@ -21,7 +21,7 @@ LAYOUT, RECIPE, MADE_BY = "grazing_sweep", "grazing_recipe", "grazing_made_by"
 #: To be raised when a store is laid out in another way. Version 0.1 wrote stores without a manifest.
 FORMAT, UNBOUND = 2, 1
 #: Chunks of a store: a number beyond it is a mistake, and would take hours to look at.
-MOST = 10**7
+MOST = 10**6
 DONE = "done"
 #: What a result says where chunks were made by different code.
 WHO = "made_by"

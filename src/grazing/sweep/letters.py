@@ -70,7 +70,7 @@ def stored_attrs(attrs: Mapping[Any, Any], where: str, types: Types) -> dict[str
     return stored
 
 
-def restored_attrs(attrs: Mapping[Hashable, Any], where: str, types: Types) -> dict[Hashable, Any]:
+def restored_attrs(attrs: Mapping[str, Any], where: str, types: Types) -> dict[Hashable, Any]:
     """Return the attributes as they were."""
     found: dict[Hashable, Any] = {}
     for name, value in attrs.items():

@@ -17,7 +17,7 @@ COMPUTING = ("kernel", "oscillator", "maps", "orbits", "studies")
 ANY = "any"
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=2)
 def made_by(plan: Plan) -> dict[str, str]:
     """Return what makes the chunks of a plan in this process.
 

@@ -74,7 +74,7 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
     refuse_too_large(size, f"open a part of it with xarray.open_zarr({str(found.path)!r})")
     done = found.done()
     records = _records(found, done)
-    result = _dataset(found, done, records)
+    result = _dataset(found, records)
     finished = done.all() and found.layout.finish
     if finished and plan is None and found.recipe is None:
         result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
@@ -119,31 +119,33 @@ def _say_who(store: Store, records: Mapping[int, Record | None], result: xr.Data
     result.attrs[MIXTURE] = str(shares)
 
 
-def _dataset(store: Store, done: NDArray[np.bool_], records: Mapping[int, Record | None]) -> xr.Dataset:
+def _dataset(store: Store, records: Mapping[int, Record | None]) -> xr.Dataset:
+    layout = store.layout
+    texts = {name for name in store.arrays if TEXT in store.arrays[name].attrs}
+    arrays = {name: (_texts if name in texts else _values)(store, name, records) for name in layout.variables}
+    arrays |= {name: _coordinate(store, name, name in texts) for name in layout.coords}
+    try:
+        return _labelled(store, arrays)
+    except (ValueError, TypeError, KeyError, AttributeError) as error:  # metadata that nothing binds may say anything
+        raise _damaged(store, "its metadata", error) from error
+
+
+def _labelled(store: Store, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
     import xarray as xr
 
     layout = store.layout
     data: dict[str, Any] = {}
     for name, kind in {**layout.variables, **layout.coords}.items():
-        spec = store.arrays[name]
-        dims, attrs = spec.dims, dict(spec.attrs)
-        texts = attrs.pop(TEXT, None) is not None
-        if name in layout.variables:
-            values = (_texts if texts else _values)(store, name, records)
-        else:
-            values = _coordinate(store, name, texts)
-        if texts:
+        values, dims, attrs = arrays[name], store.arrays[name].dims, dict(store.arrays[name].attrs)
+        if attrs.pop(TEXT, None) is not None:
             dims = dims[:-1]
-            try:
-                values = values.astype(kind) if kind not in ("text", "object") else values
-            except (ValueError, TypeError) as error:
-                raise _damaged(store, name, error) from error
+            values = values.astype(kind) if kind not in ("text", "object") else values
         data[name] = (dims, values, restored_attrs(attrs, name, layout.types))
-    attrs = {name: value for name, value in store.attrs.items() if name not in (LAYOUT, MADE_BY, "coordinates")}
+    of_all = {name: value for name, value in store.attrs.items() if name not in (LAYOUT, MADE_BY, "coordinates")}
     return xr.Dataset(
         {name: data[name] for name in layout.variables},
         {name: data[name] for name in layout.coords},
-        restored_attrs(attrs, "", layout.types),
+        restored_attrs(of_all, "", layout.types),
     )
 
 

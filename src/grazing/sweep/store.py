@@ -104,7 +104,11 @@ class Store:
             begun: dict[str, str] = json.loads(self.attrs[MADE_BY])
             return begun
         versions = json.loads(self.attrs["grazing_versions"])
-        return {"code": self.attrs["grazing_code_sha256"], "processor": self.attrs["grazing_processor"], **versions}
+        return {
+            "code": self.attrs["grazing_code_sha256"],
+            "processor": self.attrs.get("grazing_processor", ""),
+            **versions,
+        }
 
     # ---- which chunks are there
 
@@ -199,7 +203,7 @@ class Store:
                 block = block[tuple(map(slice, shape))]
             if len(parts) == 1:
                 return block
-            array[(..., *inner)] = block
+            array[_inside(inner)] = block
         return array
 
     def _content(self, key: str, prints: Mapping[str, Print] | None, most: int) -> bytes:
@@ -231,7 +235,7 @@ class Store:
             (self.path / self.file(number)).unlink(missing_ok=True)
             for name, values in stored_chunk(plan, self.grid.block_shape(number), arrays).items():
                 for key, inner in self.files(name, number).items():
-                    content = encode(values[(..., *inner)] if inner else values, self.arrays[name].chunk)
+                    content = encode(values[_inside(inner)], self.arrays[name].chunk)
                     self._put(key, content)
                     files[key] = print_of(content)
             self._put(f"{CHUNKS}/{number}", record_lines(self.token, number, files, made_by(plan)))
@@ -285,6 +289,11 @@ class Store:
                     found = PARTIAL.fullmatch(file)
                     if found and Path(folder, found["name"]).relative_to(self.path).as_posix() in ours:
                         Path(folder, file).unlink(missing_ok=True)
+
+
+def _inside(part: Slices) -> Any:
+    """Return the index of a part along the last dimensions."""
+    return (..., *part)
 
 
 def stored_chunk(plan: Plan, shape: tuple[int, ...], arrays: Arrays) -> dict[str, NDArray[Any]]:
@@ -354,6 +363,8 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
         layout = Layout.read(attrs[LAYOUT])
         for part in ("grazing_config", "grazing_config_sha256", "grazing_code_sha256", "grazing_versions", "source"):
             attrs[part].encode()
+        for part in ("grazing_config", "grazing_versions", *({RECIPE, MADE_BY} & attrs.keys())):
+            dict(json.loads(attrs[part]))
         listed = record["consolidated_metadata"]["metadata"] if layout.format == UNBOUND else {}
     except InputError as error:
         raise InputError(f"{path} cannot be opened: {error}") from None
