@@ -9,7 +9,6 @@ from math import inf
 from types import MappingProxyType
 from typing import Any
 
-from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError
 from grazing.parameter import Parameter, checked_params, parameters, real
 
@@ -263,8 +262,3 @@ def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -
             "allowed is a finite v_plus >= 0, away from the wall"
         )
     return float(v_plus)
-
-
-def fingerprint(made: Reset) -> str:
-    """Return a short hash of the law's code, for results to record."""
-    return digest(made.law)[:16]
