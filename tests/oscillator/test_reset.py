@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import grazing as gz
-from grazing.oscillator.reset import fingerprint
 from grazing.parameter import parameter_tuple
 from tests.models import cubic
 
@@ -59,11 +58,6 @@ def test_replace_and_repr():
     assert gz.reset(cubic, e=0.9, c=0.5).replace(c=0.0)(-3.0) == pytest.approx(2.7)
     with pytest.raises(TypeError):
         law.params["r"] = 0.1
-
-
-def test_fingerprint_knows_the_law_and_not_its_numbers():
-    assert fingerprint(gz.newton(r=0.1)) == fingerprint(gz.newton(r=0.2))
-    assert fingerprint(gz.newton(r=0.1)) != fingerprint(gz.active(r=0.1, V=0.0))
 
 
 @pytest.mark.parametrize(

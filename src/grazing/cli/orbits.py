@@ -35,7 +35,9 @@ def check(
     *,
     model: Annotated[
         Path | None,
-        Parameter(help="file.py:name of a gz.Oscillator whose reset law is held against the one proven.", metavar="NAME"),
+        Parameter(
+            help="file.py:name of a gz.Oscillator whose reset law is compared with the proven one.", metavar="NAME"
+        ),
     ] = None,
     json: Annotated[bool, Parameter(help="Print the verdict as one JSON object.", show_default=False)] = False,
 ) -> int:

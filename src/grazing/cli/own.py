@@ -28,7 +28,9 @@ OwnModel = Annotated[
 ]
 
 
-def named_here(recipe: Mapping[str, Any] | None, map: str | None, model: str | None, file: str | Path) -> dict[str, Any]:
+def named_here(
+    recipe: Mapping[str, Any] | None, map: str | None, model: str | None, file: str | Path
+) -> dict[str, Any]:
     """Return the code that this call names, by the keys of the recipe that it belongs to.
 
     Raises

@@ -574,7 +574,9 @@ def located(
     value = float(point.z[-1]) * float(equations.spans[-1])
     if good and abs(rest) > VANISHED * max(abs(seen[0.0][1]), abs(seen[length][1])):
         return None
-    if equations.pieced and where != HALVES and not abs(rest) <= VANISHED:  # next to an infinite slope all else is small
+    if (
+        equations.pieced and where != HALVES and not abs(rest) <= VANISHED
+    ):  # next to an infinite slope all else is small
         return None
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 

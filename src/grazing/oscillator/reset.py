@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.copies import ByValue, packed, plain
-from grazing.kernel.compile import digest
 from grazing.outcome import InputError, UserCodeError, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
@@ -324,8 +323,3 @@ def in_python(law: Callable[..., float]) -> Callable[..., float]:
 
 def _raised(name: str, error: Exception, v: float, params: Mapping[str, float]) -> str:
     return f"the reset law {name} raised {told(error)} (v_minus = {v:g}, {dict(params)})"
-
-
-def fingerprint(made: Reset) -> str:
-    """Return a short hash of the law's code, for results to record."""
-    return digest(made.law)[:16]
