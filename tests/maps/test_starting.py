@@ -132,7 +132,7 @@ def told(model):
 
 
 def test_a_machine_means_the_same_in_every_unit_of_length():
-    """A power of two rounds nothing, so that every number agrees to the bit unless something has a length of its own."""
+    """A power of two rounds nothing: every number agrees to the bit, unless something has a length of its own."""
     here = list(told(made(RIG)))
     for length in (2.0**10, 2.0**-40):
         for mine, theirs in zip(here, told(made(RIG, length)), strict=True):

@@ -125,8 +125,8 @@ def edge_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]
     ]
     if not rows:
         asked = ", ".join(map(str, recipe["settings"]["N"]))
-        said = f"no window with N = {asked} for {name} from {low:g} to {high:g}"
-        return [f"{said}; try another range, or other periods with --N", ""]
+        none = f"no window with N = {asked} for {name} from {low:g} to {high:g}"
+        return [f"{none}; try another range, or other periods with --N", ""]
     said = [*aligned(["N", f"{name} from", "", "to", "", "piece of the law"], rows), ""]
     seen = {row[side] for row in tables["windows"] for side in ("low_type", "high_type")}
     said += legend({kind: words for kind, words in tables["meanings"].items() if kind in seen})
