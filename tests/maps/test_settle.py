@@ -7,6 +7,7 @@ import pytest
 
 import grazing as gz
 from grazing.maps import settle
+from grazing.maps.columns import empty_columns
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import steady_response
 from grazing.oscillator.exact import exact_period
@@ -140,13 +141,33 @@ def test_the_limit_of_an_orbit_is_kept(monkeypatch, limit):
     R = dataclasses.replace(P, settle=noting)
     lanes = np.tile(np.array(start).reshape(1, 2, 1), (1, 1, 2))
     found = R.run_columns([list(P.params.values())], lanes, 0, n, records=n, algorithm="scalar", threads=1)
-    settled = min(limit, n)  # of each orbit, between two cuts
-    assert len(asked) == min(settled, 1)  # it comes back to the same state, which is asked about once
+    settled = n if limit > 0 else 0  # it comes back to the same state: one answer holds for ever
+    assert len(asked) == min(settled, 1)
     assert found.undecided.sum() == 2 * (n - settled)
     for i in (0, 1):
         doubtful = (found.outcomes[0, :, i] & AMBIGUOUS) != 0
         assert doubtful.tolist() == [False] * settled + [True] * (n - settled)
         assert np.array_equal(lanes[0, :, i], found.points[0, -1, :, i])
+
+
+@pytest.mark.parametrize("limit", [0, 1, 2, 5, 9])
+def test_the_limit_counts_states_that_differ(monkeypatch, limit):
+    monkeypatch.setattr(settle, "LIMIT", limit)
+    n = 7
+
+    def again(row, state, steps):
+        one = empty_columns(1, 1, 1, steps, steps)
+        one.points[0, :, 0, 0], one.outcomes[0, :, 0] = state[0] + np.arange(1.0, steps + 1.0), AMBIGUOUS
+        return one
+
+    def proven(row, state):
+        return settle.Settled((state[0] + 1.0,), 0, 0, np.inf, np.inf)
+
+    found, lanes = empty_columns(1, 1, 1, n, n), np.zeros((1, 1, 1))
+    settle.settle_orbit(np.zeros(1), 0, 0, np.zeros((1, 1, 1)), lanes, 0, found, proven, again)
+    assert found.undecided[0, 0] == max(n - limit, 0)
+    assert (found.outcomes[0, :, 0] & AMBIGUOUS != 0).tolist() == [i >= limit for i in range(n)]
+    assert (found.points[0, :, 0, 0].tolist(), lanes[0, 0, 0]) == ([1.0 + i for i in range(n)], 7.0)
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE
-from grazing.orbits.curves import Curve, Edge, curves
-from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, families
+from grazing.orbits.curves import Curve, Edge, curves, wrapped
+from grazing.orbits.exact_edges import before_fold, family_scale, ordered
+from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import InputError, shown
@@ -33,6 +34,8 @@ EDGES = {
     "end": "end of the span searched",
 }
 PIECES = {WHOLE: "whole", FIRED: "fired", PASSIVE: "passive"}
+#: Edges that are closer than this share of the parameter are told apart with many digits.
+CLOSE = 1e-10
 LAST_TEST = FIRST_TEST + len(TESTS)
 
 
@@ -83,8 +86,9 @@ def windows(
     distance from the trigger (law), the force on a ball left at rest (st: r = 0 and V = 0), the lowest dip of the
     flight (gr). A further impact can appear at a graze only. What can be missed lies within one cell of the first
     grid: a pair of folds, or two zeros of one test function that leave no extremum on the grid. Narrow windows are
-    found as long as their two edges are zeros of different test functions. Orbits that lie on the wall for a while
-    are outside: beyond st they go on with an impact, rest and release.
+    found as long as their two edges are zeros of different test functions. Edges that doubles cannot tell apart, next
+    to each other or to a fold, are computed with 512 bits; windows narrower than a double are left out. Orbits that lie
+    on the wall for a while are outside: beyond st they go on with an impact, rest and release.
 
     References
     ----------
@@ -118,18 +122,88 @@ def windows(
 
 def stable_intervals(curve: Curve) -> list[tuple[Edge, Edge]]:
     """Return where all test functions are positive along one curve: pairs of edges."""
-    zeros = sorted(_zeros(curve), key=lambda edge: edge.value)
-    edges = [curve.low, *(edge for edge in zeros if curve.low.value < edge.value < curve.high.value), curve.high]
+    inside = [edge for edge in _zeros(curve) if curve.low.value < edge.value < curve.high.value]
+    below, above = _before_fold(curve, 0, curve.low), _before_fold(curve, -1, curve.high)
+    edges = [curve.low, *below, *_told_apart(curve, inside), *above, curve.high]
     good: list[tuple[Edge, Edge]] = []
-    for low, high in pairwise(edges):
-        tests = curve.at(0.5 * (low.value + high.value))[FIRST_TEST:LAST_TEST]
-        if high.value <= low.value or not (tests > 0.0).all():
+    for (low, high), stable in zip(pairwise(edges), _stable(curve, edges, len(below), len(above)), strict=True):
+        if high.value < low.value or not stable:
             continue
         if good and good[-1][1] is low:  # a zero that changes nothing: the others decide
             good[-1] = (good[-1][0], high)
         else:
             good.append((low, high))
-    return good
+    return [(low, high) for low, high in good if low.value < high.value]
+
+
+def _stable(curve: Curve, edges: list[Edge], below: int, above: int) -> list[bool]:
+    """Return for every stretch between two edges whether all test functions are positive on it.
+
+    They are looked at in the middle; not between edges that are too close, and not next to a fold, where ``below`` and
+    ``above`` edges lie beyond the last points: there each edge turns the sign of its own test function.
+    """
+    signs: list[dict[str, bool] | None] = []
+    for i, (low, high) in enumerate(pairwise(edges)):
+        seen = below <= i < len(edges) - 1 - above and high.value - low.value > _close(curve, low.value)
+        tests = curve.at(0.5 * (low.value + high.value))[FIRST_TEST:LAST_TEST] > 0.0 if seen else None
+        signs.append(None if tests is None else dict(zip(TESTS, tests.tolist(), strict=True)))
+    for order in (range(1, len(signs)), range(len(signs) - 2, -1, -1)):
+        for i in order:
+            near, edge = (i - 1, edges[i]) if order.step > 0 else (i + 1, edges[i + 1])
+            known = signs[near]
+            if signs[i] is None and known is not None:
+                signs[i] = {kind: sign != (kind == edge.type) for kind, sign in known.items()}
+    return [known is not None and all(known.values()) for known in signs]
+
+
+def _close(curve: Curve, value: float) -> float:
+    """Return the distance below which doubles may take two edges for each other."""
+    return CLOSE * family_scale(curve.family, value)
+
+
+def _told_apart(curve: Curve, edges: list[Edge]) -> list[Edge]:
+    """Return edges in increasing order; of different ones that are close together many digits decide."""
+    edges = sorted(edges, key=lambda edge: edge.value)
+    groups: list[list[Edge]] = []
+    for edge in edges:
+        if groups and edge.value - groups[-1][-1].value <= _close(curve, edge.value):
+            groups[-1].append(edge)
+        else:
+            groups.append([edge])
+    found: list[Edge] = []
+    for group in groups:
+        if len({edge.type for edge in group}) > 1:
+            guesses = [(edge.type, float(curve.at(edge.value)[PHASE]), edge.value) for edge in group]
+            order = ordered(curve.family, guesses)
+            if order is not None:
+                group = [group[i]._replace(value=value) for i, value in order]
+        found += group
+    return found
+
+
+def _before_fold(curve: Curve, last: int, fold: Edge) -> list[Edge]:
+    """Return the edges between the last point of a curve, at index ``last``, and its fold, in increasing order.
+
+    Doubles lose the two zeros of G there. Many digits are asked if a test function may change its sign on the way: by
+    more than a tenth, as it goes on with the phase.
+    """
+    if fold.type != "lp" or fold.status != "zero" or len(curve.rows) < 2:
+        return []
+    row, before = curve.rows[last], curve.rows[1 if last == 0 else -2]
+    guess = extremum(curve.family, fold.value, float(row[PHASE]))[0]
+    moved, left = float(wrapped(row[PHASE] - before[PHASE])), float(wrapped(guess - row[PHASE]))
+    tests = _finite(row[FIRST_TEST:LAST_TEST])
+    change = tests - _finite(before[FIRST_TEST:LAST_TEST])
+    share = abs(left / moved) if moved != 0.0 else inf
+    others = np.array([kind != "lp" for kind in TESTS])
+    with np.errstate(invalid="ignore"):
+        if not (np.abs(share * change) > 0.1 * np.abs(tests))[others].any():
+            return []
+    found = before_fold(curve.family, float(row[PHASE]), tests, fold.value, float(row[PHASE]) + left)
+    if found is None:
+        return []
+    edges = [Edge(value, kind, "zero", int(row[DIP]) if kind == "gr" else 0) for value, kind in found]
+    return edges[::-1] if last == 0 else edges
 
 
 def _zeros(curve: Curve) -> list[Edge]:

@@ -318,7 +318,7 @@ def turning_phases(forcing: Forcing, level: fmpq) -> list[arb]:
     for c, s in zip(forcing.cos, forcing.sin, strict=True):
         cosine, sine = cosine * turn[0] - sine * turn[1], sine * turn[0] + cosine * turn[1]
         total = total * circle + rational(c) * cosine + rational(s) * sine
-    roots = total.numer().complex_roots()
+    roots: Any = total.numer().complex_roots()
     found = [2 * x.real.atan() for x, times in roots if x.imag.is_zero() and times % 2 == 1]
     return [*found, arb.pi()] if (full - total.degree()) % 2 == 1 else found
 
