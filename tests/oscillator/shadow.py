@@ -113,8 +113,8 @@ def angle(omega, t):
 
 def window_edges(*arguments):
     """The edges as they are: that they are near enough to the zeros of the force is another question."""
-    edges, first = windows.window_edges(*floats(arguments))
-    return tuple(Shadow(x) for x in edges), first
+    edges, *rest = windows.window_edges(*floats(arguments))
+    return tuple(Shadow(x) for x in edges), *rest
 
 
 @contextmanager
