@@ -125,7 +125,7 @@ def _size(store: Store, name: str) -> int:
     array = store.arrays[name]
     if "grazing_text" in array.attrs:
         return int(prod(array.shape[:-1])) * POINTER
-    return int(prod(array.shape)) * np.dtype(array.dtype).itemsize
+    return int(prod(array.shape) * np.dtype(array.dtype).itemsize)
 
 
 def _texts(store: Store, name: str, done: NDArray[np.bool_]) -> NDArray[Any]:
