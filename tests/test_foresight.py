@@ -101,7 +101,7 @@ def test_what_does_not_fit_says_what_to_lower(monkeypatch):
     ):
         with pytest.raises(gz.InputError, match=advice):
             plans.density(G, "mu", [0.1], **size)
-    with pytest.raises(gz.InputError, match=r"reduce mu \(3000\), start \(100\), n \(50\) or threads, or sweep into"):
+    with pytest.raises(gz.InputError, match=r"reduce mu \(3000\), start \(100\), n \(50\), or sweep into"):
         gz.orbit_diagram(G, "mu", np.linspace(0.0, 0.1, 3000))
 
 

@@ -204,8 +204,10 @@ def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None =
     """
     axes = ", ".join(f"{name} ({len(values)})" for name, values in plan.axes.items())
     sizes = "".join(f", {name} ({size})" for name, size in plan.sizes.items())
-    advice = f"reduce {axes}{sizes} or threads, or sweep into a store: -o result.zarr, gz.sweep.run"
-    refuse_too_large(plan.memory(plan.cells, workers_of(threads)), advice)
+    advice = f"reduce {axes}{sizes}, or sweep into a store: -o result.zarr, gz.sweep.run"
+    workers = workers_of(threads)
+    refuse_too_large(plan.memory(plan.cells, 1), advice)
+    refuse_too_large(plan.memory(plan.cells, workers), f"use fewer threads ({workers}), or {advice}")
     arrays = empty_arrays(plan, plan.cells)
     step = plan.cells if plan.sequential else max(1, plan.together)
 

@@ -198,7 +198,7 @@ def _size(store: Store, name: str) -> int:
     spec = store.arrays[name]
     if TEXT in spec.attrs:
         return int(prod(spec.shape[:-1])) * POINTER
-    return int(prod(spec.shape)) * np.dtype(spec.dtype).itemsize
+    return int(prod(spec.shape) * np.dtype(spec.dtype).itemsize)
 
 
 def _by_cell(store: Store, done: NDArray[np.bool_]) -> NDArray[np.bool_]:
