@@ -59,15 +59,18 @@ def slope(middle: Floats, low: Floats, high: Floats, down: Floats, up: Floats) -
         at a kink, the error is their difference; where there are no values, it is infinite.
     """
     with np.errstate(all="ignore"):
-        noise = 4.0 * EPS * np.fmax(np.fmax(np.abs(low), np.abs(high)), np.abs(middle))
+        loud = np.fmax(np.fmax(np.abs(low), np.abs(high)), np.abs(middle))
+        # a value that is small where larger ones cancel is as noisy as they are
+        noise = np.broadcast_to(4.0 * EPS * np.fmax.reduce(loud, axis=0), low.shape)
         central = extrapolated((high - low) / (up + down), noise / (up + down), 2)
         sides = np.stack([(middle - low) / down, (high - middle) / up], axis=1)
         one_sided = extrapolated(sides, np.stack([noise / down, noise / up], axis=1), 1)
         values = np.stack([central[0], *one_sided[0]])
         errors = np.stack([central[1], *one_sided[1]])
         _middle, below, above = values
+        usual = noise[0] * FIRST / (4.0 * EPS * up[0])
         torn = np.abs(above - below) > 10.0 * (errors[1] + errors[2])
-        best = np.argmin(errors, axis=0)[None]
+        best = np.argmin(relative(values, errors, usual), axis=0)[None]
         value, least = (np.take_along_axis(one, best, 0)[0] for one in (values, errors))
         least = np.where(torn, np.maximum(np.abs(above - below), least), least)
     return Slope(value, least, below, above)
@@ -86,5 +89,11 @@ def extrapolated(rough: Floats, noise: Floats, power: int) -> tuple[Floats, Floa
         column = finer
     error = np.concatenate(errors)
     error[~np.isfinite(error)] = np.inf
-    place = np.argmin(error, axis=0)[None]
-    return np.take_along_axis(np.concatenate(entries), place, 0)[0], np.take_along_axis(error, place, 0)[0]
+    value = np.concatenate(entries)
+    place = np.argmin(relative(value, error, noise[0] * FIRST / (4.0 * EPS)), axis=0)[None]
+    return np.take_along_axis(value, place, 0)[0], np.take_along_axis(error, place, 0)[0]
+
+
+def relative(value: Floats, error: Floats, usual: Floats) -> Floats:
+    """Return errors in units of the slope, or of a usual one where it is less: too far off a steep one looks flat."""
+    return np.where(np.isfinite(error), error / (np.abs(value) + usual), np.inf)

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 NEAR = 4.0 ** np.arange(-80.0, -11.0)
 STEEP = 4.0 ** np.arange(-14.0, -5.0)
 #: Bracket, in units of the range, where a steep slope is met that no letter tells from what lies beside it.
-UNKNOWN = 1e-6
+UNKNOWN = 1e-5
 #: Times a point's distance from the border over its speed that it may take to get there: twice on a parabola.
 LATE = 4.0
 #: Power of the distance with which values change at a steep slope, at most; a kink and a smooth map have 1 or more.
