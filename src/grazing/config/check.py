@@ -310,8 +310,8 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
                 break
     for table, path in ((settings, ("settings", "coordinate")), (config, ("coordinate",))):
         if table.get("coordinate") is not None and table["coordinate"] not in coordinates:
-            said = partial(unknown_key, table["coordinate"], coordinates, f"coordinate = {shown(table['coordinate'])}")
-            yield Problem(path, said)
+            why = partial(unknown_key, table["coordinate"], coordinates, f"coordinate = {shown(table['coordinate'])}")
+            yield Problem(path, why)
     for name in settings.get("fixed") or ():
         if name not in coordinates:
             yield Problem(("settings", "fixed", name), partial(unknown_key, name, coordinates, "unknown coordinate"))
