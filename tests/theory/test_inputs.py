@@ -64,7 +64,9 @@ def test_the_whole_sentence():
     assert str(caught.value) == said
     with pytest.raises(InputError) as caught:
         theory.mu_pd(2, 0.5, [0.0, -2.0])
-    said = "l = -2.0 is not allowed; l must be a finite number >= 0: l is the gap of (2.6); l = 0 closes it"
+    said = (
+        "l = -2.0 is not allowed; l must be a finite number >= 0, up to 1e100: l is the gap of (2.6); l = 0 closes it"
+    )
     assert str(caught.value) == said
 
 

@@ -105,7 +105,7 @@ def windows(
     0.098450444937 gr 0.123281449644 pd
     """
     families(model, 1)  # refuses what is no oscillator, and laws outside the form
-    if name not in model.params:
+    if not isinstance(name, str) or name not in model.params:
         raise unknown(name, model.params, "the model")
     low, high = _span(model, name, span)
     cells = whole(samples, "samples", 2)

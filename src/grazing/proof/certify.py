@@ -15,7 +15,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.proof.clearance import Clear, Through, clear
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.expression import NotAnExpression
@@ -179,7 +179,8 @@ def with_impacts(orbit: object) -> ImpactOrbit:
             raise InputError(f"{orbit!r} comes to rest on the wall; orbits that rest or chatter are not proven")
         return flown(orbit)
     raise InputError(
-        f"orbit is {orbit!r}; give a periodic orbit of the oscillator, such as one of gz.one_impact_orbits(model, N)"
+        f"orbit is {shown(orbit)}; give a periodic orbit of the oscillator, "
+        "such as one of gz.one_impact_orbits(model, N)"
     )
 
 

@@ -87,7 +87,7 @@ def graph(
     import xarray as xr
 
     checked_map(P)
-    if name not in P.coordinates:
+    if not isinstance(name, str) or name not in P.coordinates:
         raise InputError(
             f"{shown(name)} is no coordinate of the {P.name or 'map'}; allowed are {', '.join(P.coordinates)}"
         )

@@ -29,11 +29,14 @@ class Rule(NamedTuple):
     advice: str
 
 
+#: Beyond, squares of it could overflow.
+LARGEST: Final = 1e100
+
 RULES: Final = {
     "N": Rule(1, True, np.inf, "an integer >= 1", "give the period of the orbit as an int"),
     "lam": Rule(0, False, 1, "a finite number with 0 < lam < 1", "lam is the slope of (2.6) for x < 0"),
-    "mu": Rule(-np.inf, False, np.inf, "a finite number", "mu is the offset of (2.6)"),
-    "l": Rule(0, True, np.inf, "a finite number >= 0", "l is the gap of (2.6); l = 0 closes it"),
+    "mu": Rule(-LARGEST, True, LARGEST, "a finite number up to 1e100 in size", "mu is the offset of (2.6)"),
+    "l": Rule(0, True, LARGEST, "a finite number >= 0, up to 1e100", "l is the gap of (2.6); l = 0 closes it"),
 }
 
 

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from grazing.outcome import InputError, OutsideForm, shown
-from grazing.parameter import real
 from grazing.theory._inputs import FloatArray
 
 __all__ = ["WordOrbit", "word_orbits"]
@@ -144,9 +143,14 @@ def root_length(word: str) -> int:
 def finite(name: str, value: object) -> float:
     """Check one number and return it as a float; unlike in the propositions it may have any sign."""
     try:
-        return real(value, name, "")
-    except InputError:
-        raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number") from None
+        if isinstance(value, (bool, str, bytes)) or np.iscomplexobj(value) or np.ndim(value):  # type: ignore[arg-type]
+            raise TypeError
+        number = float(value)  # type: ignore[arg-type]
+    except Exception:  # of whatever object was given
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number")
+    return number
 
 
 def blocks_of(word: str, lam: float, mu: float, l: float) -> Blocks:
