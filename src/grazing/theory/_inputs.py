@@ -72,8 +72,9 @@ def number(name: str, value: object) -> float:
 def _checked(name: str, value: object) -> FloatArray:
     rule = RULES[name]
     array = _as_numbers(name, value)
-    above = array >= rule.low if rule.attained else array > rule.low
-    allowed = above & (array < rule.high)
+    wide = array.astype(np.float64)  # narrow numbers cannot be compared with bounds beyond them
+    above = wide >= rule.low if rule.attained else wide > rule.low
+    allowed = above & (wide < rule.high)
     if not np.all(allowed):
         raise _refusal(name, array[~allowed].flat[0] if array.ndim else value)
     return np.asarray(array, dtype=np.float64)
