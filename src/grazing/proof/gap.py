@@ -13,6 +13,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from grazing.copies import ByValue
 from grazing.maps.gap import gap_step
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import LOCK
@@ -57,7 +58,7 @@ ORBIT_RADIUS, EDGE_RADIUS = 80, 43
 
 
 @dataclass(frozen=True, eq=False)
-class GapProof:
+class GapProof(ByValue):
     """What came of an attempt to prove something about the gap map.
 
     Parameters
