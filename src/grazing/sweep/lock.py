@@ -197,8 +197,10 @@ def _now() -> str:
 
 def _make(folder: Path) -> None:
     """Make the folder of the locks; not the store: one that was removed is not made again."""
-    folder.parent.mkdir(exist_ok=True)
-    folder.mkdir(exist_ok=True)
+    for part in (folder.parent, folder):
+        if os.path.lexists(part) and not part.is_dir():  # what a hand has put there
+            remove(part)
+        part.mkdir(exist_ok=True)
 
 
 @contextmanager

@@ -90,6 +90,8 @@ def template_of(content: bytes) -> Template:
     with _ours():
         body, digest = _opened(content)
         metadata = {key: str(text) for key, text in body["metadata"].items()}
+        if "zarr.json" not in metadata:
+            raise ValueError("it is none of ours")
         return Template(metadata, _prints(body["coordinates"]), digest)
 
 
