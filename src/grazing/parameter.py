@@ -125,8 +125,8 @@ def real(value: Any, name: str, allowed: str) -> float:
     return number
 
 
-def whole(value: Any, name: str, low: int) -> int:
-    """Return an int >= low, or raise InputError."""
+def whole(value: Any, name: str, low: int, high: float = LARGEST) -> int:
+    """Return an int from low to high, or raise InputError."""
     try:
         if not _is_number(value) or int(value) != value:
             raise TypeError
@@ -135,8 +135,8 @@ def whole(value: Any, name: str, low: int) -> int:
         raise InputError(f"{name} = {shown(value)}; allowed is a whole number >= {low}") from None
     if number < low:
         raise InputError(f"{name} = {shown(number)}; allowed is a whole number >= {low}")
-    if number > LARGEST:
-        raise InputError(f"{name} = {shown(number)}; allowed is a whole number from {low} to {LARGEST}")
+    if number > high:
+        raise InputError(f"{name} = {shown(number)}; allowed is a whole number from {low} to {high}")
     return number
 
 

@@ -113,3 +113,13 @@ def test_what_is_not_allowed_is_said(check, value, said):
 def test_text_keeps_every_bit():
     x = math.nextafter(0.1, 1.0)
     assert numbers(text_of("state", [x]), "state") == [x]
+
+
+def test_a_seed_may_use_all_64_bits_and_counts_what_a_kernel_counts_to():
+    from grazing.config import checked
+
+    config = {"study": "diagram", "vary": {"d": "0:1:3"}, "settings": {"seed": 2**64 - 1}}
+    assert checked(config)["settings"]["seed"] == 2**64 - 1
+    for key, value in (("seed", 2**64), ("keep", 2**63)):
+        with pytest.raises(InputError, match=f"{key} = {value}; allowed is a whole number from"):
+            checked({**config, "settings": {key: value}})

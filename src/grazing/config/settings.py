@@ -121,7 +121,11 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     ),
     "transient": _whole(0, "steps that are thrown away"),
     "keep": _whole(1, "steps that are kept; periods up to half of them can be seen"),
-    "seed": _whole(0, "seed of the random starts"),
+    "seed": _setting(
+        lambda value, name: values.count(value, name, 0, 2**64 - 1),
+        {"type": "integer", "minimum": 0},
+        "seed of the random starts",
+    ),
     "sweep": _choice(("up", "down"), "start each value where the one before it ended, upwards or downwards"),
     "bins": _whole(1, "pixels along the coordinate"),
     "coordinate": _setting(_text, {"type": "string"}, "coordinate that is counted; the first one if not given"),

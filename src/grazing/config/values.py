@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
-from grazing.parameter import real, whole
+from grazing.parameter import LARGEST, real, whole
 
 #: More values along one axis than any grid has; a typing error, not a wish.
 MOST = 10**8
@@ -26,9 +26,9 @@ def number(value: Any, name: str, allowed: str = "any finite number is allowed")
     return real(_plain(value, float), name, allowed)
 
 
-def count(value: Any, name: str, low: int) -> int:
-    """Return a whole number >= low from a number or its text, or raise InputError."""
-    return whole(_plain(value, int), name, low)
+def count(value: Any, name: str, low: int, high: int = LARGEST) -> int:
+    """Return a whole number from low to high from a number or its text, or raise InputError."""
+    return whole(_plain(value, int), name, low, high)
 
 
 def _plain(value: Any, kind: Callable[[str], Any]) -> Any:

@@ -6,6 +6,7 @@ computed alone, or in a finer sweep, gets the same starts.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.random import mixed as mixed
 from grazing.kernel.random import uniform as uniform
 from grazing.kernel.random import uniform_numbers
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import checked_box as checked_box
 from grazing.parameter import whole
 
@@ -60,9 +61,9 @@ def drawn_starts(seed: float, names: Any, boxes: Any, lanes: Any) -> None:
 
 def checked_seed(seed: object) -> int:
     """Return the seed, or raise InputError."""
-    number = whole(seed, "seed", 0)
+    number = whole(seed, "seed", 0, math.inf)
     if number >= 2**64:
-        raise InputError(f"seed = {number}; allowed is a whole number below 2^64")
+        raise InputError(f"seed = {shown(number)}; allowed is a whole number below 2^64")
     return number
 
 
