@@ -143,7 +143,7 @@ class MapEquations(PointEquations):
         images = images.transpose(0, 2, 1)
         on = np.where((letters == self.letters).all(axis=1)[:, None, None], images, np.nan)
         k = len(h)
-        return slope(on[k], on[:k], on[: k : -1], h[:, None, None], h[:, None, None]), images, letters
+        return slope(on[k], on[:k], on[:k:-1], h[:, None, None], h[:, None, None]), images, letters
 
     def allowed(self, p: Floats) -> NDArray[np.bool_]:
         """Whether the map allows each of several values (k, names) of its parameters."""
@@ -161,15 +161,16 @@ class MapEquations(PointEquations):
                 return False
         return True
 
-    def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
-        """Whether each point of each of several solutions (k, N dim) at parameters (k, names) has its letter."""
+    def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
+        """Whether all points of orbits (k, N dim) at parameters (k, names) have their letters and little defect."""
         letters = np.full((len(x), self.N), -1)
         right = np.isfinite(x).all(axis=1) & self.allowed(p)
         if right.any():
             rows = self.rows(p[right])
             states = x[right].reshape(len(rows), self.N, -1).transpose(0, 2, 1)
             images, letters[right] = self.ran(rows, states)
-            right[right] = np.isfinite(images).all(axis=(1, 2))
+            apart = np.abs(np.roll(images, 1, axis=2) - states) / self.size[:, None]
+            right[right] = (np.isfinite(images) & (apart <= defect)).all(axis=(1, 2))
         return np.asarray(right & (letters == self.letters).all(axis=1))
 
     def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:

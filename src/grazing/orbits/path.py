@@ -43,6 +43,8 @@ FARTHER = 256.0
 NARROW = 1e-12
 #: Part of its size at which a test function counts as zero.
 VANISHED = 1e-6
+#: Largest defect on the way from one point to the next, in units of its length, beyond which the map has jumped.
+ASTRAY = 0.05
 #: How often the way between two neighbouring points is looked at.
 LOOKS = 16
 #: Place of a period doubling at which an orbit becomes one of half its period.
@@ -356,7 +358,8 @@ def strays(equations: Equations, a: Point, b: Point) -> bool:
     t = np.arange(1.0, LOOKS)[:, None] / LOOKS
     length = float(np.linalg.norm(b.z - a.z))
     bow = t * (1.0 - t) * ((1.0 - t) * (length * a.tangent - b.z + a.z) + t * (b.z - a.z - length * b.tangent))
-    return not on_piece(equations, a.z + t * (b.z - a.z) + bow).all()
+    z, n = a.z + t * (b.z - a.z) + bow, len(equations.scale)
+    return not equations.holds(z[:, :n] * equations.scale, z[:, n:] * equations.spans, ASTRAY * length).all()
 
 
 def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Ending, float] | None]:
@@ -471,6 +474,8 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
     """Return what happens between two neighbouring points, in order along the path."""
     chord = b.z - a.z
     length = float(np.linalg.norm(chord))
+    if length == 0.0:
+        return []
     along = chord / length
     found: list[tuple[float, Event] | None] = []
     halves = [equations.halved(*unscaled(equations, q.z)) for q in (a, b)]
@@ -574,7 +579,9 @@ def located(
     value = float(point.z[-1]) * float(equations.spans[-1])
     if good and abs(rest) > VANISHED * max(abs(seen[0.0][1]), abs(seen[length][1])):
         return None
-    if equations.pieced and where != HALVES and not abs(rest) <= VANISHED:  # next to an infinite slope all else is small
+    if (
+        equations.pieced and where != HALVES and not abs(rest) <= VANISHED
+    ):  # next to an infinite slope all else is small
         return None
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 
