@@ -109,8 +109,8 @@ class MapEquations(PointEquations):
         moved = np.eye(d)[None, None, None] * h[None, ..., None]  # (1, levels, N, d, d)
         states = points[:, None, :] + np.concatenate([-moved, moved])
         flat = np.concatenate([points, states.reshape(-1, d)])
-        images, letters = self.ran(self.rows(p[None]), flat.T[None])
-        after, seen = images[0].T, letters[0]
+        ran, letters_of = self.ran(self.rows(p[None]), flat.T[None])
+        after, seen = ran[0].T, letters_of[0]
         middle, own = after[:N], tuple(seen[:N].tolist())
         values = after[N:].reshape(2, -1, N, d, d)
         same = seen[N:].reshape(2, -1, N, d) == seen[:N, None]

@@ -126,7 +126,7 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
             return None
         size = float(np.abs(move / equations.scale).max()) if len(move) else 0.0
         if equations.pieced:
-            share = equations.reach(x, p, -move, np.zeros(len(p)))
+            share = equations.reach(x, p, np.asarray(-move, np.float64), np.zeros(len(p)))
             if share < 1.0:
                 cut += 1
                 if share == 0.0 or cut > CUT:
