@@ -415,8 +415,8 @@ class _Search:
                     self.waiting = [seed for seed in self.waiting if seed.point is not one.point]
                     return
         self.crossings.append(Crossing(old.letters, equations.letters, float(p[-1]), x, point))
-        words = (word(letters, equations.P.letters) for letters in (old.letters, equations.letters))
-        self.relabellings.append(Relabelling(float(path.value(leaves)), *words, number))
+        before, after = (word(letters, equations.P.letters) for letters in (old.letters, equations.letters))
+        self.relabellings.append(Relabelling(path.value(leaves), before, after, number))
         self.waiting.append(Seed(equations, point, leaves=leaves, type="relabelled"))
 
     def _relabelled(self, path: Path, orbits: tuple[Orbit, ...], number: int) -> None:

@@ -36,8 +36,10 @@ class Test(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """What a path meets where its equations end: the type, empty if nothing is known; which point; by how much the
-    scaled parameter may be off; and the equations that hold beyond, with a solution there, if the map is smooth.
+    """What a path meets where its equations end.
+
+    The type, empty if nothing is known; which point; by how much the scaled parameter may be off; and the equations
+    that hold beyond, with a point next to their solution, if the map is smooth there.
     """
 
     type: str
@@ -85,8 +87,8 @@ class Equations(ABC):
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         return None
 
-    def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
-        """Whether these are the equations at each of several points, x (k, n) and p (k, names)."""
+    def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
+        """Whether these are the equations at each of several points, x (k, n) and p (k, names), with small defects."""
         return np.ones(len(x), np.bool_)
 
     def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:

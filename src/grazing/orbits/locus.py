@@ -56,9 +56,9 @@ class LocusEquations(Equations):
         places = [i for i, test in enumerate(tests) if test.type in alike and test.where in (where, -1)]
         if not places:
             raise InputError(
-                f"this {type} cannot be followed: a map of one's own says on which side of a border a point lies, not how "
-                f"far from it. Follow lp, pd and ns of it, or find the {type} with gz.continuation at several values of "
-                "the second parameter"
+                f"this {type} cannot be followed: a map of one's own says on which side of a border a point lies, not "
+                f"how far from it. Follow lp, pd and ns of it, or find the {type} with gz.continuation at several "
+                "values of the second parameter"
             )
         zero = ZERO * float(base.scale.max())
         self._index = min(places, key=lambda i: (max(abs(tests[i].value), zero), alike.index(tests[i].type)))

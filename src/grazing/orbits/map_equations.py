@@ -109,8 +109,8 @@ class MapEquations(PointEquations):
         moved = np.eye(d)[None, None, None] * h[None, ..., None]  # (1, levels, N, d, d)
         states = points[:, None, :] + np.concatenate([-moved, moved])
         flat = np.concatenate([points, states.reshape(-1, d)])
-        images, letters = self.ran(self.rows(p[None]), flat.T[None])
-        after, seen = images[0].T, letters[0]
+        ran, letters_of = self.ran(self.rows(p[None]), flat.T[None])
+        after, seen = ran[0].T, letters_of[0]
         middle, own = after[:N], tuple(seen[:N].tolist())
         values = after[N:].reshape(2, -1, N, d, d)
         same = seen[N:].reshape(2, -1, N, d) == seen[:N, None]
@@ -161,15 +161,16 @@ class MapEquations(PointEquations):
                 return False
         return True
 
-    def holds(self, x: Floats, p: Floats) -> NDArray[np.bool_]:
-        """Whether each point of each of several solutions (k, N dim) at parameters (k, names) has its letter."""
+    def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
+        """Whether all points of orbits (k, N dim) at parameters (k, names) have their letters and little defect."""
         letters = np.full((len(x), self.N), -1)
         right = np.isfinite(x).all(axis=1) & self.allowed(p)
         if right.any():
             rows = self.rows(p[right])
             states = x[right].reshape(len(rows), self.N, -1).transpose(0, 2, 1)
             images, letters[right] = self.ran(rows, states)
-            right[right] = np.isfinite(images).all(axis=(1, 2))
+            apart = np.abs(np.roll(images, 1, axis=2) - states) / self.size[:, None]
+            right[right] = (np.isfinite(images) & (apart <= defect)).all(axis=(1, 2))
         return np.asarray(right & (letters == self.letters).all(axis=1))
 
     def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:

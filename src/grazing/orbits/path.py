@@ -43,6 +43,8 @@ FARTHER = 256.0
 NARROW = 1e-12
 #: Part of its size at which a test function counts as zero.
 VANISHED = 1e-6
+#: Largest defect on the way from one point to the next, in units of its length, beyond which the map has jumped.
+ASTRAY = 0.05
 #: How often the way between two neighbouring points is looked at.
 LOOKS = 16
 #: Place of a period doubling at which an orbit becomes one of half its period.
@@ -124,7 +126,7 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
             return None
         size = float(np.abs(move / equations.scale).max()) if len(move) else 0.0
         if equations.pieced:
-            share = equations.reach(x, p, -move, np.zeros(len(p)))
+            share = equations.reach(x, p, np.asarray(-move, np.float64), np.zeros(len(p)))
             if share < 1.0:
                 cut += 1
                 if share == 0.0 or cut > CUT:
@@ -356,7 +358,8 @@ def strays(equations: Equations, a: Point, b: Point) -> bool:
     t = np.arange(1.0, LOOKS)[:, None] / LOOKS
     length = float(np.linalg.norm(b.z - a.z))
     bow = t * (1.0 - t) * ((1.0 - t) * (length * a.tangent - b.z + a.z) + t * (b.z - a.z - length * b.tangent))
-    return not on_piece(equations, a.z + t * (b.z - a.z) + bow).all()
+    z, n = a.z + t * (b.z - a.z) + bow, len(equations.scale)
+    return not equations.holds(z[:, :n] * equations.scale, z[:, n:] * equations.spans, ASTRAY * length).all()
 
 
 def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Ending, float] | None]:
@@ -471,6 +474,8 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
     """Return what happens between two neighbouring points, in order along the path."""
     chord = b.z - a.z
     length = float(np.linalg.norm(chord))
+    if length == 0.0:
+        return []
     along = chord / length
     found: list[tuple[float, Event] | None] = []
     halves = [equations.halved(*unscaled(equations, q.z)) for q in (a, b)]

@@ -36,8 +36,8 @@ def ending(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats
     """Say what is met from the last solution of a piece.
 
     A graze where the map is infinitely steep on either side; nothing but another word where it is continuous and has
-    one slope; else a border collision where a point gets another letter, and the end of the piece where the map jumps or
-    has a kink without saying so.
+    one slope; else a border collision where a point gets another letter, and the end of the piece where the map jumps
+    or has a kink without saying so.
     """
     touched = flips(equations, x, p)
     steep = steep_at(equations, x, p)
@@ -68,9 +68,7 @@ def flips(equations: MapEquations, x: Floats, p: Floats) -> list[tuple[int, int,
     found = []
     for j in range(N):
         other = letters[:, :, j] != equations.letters[j]
-        for way in range(2 * d):
-            if other[:, way].any():
-                found.append((int(np.argmax(other[:, way])), j, way % d))
+        found += [(int(np.argmax(other[:, way])), j, way % d) for way in range(2 * d) if other[:, way].any()]
     for j, sign in ((j, sign) for j in range(len(p)) for sign in (1.0, -1.0)):  # a border that the parameter moves
         dp = sign * np.eye(len(p))[j] * equations.spans
         for k, t in enumerate(NEAR):

@@ -21,7 +21,8 @@ DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual":
 #: Markers of special points: filled for stability, open for borders.
 MARKERS = {
     "lp": ("o", True), "pd": ("s", True), "ns": ("D", True), "bp": ("P", True), "gr": ("v", False),
-    "bcb": ("v", False), "ep": ("|", False), "v0": ("^", False), "law": ("<", False), "st": (">", False), "ch": ("*", False),
+    "bcb": ("v", False), "ep": ("X", False), "v0": ("^", False), "law": ("<", False), "st": (">", False),
+    "ch": ("*", False),
 }  # fmt: skip
 
 
