@@ -1,4 +1,4 @@
-"""Border collisions of piecewise-linear maps of the plane, with a gap and a border anywhere, against rational numbers."""
+"""Border collisions of piecewise-linear maps of the plane, with gap and border anywhere, against rational numbers."""
 
 from fractions import Fraction
 
