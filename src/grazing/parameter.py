@@ -147,7 +147,8 @@ def checked_periods(N: Any) -> list[int]:
     """Return numbers of forcing periods, each once and in order, or raise InputError; one number stands for itself."""
     wanted = f"give a whole number from 1 to {MANY_PERIODS} or several, such as range(1, 8)"
     try:
-        several = [N] if isinstance(N, str) or not isinstance(N, Iterable) else islice(N, MANY_PERIODS + 1)
+        alone = isinstance(N, (str, int, float)) or (hasattr(N, "dtype") and N.ndim == 0)
+        several = [N] if alone else islice(N, MANY_PERIODS + 1)
         found = sorted({whole(n, "N", 1) for n in several})
     except TypeError:
         raise InputError(f"N is {shown(N)}; {wanted}") from None
