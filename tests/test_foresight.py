@@ -11,6 +11,8 @@ import pytest
 import grazing as gz
 from grazing import plans
 from grazing.config.settings import STUDIES, WHOLE, settings_of
+from grazing.config.values import range_of
+from grazing.studies.cobweb import cobweb
 from grazing.studies.plan import run_plan
 
 #: Sizes that no machine has room for, of what is held in memory. (Steps that pass by only take time.)
@@ -129,3 +131,114 @@ def test_a_dry_run_takes_little_and_leaves_the_compiler_out():
     few = plans.density(fresh, "a", [0.1, 0.2], starts=2, keep=10, transient=10, range=(-1.0, 1.0))
     first = sweep.estimate(few, threads=1)
     assert not first.rough and first.seconds < 0.5  # the compiler takes longer than that
+
+
+#: A complete call of every public function that computes, in a process of little memory; see ATTACK.
+CALLS = """
+import numpy as np
+G, m, v = gz.gap_map(0.8, 0.5, 1.0), gz.pinball(d=0.12, V=0.4), np.linspace(0.4, 0.6, 3)
+saddle = gz.one_impact_orbits(gz.pinball(d=0.105, V=0.4), 2)[-1]
+one = gz.periodic_orbits(G, 2)[0]
+logistic = gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), {"a": 3.8})
+CALLS = {
+    "adding_tree": dict(lam=0.5, l=0.1, depth=2), "basins": dict(P=G, grid={"x": v}),
+    "bifurcation_diagram": dict(P=G, name="mu", values=v),
+    "boundaries": dict(P=m, x=("d", 0.05, 0.15), y=("V", 0.3, 0.4), N=2),
+    "chart": dict(P=G, params={"mu": v, "l": v}), "coexistence": dict(P=G, name="mu", values=v),
+    "continuation": dict(P=G, orbit=one, name="mu", bounds=(0.4, 0.6)), "density": dict(P=G, name="mu", values=v),
+    "grazing_curve": dict(model=m), "ladder": dict(model=m, name="d", N=2), "lyapunov": dict(P=G, name="mu", values=v),
+    "manifolds": dict(orbit=saddle), "one_impact_orbits": dict(model=m, N=2),
+    "orbit_diagram": dict(P=G, name="mu", values=v), "periodic_orbits": dict(P=logistic, period=2),
+    "sensitivity": dict(model=m, name="d", N=2), "trajectory": dict(model=m, state=(0.1, 0.0)),
+    "validity": dict(model=m, params={"d": v, "V": v}), "windows": dict(model=m, name="d", N=2),
+    "words": dict(letters=2, length=3, impacts=2), "zero_one": dict(series=np.sin(np.arange(200.0))),
+}
+"""
+#: Each call with each of its whole numbers out of all proportion, stopped by an interrupt after half a second.
+ATTACK = """
+import inspect, resource, signal, time, warnings
+resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
+import grazing as gz, grazing.memory
+grazing.memory.physical_memory = lambda: 2 << 30
+warnings.simplefilter("ignore")
+%s
+def stop(*_args):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, stop)
+for name, call in CALLS.items():
+    for what, item in inspect.signature(getattr(gz, name)).parameters.items():
+        if "int" not in str(item.annotation).split(" | ")[0].split("[")[0] or what in ("seed", "threads"):
+            continue
+        begin = time.monotonic()
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
+        try:
+            getattr(gz, name)(**{**call, what: 10**13})
+            end = "ended"
+        except KeyboardInterrupt:
+            end = "stopped"
+        except gz.InputError as error:
+            end = "refused"
+        except BaseException as error:
+            end = repr(error)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        print(name, what, end, round(time.monotonic() - begin, 1), sep=";", flush=True)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+#: Public functions without a whole number that sizes anything.
+UNSIZED = {
+    "active", "attractors", "certify", "check_certificate", "cite", "describe", "discontinuity_map", "enclose",
+    "gap_map", "graph", "impact_map", "linearised_map", "load", "locus", "newton", "normal_form", "pinball", "reset",
+    "save", "stroboscopic_map", "to_csv", "triggered", "zdm", "zdm_points",
+}  # fmt: skip
+#: What only takes time, or is an upper limit that other things end before; such a run is stopped at once by Ctrl-C.
+PASSING = {
+    ("basins", "preimages"), ("bifurcation_diagram", "period"), ("continuation", "limit"),
+    ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
+    ("manifolds", "steps"), ("words", "impacts"),
+}  # fmt: skip
+
+
+def test_every_public_function_refuses_a_size_or_can_be_stopped():
+    done = subprocess.run([sys.executable, "-c", ATTACK % CALLS], capture_output=True, text=True, timeout=300)
+    *lines, peak = done.stdout.split("\n")[:-1]
+    called = {line.split(";")[0] for line in lines}
+    functions = {name for name in gz.__all__ if inspect.isfunction(getattr(gz, name))}
+    assert called == functions - UNSIZED, done.stderr[-2000:]
+    for line in lines:
+        name, what, end, seconds = line.split(";")
+        passing = what == "transient" or (name, what) in PASSING
+        assert end in (("ended", "stopped", "refused") if passing else ("refused",)), line
+        assert float(seconds) < 20.0, line  # most of it the compiler
+    assert int(peak) < 700
+
+
+def test_lists_of_periods_and_axes_have_a_bound(monkeypatch):
+    model = gz.pinball(d=0.12, V=0.4)
+    for N in (10**13, range(1, 10**13), [1, 1001]):
+        for call in (
+            lambda N: gz.windows(model, "d", N),
+            lambda N: gz.sensitivity(model, "d", N),
+            lambda N: gz.ladder(model, "d", N),
+            lambda N: gz.boundaries(model, ("d", 0.1, 0.2), ("V", 0.3, 0.4), N=N),
+        ):
+            with pytest.raises(gz.InputError, match="whole number from 1 to 1000"):
+                call(N)
+    monkeypatch.setattr("grazing.memory.physical_memory", lambda: 10**9)
+    with pytest.raises(gz.InputError, match=r"mu with 100000000 values would take 6.4 GB.*smaller count"):
+        range_of("0:1:100000000", "mu")
+
+
+def test_a_cobweb_throws_its_transient_away_step_by_step():
+    G = gz.gap_map(0.8, 0.1, 0.2)
+    cobweb(G, [0.1], steps=7, transient=9)  # compiles
+    tracemalloc.start()
+    try:
+        found = cobweb(G, [0.1], steps=7, transient=10**6)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 8e6
+    whole, late = G.orbit([0.1], 50), cobweb(G, [0.1], steps=7, transient=43)
+    np.testing.assert_array_equal(late.x, whole.points[43:, 0])
+    np.testing.assert_array_equal(late.letter, whole.letters[43:])
+    assert found.sizes["n"] == 8

@@ -8,11 +8,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
+from itertools import islice
 from keyword import iskeyword
 from typing import Any
 
 from grazing.outcome import InputError, shown
 
+#: Most forcing periods between impacts that windows and boundary curves are computed for.
+MANY_PERIODS = 1000
 #: What a kernel can count to.
 LARGEST = 2**63 - 1
 
@@ -138,6 +141,20 @@ def whole(value: Any, name: str, low: int, high: float = LARGEST) -> int:
     if number > high:
         raise InputError(f"{name} = {shown(number)}; allowed is a whole number from {low} to {high}")
     return number
+
+
+def checked_periods(N: Any) -> list[int]:
+    """Return numbers of forcing periods, each once and in order, or raise InputError; one number stands for itself."""
+    wanted = f"give a whole number from 1 to {MANY_PERIODS} or several, such as range(1, 8)"
+    try:
+        alone = isinstance(N, (str, int, float)) or (hasattr(N, "dtype") and N.ndim == 0)
+        several = [N] if alone else islice(N, MANY_PERIODS + 1)
+        found = sorted({whole(n, "N", 1) for n in several})
+    except TypeError:
+        raise InputError(f"N is {shown(N)}; {wanted}") from None
+    if found and (found[-1] > MANY_PERIODS or len(found) > MANY_PERIODS):
+        raise InputError(f"N goes to {found[-1]}: that would run for days; {wanted}")
+    return found
 
 
 def _is_number(value: Any) -> bool:

@@ -18,7 +18,7 @@ from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import GrazingError, InputError, OutsideForm, shown
-from grazing.parameter import whole
+from grazing.parameter import checked_periods, whole
 from grazing.theory import mu_bc, mu_pd
 
 Floats = NDArray[np.float64]
@@ -116,7 +116,7 @@ def ladder(
     flow       0.1285807155
     """
     chosen = _rungs(rungs)
-    periods = _periods(N)
+    periods = checked_periods(N)
     form = normal_form(model, name)
     last = whole(last, "last", 3)
     climbed = [climb(model, form, n, chosen) for n in periods]
@@ -253,15 +253,6 @@ def _rungs(rungs: Sequence[str]) -> list[str]:
         if not isinstance(rung, str) or rung not in RUNGS:
             raise InputError(f"rung {shown(rung)} is not known; allowed are {', '.join(RUNGS)}")
     return [rung for rung in RUNGS if rung in several or rung == "flow"]
-
-
-def _periods(N: Any) -> list[int]:
-    """Return the periods asked for, each a whole number >= 1."""
-    several = [N] if isinstance(N, (int, float, np.number, str)) else N
-    try:
-        return sorted({whole(n, "N", 1) for n in several})
-    except TypeError:
-        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(2, 8)") from None
 
 
 def _dataset(

@@ -9,11 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.memory import refuse_too_large
 from grazing.outcome import InputError, shown
 from grazing.parameter import LARGEST, real, whole
 
 #: More values along one axis than any grid has; a typing error, not a wish.
 MOST = 10**8
+#: Bytes that a value of an axis takes while a study is prepared.
+AXIS = 64
 #: More periods than any picture shows curves of.
 MANY = 1000
 #: What stands for the bounds that a function chooses itself.
@@ -226,6 +229,7 @@ def _ends(text: str, name: str) -> tuple[float, float, int, bool]:
         raise InputError(f"{name} = {shown(text)}: {error}") from None
     if n > MOST:
         raise InputError(f"{name} = {shown(text)}: {n} values are more than {MOST}; give a smaller count")
+    refuse_too_large(AXIS * n, "give a smaller count", f"{name} with {n} values")
     log = len(parts) == 4
     if log and not (start > 0.0 and stop > 0.0):
         raise InputError(f"{name} = {shown(text)}: a logarithm needs both ends > 0")

@@ -11,12 +11,15 @@ import numpy as np
 import xarray as xr
 
 from grazing.maps.gap import PARAMETERS
+from grazing.memory import refuse_too_large
 from grazing.orbits.word import letters_of, primitive, word
 from grazing.outcome import InputError, shown
 from grazing.parameter import real, whole
 from grazing.theory import WordWindow
 from grazing.theory.changes import both_windows
 
+#: Bytes of a word beside its letters, and a depth whose size fits no machine.
+NODE, DEEP = 1000, 100
 #: What a word of a tree can be, in words.
 STATUS = {
     "stable": "an admissible orbit is stable somewhere",
@@ -90,6 +93,11 @@ def adding_tree(
     """
     lam, l = real(lam, "lam", "allowed is any finite number"), real(l, "l", "allowed is any finite number")
     levels = whole(depth, "depth", 1)
+    # a word is as long as its two neighbours together, so that the letters of all levels are 3 times those before
+    letters = min(levels, DEEP)
+    refuse_too_large(
+        NODE * 2.0**letters + max(map(len, _ends(between))) * 3.0**letters, f"reduce depth ({levels})", "the tree"
+    )
     nodes, order = _grown(_ends(between), levels)
     place = {number: i for i, number in enumerate(order)} | {-1: -1}
     rows = [nodes[number] for number in order]

@@ -22,7 +22,7 @@ from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_si
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import InputError, OutsideForm, shown
-from grazing.parameter import Parameter, whole
+from grazing.parameter import Parameter, checked_periods
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
     first, second = _range(x, "x"), _range(y, "y")
     if first.name == second.name:
         raise InputError(f"x and y are both {shown(first.name)}; give two different parameters")
-    periods = _periods(N)
+    periods = checked_periods(N)
     model = P if isinstance(P, Oscillator) else _model_of(P)
     if isinstance(P, Map) and P.step is gap_step:
         known, about = dict(P.params), GAP
@@ -259,15 +259,6 @@ def _range(value: Any, which: str) -> Range:
     if not low < high:
         raise InputError(f"{which} runs from {low:g} to {high:g}; the lower end must come first")
     return Range(name, low, high)
-
-
-def _periods(N: Any) -> list[int]:
-    """Return the periods asked for, each a whole number >= 1."""
-    several = [N] if isinstance(N, (int, float, np.number, str)) else N
-    try:
-        return sorted({whole(n, "N", 1) for n in several})
-    except TypeError:
-        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _dataset(

@@ -16,7 +16,7 @@ from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_rest import resting_orbits
 from grazing.orbits.search_section import Search, orbits_of, solutions_of
-from grazing.orbits.search_windows import WIDE, drawn, recurrences, region, simulated
+from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, region, simulated
 from grazing.orbits.search_words import checked_word
 from grazing.orbits.word import letters_of
 from grazing.outcome import InputError, shown
@@ -176,6 +176,8 @@ def periodic_orbits(
         raise InputError(f"seed = {seed}; allowed is a whole number below 2^64")
     asked, letters = checked_word(P, word)
     periods = _checked_periods(P, period, letters)
+    if P.step is not gap_step:
+        refuse_many(P, starts, periods[-1])
     tally, met = Tally(), 0
     if P.step is gap_step:
         found = [orbit for n in periods for orbit in gap_orbits(P, n)]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.random import mixed, uniform
 from grazing.maps.map import Map
+from grazing.memory import refuse_too_large
 from grazing.outcome import FATAL
 
 Floats = NDArray[np.float64]
@@ -19,6 +20,8 @@ Ints = NDArray[np.int64]
 EARLY, SETTLING = 12, 240
 #: Cells per coordinate: of stretches with one word, one in each cell is tried.
 CELLS = 128
+#: How often the stretches are in memory: cut, put together, and those that are finite.
+COPIES = 3
 #: Share of the visited points on either side that does not count for the size of the region.
 OUTLIERS = 0.01
 #: How far the second half of the starts is drawn, in sizes of the box around its middle.
@@ -51,6 +54,13 @@ def drawn(seed: int, lanes: int, box: Floats, cell: float) -> Floats:
     """Return random states in a box, shape (dim, lanes); a state does not depend on how many there are."""
     numbers = uniform(seed, (cell,), lanes, len(box)).T
     return np.ascontiguousarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * numbers)
+
+
+def refuse_many(P: Map, starts: int, longest: int) -> None:
+    """Raise InputError for more starts than a search has room for: their steps, and the stretches cut from them."""
+    stretches = 2 * EARLY  # of each start, early and late
+    size = COPIES * 8.0 * starts * stretches * (longest + 1) * (P.dimension + 1)
+    refuse_too_large(size, f"reduce starts ({starts}) or period ({longest})", "the search")
 
 
 def simulated(P: Map, states: Floats, longest: int, threads: int | None) -> Runs:

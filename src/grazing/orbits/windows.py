@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
+from grazing.memory import refuse_too_large
 from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
@@ -20,7 +21,7 @@ from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, f
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.model import Oscillator, describe_parameter
 from grazing.outcome import InputError, shown
-from grazing.parameter import unknown, whole
+from grazing.parameter import checked_periods, unknown, whole
 
 #: What ends a window, in words.
 EDGES = {
@@ -36,6 +37,8 @@ EDGES = {
 PIECES = {WHOLE: "whole", FIRED: "fired", PASSIVE: "passive"}
 #: Edges that are closer than this share of the parameter are told apart with many digits.
 CLOSE = 1e-10
+#: Bytes of a cell of the first grid: the columns of a few phases, found and followed.
+ROW = 2000
 LAST_TEST = FIRST_TEST + len(TESTS)
 
 
@@ -109,9 +112,10 @@ def windows(
         raise unknown(name, model.params, "the model")
     low, high = _span(model, name, span)
     cells = whole(samples, "samples", 2)
+    refuse_too_large(ROW * cells, f"reduce samples ({cells})", "the first grid")
     values = np.linspace(low, high, cells + 1)
     found: list[tuple[int, Edge, Edge, str]] = []
-    periods = _periods(N)
+    periods = checked_periods(N)
     for n in periods:
         for family in families(model, n, name):
             for curve in curves(family, values):
@@ -259,15 +263,6 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
         return low if abs(ends[0]) <= abs(ends[1]) else high
     smallest = 1e-18 * (curve.values[-1] - curve.values[0])
     return float(brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
-
-
-def _periods(N: Any) -> list[int]:
-    """Return the periods asked for, each a whole number >= 1."""
-    several = [N] if isinstance(N, (int, float, np.number, str)) else N
-    try:
-        return sorted({whole(n, "N", 1) for n in several})
-    except TypeError:
-        raise InputError(f"N is {shown(N)}; give a whole number >= 1 or several, such as range(1, 8)") from None
 
 
 def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.outcome import InputError, shown
@@ -22,6 +23,8 @@ _COUNT = re.compile(r"[0-9CS]|\(([1-9][0-9]+)\)")
 
 #: Words that a list may have.
 MANY = 10**7
+#: Letters that a word in a list may have.
+LONGEST = 500
 
 
 def primitive(letters: Iterable[int]) -> tuple[int, ...]:
@@ -213,7 +216,14 @@ def words(letters: str | int, length: int, impacts: int | None = None) -> tuple[
         raise InputError(
             f"there are more than {MANY} words of {count} letters up to length {longest}; give a shorter length"
         )
-    found = (one for n in range(1, longest + 1) for one in _lyndon(n, count, most))
+    if longest > LONGEST and (count > 1 or symbols is None):
+        raise InputError(f"length = {longest}; allowed is a whole number from 1 to {LONGEST}")
+    every = (one for n in range(1, longest + 1) for one in _lyndon(n, count, most))
+    found = list(islice(every, MANY + 1))
+    if len(found) > MANY:
+        raise InputError(
+            f"there are more than {MANY} words; give a shorter length ({longest}) or fewer impacts ({most})"
+        )
     return tuple("".join(_symbol(letter, symbols) for letter in one) for one in found)
 
 

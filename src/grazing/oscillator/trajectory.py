@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
+from grazing.memory import refuse_too_large
 from grazing.oscillator.constants import constants_of, piece_of, roots, section_phase
 from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
@@ -39,6 +40,8 @@ CAPACITY = 4096
 #: A trajectory lists every impact and samples every period; beyond these it is refused by name.
 MAX_IMPACTS = 200_000
 MAX_POINTS = 20_000_000
+#: Bytes of a point, and of a leg beside its points.
+POINT, LEG_SIZE = 64, 800
 # columns of a leg
 PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG = range(9)
 
@@ -204,7 +207,7 @@ def trajectory(
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
     u, v = checked_state(state, model)
-    _refuse_too_much(model, (until - start) / model.period * samples)
+    _refuse_too_much(model, (until - start) / model.period * samples, samples)
     legs = flown_legs(model, (u, v), start, until, MAX_IMPACTS)
     times, us, vs = _sampled(model, legs, start, until, samples)
     ends = np.array([_instants(leg, start, model.period)[1] for leg in legs])
@@ -231,12 +234,18 @@ def trajectory(
     return result
 
 
-def _refuse_too_much(model: Oscillator, points: float) -> None:
+def _refuse_too_much(model: Oscillator, points: float, samples: int) -> None:
     if points > MAX_POINTS:
         raise InputError(
             f"{points:.3g} points are more than {MAX_POINTS:.3g}; choose an earlier end or fewer samples per period, "
             "or iterate the stroboscopic map"
         )
+    # a period is a leg at least, whose three arrays are objects of their own until they are joined
+    refuse_too_large(
+        POINT * points + LEG_SIZE * (points / samples),
+        "choose an earlier end or fewer samples per period",
+        "the trajectory",
+    )
     q2, spread, _l1, _l2 = roots(model.alpha, model.k)
     if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
         raise InputError(describe(TOO_MANY_SWINGS))

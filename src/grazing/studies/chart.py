@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+#: Most steps along which an exponent of a cell is averaged.
+MOST_STEPS = 10**6
 #: Names of variables and dimensions, which a parameter must not have.
 TAKEN = ("rank", "period", "word", "share", "exponent", "outcome", "trust")
 #: The period of a rank that no attractor holds.
@@ -112,6 +114,11 @@ def plan(
         )
     runs = checked_runs(P, params, starts, transient, keep, seed, arithmetic, box, TAKEN)
     lanes, steps = runs.settings.lanes, whole(exponent_steps, "exponent_steps", 1)
+    if steps > MOST_STEPS:
+        raise InputError(
+            f"exponent_steps = {steps}; allowed is a whole number from 1 to {MOST_STEPS}: they are done in one go, "
+            "which cannot be stopped; gz.lyapunov takes more"
+        )
 
     names = " and ".join(runs.axes)
     return Plan(

@@ -51,18 +51,24 @@ def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0)
     if P.dimension != 1:
         raise InputError(f"the {P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
     transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
-    orbit = P.orbit(state, transient + steps)
+    if transient:  # its steps pass by, but the last, which comes to the first point that is kept
+        kept = steps + 1
+        lanes = P.orbit(state, 0).points.T.copy()
+        points, letters, outcomes = (a[..., 0] for a in P.run(lanes, transient - 1, kept, records=kept))
+        letters, outcomes = letters[1:], outcomes[1:]
+    else:
+        points, letters, outcomes, *_ = P.orbit(state, steps)
     name = P.coordinates[0]
     data = {
-        name: ("n", orbit.points[transient:, 0], labels.quantity(P, name)),
-        "letter": ("step", orbit.letters[transient:], labels.letter_attributes(P)),
-        "outcome": ("step", orbit.outcomes[transient:], labels.outcome_attributes()),
+        name: ("n", points[:, 0], labels.quantity(P, name)),
+        "letter": ("step", letters, labels.letter_attributes(P)),
+        "outcome": ("step", outcomes, labels.outcome_attributes()),
     }
-    place = places_of(orbit.points[transient:, 0])
-    images, letters, _outcomes = P.run(place[None].copy(), 0, 1)
+    place = places_of(points[:, 0])
+    images, image_letters, _outcomes = P.run(place[None].copy(), 0, 1)
     data |= {
         "image": ("place", images[0, 0], labels.quantity(P, name) | {"long_name": f"image of {name} under the map"}),
-        "image_letter": ("place", letters[0], labels.letter_attributes(P)),
+        "image_letter": ("place", image_letters[0], labels.letter_attributes(P)),
     }
     coords = {"place": ("place", place, labels.quantity(P, name))}
     config = {"study": "cobweb", "state": list(state), "steps": steps, "transient": transient}

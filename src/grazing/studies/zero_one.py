@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.random import uniform
+from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.parameter import whole
 from grazing.studies.starts import checked_seed
@@ -55,6 +56,9 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
     if values.ndim not in (1, 2) or len(values) < SHORTEST:
         raise InputError(f"the series has shape {values.shape}; give (n,) or (n, m) with n >= {SHORTEST}")
     count = whole(frequencies, "frequencies", 1)
+    # random numbers and the hashes they come from; walks, and their Fourier transforms over up to four times as much
+    size = 64.0 * count + 256.0 * len(values)
+    refuse_too_large(size, f"reduce frequencies ({count}) or the series ({len(values)})", "the test")
     c = np.pi * (0.2 + 0.6 * uniform(checked_seed(seed), (), count, 1)[:, 0])
     found = np.array([_median(column, c) for column in values.reshape(len(values), -1).T])
     return found if values.ndim == 2 else float(found[0])
