@@ -171,9 +171,7 @@ def periodic_orbits(
     """
     if not isinstance(P, Map):
         raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
-    starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0)
-    if seed >= 2**64:
-        raise InputError(f"seed = {seed}; allowed is a whole number below 2^64")
+    starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0, 2**64 - 1)
     asked, letters = checked_word(P, word)
     periods = _checked_periods(P, period, letters)
     if P.step is not gap_step:
