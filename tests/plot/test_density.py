@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.colors import LogNorm, Normalize
 
+import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
+from grazing.plot.density import _pooled as pooled
 from tests.plot import results
 
 
@@ -107,3 +109,21 @@ def test_what_is_not_a_density_is_refused():
         plot.density(results.density(), norm="cube")
     with pytest.raises(InputError, match="units is 'percent'; allowed are 'share', 'count'"):
         plot.density(results.density(), units="percent")
+
+
+def test_more_cells_than_a_page_has_dots_are_drawn_together(monkeypatch):
+    """No point is lost, scale and axes stay, and the picture of a large result takes no more than a smaller one's."""
+    result = gz.density(gz.gap_map(lam=0.5, mu=0.1, l=0.2), "mu", np.linspace(0.0, 0.3, 23), starts=3, bins=31, keep=40)
+    count, columns, bins = pooled(result["count"].values, np.arange(23))
+    assert np.array_equal(count, result["count"].values) and columns.size == 23 and bins.size == 31
+    whole = gz.plot.density(result, units="count")["image"].axes
+    monkeypatch.setattr("grazing.plot.density.MOST", 6)
+    count, columns, bins = pooled(result["count"].values, np.arange(23))
+    assert columns.tolist() == [0, 4, 8, 12, 16, 20] and bins.tolist() == [0, 6, 12, 18, 24, 30]
+    assert count.sum() == result["count"].values.sum()
+    assert count[1, 2] == result["count"].values[4:8, 12:18].sum()
+    drawn = gz.plot.density(result, units="count")["image"]
+    assert (drawn.axes.get_xlim(), drawn.axes.get_ylim()) == (whole.get_xlim(), whole.get_ylim())
+    assert drawn.get_array().max() == pytest.approx(
+        (count / np.array([4, 4, 4, 4, 4, 3])[:, None] / [*[6] * 5, 1]).max()
+    )

@@ -9,12 +9,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from numpy.typing import NDArray
 
 from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered, raster, refined
+from grazing.plot.raster import edges_of, is_even, name_single, ordered, raster, refined
 from grazing.plot.style import DOUBLE, axes, label, root, styled
+
+Floats = NDArray[np.float64]
+
+#: Most columns, and most bins, that are drawn one by one.
+MOST = 4000
 
 
 def density(
@@ -59,28 +65,53 @@ def density(
     name, coordinate = expect(result, "density", {"count": ("<parameter>", "<coordinate>")})
     choice(units, "units", ("share", "count"))
     values, where = ordered(result[name].values)
-    count = np.asarray(result["count"].values, np.float64)[where]
-    outside = sum(np.asarray(result[side].values, np.float64)[where] for side in ("below", "above") if side in result)
+    count, columns, bins = _pooled(np.asarray(result["count"].values), where)
+    sides = (result[side].values[where] for side in ("below", "above") if side in result)
+    outside = np.add.reduceat(sum(sides, np.zeros(where.size)), columns)
     total = count.sum(axis=1) + outside
-    if units == "share":
-        count = count / np.maximum(total, 1.0)[:, None]
+    wide, high = (np.diff([*first, size]) for first, size in ((columns, where.size), (bins, result[coordinate].size)))
+    count /= (np.maximum(total, 1.0) if units == "share" else wide)[:, None] * high  # of one bin, on average
     with styled():
         ax = axes(ax, DOUBLE, 80.0)
         scale = norm_of(norm, count)
         shown = np.ma.masked_less_equal(count.astype(np.float32), 0.0)
+        x, y = edges_of(values, ax.xaxis), _bins(result[coordinate])
         image = raster(
             ax,
-            *refined(ax, edges_of(values, ax.xaxis), _bins(result[coordinate]), shown),
+            *refined(ax, _kept(x, columns), _kept(y, bins), shown),
             smooth=True,
             norm=scale,
             cmap=cmap if cmap is not None else paper_map(),
         )
+        ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         name_single(ax.xaxis, values)
         ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
         ax.set_ylabel(label(coordinate, result[coordinate].attrs.get("symbol")))
         drawn = _bar(ax, image, units) if bar else None
-        note = _note(ax, float(np.sum(outside)), float(total.sum()), result)
+        note = _note(ax, float(outside.sum()), float(total.sum()), result)
     return {"figure": root(ax), "image": image, "bar": drawn, "note": note, "provenance": provenance_of(result)}
+
+
+def _pooled(counts: NDArray[Any], where: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
+    """Return counts in the order of the values, and the first column and the first bin of every cell that is drawn.
+
+    A page has some thousand dots: where there are more columns or bins, neighbours are drawn as one, so that drawing takes
+    the same memory however large the result is.
+    """
+    columns, bins = (np.arange(0, size, -(-size // MOST)) for size in (where.size, counts.shape[1]))
+    ends = [*columns[1:].tolist(), where.size]
+    found = np.empty((columns.size, bins.size))
+    for i, (start, end) in enumerate(zip(columns.tolist(), ends, strict=True)):
+        found[i] = np.add.reduceat(counts[where[start:end]].sum(axis=0, dtype=np.float64), bins)
+    return found, columns, bins
+
+
+def _kept(edges: Floats, first: NDArray[np.intp]) -> Floats:
+    """Return the edges of cells that begin at these ones; even ones stay even, so that the last may reach too far."""
+    if first.size == edges.size - 1 or not is_even(edges):
+        return np.append(edges[first], edges[-1])
+    width = (edges[-1] - edges[0]) / (edges.size - 1) * (first[1] - first[0])
+    return edges[0] + width * np.arange(first.size + 1)
 
 
 def paper_map() -> ListedColormap:
