@@ -59,9 +59,7 @@ def test_a_ball_that_flies_away_has_left_the_box_and_one_that_rests_has_not():
     away = gz.Oscillator(0.0, 0.0, gz.Forcing(1.0, offset=0.5, cos=(1.0,)), gz.newton(0.5))
     rests = gz.Oscillator(0.5, 0.0, gz.Forcing(1.0, offset=-3.0, cos=(1.0,)), gz.newton(0.5))
     notes = [
-        gz.coexistence(gz.stroboscopic_map(m), "alpha", [m.alpha], starts=5, transient=300).attrs.get(
-            "grazing_outside"
-        )
+        gz.coexistence(gz.stroboscopic_map(m), "alpha", [m.alpha], starts=5, transient=300).attrs.get("grazing_outside")
         for m in (away, rests)
     ]
     assert notes[0].startswith("5 orbits, in 1 of 1 cells") and notes[1] is None
