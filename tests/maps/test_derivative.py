@@ -27,7 +27,7 @@ def test_they_agree_with_the_saltation_of_the_oscillator():
     for name in ("standard", "three harmonics", "under-damped", "trigger"):
         P = gz.stroboscopic_map(MODELS[name])
         for state in states_in(P, 10).T:
-            J, step = P.jacobian(state), differences_of(P.step, 2)
+            J, step = P.jacobian(state), differences_of(P.step, 2, (1.0, 1.0))
             kind, row = P.packed()
             _new, _letter, _outcome, flat = step(tuple(state), P.prepare(kind(*row)))
             if np.isfinite(J).all():
@@ -52,7 +52,7 @@ def test_the_error_is_of_second_order(monkeypatch):
     sizes, errors = np.logspace(-1, -3, 8), []
     for h in sizes:
         monkeypatch.setattr(derivative, "STEP", h)
-        errors.append(np.abs(np.array(differences_of(step, 2)((x, y), None)[3]) - exact))
+        errors.append(np.abs(np.array(differences_of(step, 2, (1.0, 1.0))((x, y), None)[3]) - exact))
     for column in np.array(errors).T[[0, 1, 3]]:
         assert np.polyfit(np.log(sizes), np.log(column), 1)[0] == pytest.approx(2.0, abs=0.05)
 
@@ -64,7 +64,7 @@ def test_the_step_itself_is_unchanged_and_taken_from_the_state():
         calls.append(state)
         return (2.0 * state[0], state[1] + c), 7, 1
 
-    new, letter, outcome, J = differences_of(step, 2)((3.0, -4.0), 0.5)
+    new, letter, outcome, J = differences_of(step, 2, (1.0, 1.0))((3.0, -4.0), 0.5)
     assert (new, letter, outcome) == ((6.0, -3.5), 7, 1)
     assert np.allclose(J, (2.0, 0.0, 0.0, 1.0), atol=1e-9)
     assert len(calls) == 5  # the state, and two neighbours along each coordinate
@@ -72,7 +72,7 @@ def test_the_step_itself_is_unchanged_and_taken_from_the_state():
 
 
 def test_one_function_for_one_step():
-    assert differences_of(HENON.step, 2) is differences_of(HENON.step, 2)
+    assert differences_of(HENON.step, 2, (1.0, 1.0)) is differences_of(HENON.step, 2, (1.0, 1.0))
     P, row = without(HENON), HENON.packed()[1][None]
     assert P.derivative(row).tangent is P.replace(a=1.1).derivative(row).tangent
     assert np.array_equal(P.derivative(row).rows, row)
@@ -91,3 +91,22 @@ def test_beyond_the_escape_there_is_none():
     P = gz.Map(step, params={"a": 2.0}, escape=1.0)
     assert np.isfinite(P.jacobian((0.4,))).all()
     assert np.isnan(P.jacobian((0.5,))).all()  # one of the neighbours has left
+
+
+def tent(state, p):
+    (x,) = state
+    if x < 0.0:
+        return (p.a * x + p.mu * p.unit,), 0
+    return (p.b * x + p.mu * p.unit,), 1
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1e-6, 1e-3, 1.0, 1e6, 1e12])
+def test_slopes_and_orbits_are_the_same_in_every_unit_of_length(unit):
+    """A kink that is a unit away is not crossed, and a state near 0 is not lost in the rounding of the rest."""
+    P = gz.Map(
+        tent, {"a": -1.29, "b": 1.27, "mu": -0.45, "unit": unit}, ("x",), ((-4.0 * unit, 4.0 * unit),), letters="LR"
+    )
+    for x, slope in ((-0.2, -1.29), (-1e-3, -1.29), (1e-3, 1.27), (3.0, 1.27)):
+        assert P.jacobian((x * unit,))[0, 0] == pytest.approx(slope, rel=1e-6)
+    (orbit,) = gz.periodic_orbits(P, word="L", starts=100)
+    assert orbit.points[0, 0] / unit == pytest.approx(-0.45 / 2.29, rel=1e-12)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from math import frexp, ldexp
 from typing import Any
 
 from grazing.kernel.primitives import replaced
@@ -12,10 +13,24 @@ NAN = float("nan")
 
 #: Cube root of the rounding error: it balances rounding against curvature, and leaves about ten digits.
 STEP = 6e-6
+#: A state near 0 is told from its neighbours in units of 1 in a box from 1 to so many times as wide.
+WIDE = 1000.0
+
+
+def units_of(box: Sequence[tuple[float, float]]) -> tuple[float, ...]:
+    """Return the size below which a coordinate counts as near 0: 1, but no wider than the box nor lost in it.
+
+    Powers of two, so that boxes of about the same size share their compiled code.
+    """
+    found = []
+    for low, high in box:
+        size = min(max(1.0, (high - low) / WIDE), high - low)
+        found.append(size if size == 1.0 else ldexp(1.0, frexp(size)[1] - 1))
+    return tuple(found)
 
 
 @lru_cache(maxsize=256)
-def differences_of(step: Callable[..., Any], dimension: int) -> Callable[..., Any]:
+def differences_of(step: Callable[..., Any], dimension: int, units: tuple[float, ...]) -> Callable[..., Any]:
     """Return ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row, from central differences of a step.
 
     Parameters
@@ -23,6 +38,8 @@ def differences_of(step: Callable[..., Any], dimension: int) -> Callable[..., An
     step : callable
         ``step(state, c) -> (state, letter, outcome)``.
     dimension : int
+    units : tuple of float
+        Of :func:`units_of`.
     """
     zero = (0.0,) * (dimension * dimension)
 
@@ -30,7 +47,7 @@ def differences_of(step: Callable[..., Any], dimension: int) -> Callable[..., An
         new, letter, outcome = step(state, c)
         J = zero
         for j in range(dimension):
-            h = STEP * max(1.0, abs(state[j]))
+            h = STEP * max(units[j], abs(state[j]))
             high, low = state[j] + h, state[j] - h
             after, _letter, _outcome = step(replaced(state, j, high), c)
             before, _letter, _outcome = step(replaced(state, j, low), c)

@@ -17,7 +17,7 @@ from grazing.kernel.lanes import tangent_runner
 from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
-from grazing.maps.derivative import differences_of, extended
+from grazing.maps.derivative import differences_of, extended, units_of
 from grazing.maps.pointed import Derived
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
@@ -392,7 +392,9 @@ class Map(ByValue):
         """
         if self.pointed is not None:
             return self.pointed(rows)
-        known = self.tangent if self.tangent is not None else differences_of(self._full_step, self.dimension)
+        known = self.tangent
+        if known is None:
+            known = differences_of(self._full_step, self.dimension, units_of(self.box))
         flat = np.ascontiguousarray(rows)
         return Derived(extended(known), self.prepare, self.packed()[0], flat, flat)
 

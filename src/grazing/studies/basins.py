@@ -16,7 +16,7 @@ from grazing.maps.pieces import joined, pieces
 from grazing.orbits.grazing_curve import grazing_arrays
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
-from grazing.studies import labels
+from grazing.studies import labels, outside
 from grazing.studies.attractors import attractors_of
 from grazing.studies.boundary import basin_entropy, evenly_spaced, uncertainty
 from grazing.studies.classify import Settled, settled_columns
@@ -52,6 +52,7 @@ TAKEN = (
     "outcome",
     "graze",
     "graze_order",
+    "outside",
 )
 #: Two orbits of the same word and period are on one attractor if their points differ by less than this share of the
 #: grid's extent.
@@ -177,6 +178,7 @@ def plan(
             "reached_point": Variable(("coordinate",), "float64", {"long_name": "a point of the attractor"}),
             "outcome": Variable((), "int32", labels.outcome_attributes()),
             "trust": Variable((), "int8", labels.trust_attributes()),
+            **({outside.NAME: Variable((), "int32", outside.ATTRIBUTES)} if grid is None else {}),
         },
         compute=partial(_compute, P, axes, others, transient, keep, arithmetic),
         together=together(P, arithmetic),
@@ -197,6 +199,8 @@ def _compute(
         parts.append(part)
         yield
     found = joined(parts)
+    if outside.NAME in arrays:
+        arrays[outside.NAME][...] = outside.beyond(found.points[:, -1], np.array([P.box]))[0]
     settled = settled_columns(P, row, found)
     arrays["reached_period"][...], arrays["reached_word"][...] = settled.period[0], settled.words[0]
     arrays["reached_point"][...] = _points(P, row, found, settled)

@@ -30,7 +30,7 @@ Ints = NDArray[np.int64]
 #: Most steps along which an exponent of a cell is averaged.
 MOST_STEPS = 10**6
 #: Names of variables and dimensions, which a parameter must not have.
-TAKEN = ("rank", "period", "word", "share", "exponent", "outcome", "trust")
+TAKEN = ("rank", "period", "word", "share", "exponent", "outcome", "trust", "outside")
 #: The period of a rank that no attractor holds.
 UNUSED = -3
 
@@ -135,7 +135,7 @@ def plan(
         axes=runs.axes,
         axis_attrs={name: labels.quantity(P, name) for name in runs.axes},
         sizes={"rank": lanes},
-        variables=_variables(runs.settings.keep),
+        variables=_variables(runs.settings.keep) | runs.variables,
         compute=partial(_compute, runs, steps),
         together=runs.together,
         work=runs.work,
@@ -151,6 +151,7 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
             yield
     assert found is not None
     P = runs.P
+    runs.say_outside(cells, found.points[:, -1], arrays)
     settled = settled_columns(P, runs.rows(cells), found)
     yield
     first = rank(settled, found.outcomes, arrays)

@@ -29,7 +29,7 @@ Ints = NDArray[np.int64]
 #: Names of variables and dimensions of the result, which a parameter must not have.
 TAKEN = (
     "attractor", "start", "coordinate", "change", "period", "word", "share", "lifetime", "reached", "steps", "last",
-    "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
+    "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind", "outside",
 )  # fmt: skip
 #: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it ever has.
 ARRIVED = 1e-6
@@ -124,7 +124,7 @@ def plan(
         axis_attrs={name: labels.quantity(P, name)},
         sizes={"start": runs.settings.lanes, "coordinate": P.dimension},
         coords={"coordinate": ("coordinate", np.array(P.coordinates))},
-        variables=_variables(runs.settings.keep),
+        variables=_variables(runs.settings.keep) | runs.variables,
         compute=partial(_compute, runs),
         together=runs.together,
         work=2 * runs.work,
@@ -143,6 +143,7 @@ def _compute(runs: Runs, cells: Ints, arrays: Arrays) -> Iterator[None]:
     settled = settled_columns(runs.P, runs.rows(cells), found)
     arrays["reached_period"][...], arrays["reached_word"][...] = settled.period, settled.words
     arrays["outcome"][...], arrays["trust"][...] = found.outcomes[:, 0], settled.trust
+    runs.say_outside(cells, found.points[:, -1], arrays)
     arrays["last"][...] = found.points[:, -1].transpose(0, 2, 1)
     arrays["steps"][...] = yield from lifetimes(runs, cells, found, settled.period)
 

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Names of variables of the result, which neither the parameter nor a coordinate may have.
-TAKEN = ("count", "below", "above", "ended", "ambiguous")
+TAKEN = ("count", "below", "above", "ended", "ambiguous", "outside")
 #: Points whose places in the raster are found together, in a loop that vectorises.
 BLOCK = 64
 #: The raster reaches so much farther than the points of a trial, of their extent.
@@ -152,6 +152,7 @@ def plan(
             "above": Variable((), "int64", {"long_name": "points above the raster", "units": "1"}),
             "ended": Variable((), "int64", {"long_name": "starts whose orbits ended", "units": "1"}),
             "ambiguous": Variable((), "int64", {"long_name": "starts with an ambiguous decision", "units": "1"}),
+            **runs.variables,
         },
         compute=partial(_compute, runs, i, low, high, bins),
         together=runs.together,
@@ -162,13 +163,17 @@ def plan(
 
 def _compute(runs: Runs, i: int, low: float, high: float, bins: int, cells: Ints, arrays: Arrays) -> Iterator[None]:
     """Compute cells, see :class:`grazing.studies.plan.Plan`."""
+    last = np.empty((len(cells), runs.P.dimension, 0))
     counts = np.zeros((len(cells), bins + 3), np.int64)
     lost, doubtful = np.zeros((2, len(cells), runs.settings.lanes), np.int64)
     for part in runs.pieces(cells):
         call(compiled_raster(), part.points, i, low, high, bins, counts)
         lost |= part.outcomes[:, 0] & FATAL
         doubtful |= part.outcomes[:, 0] & AMBIGUOUS
+        if part.points.shape[1]:
+            last = part.points[:, -1]
         yield
+    runs.say_outside(cells, last, arrays)
     arrays["count"][...] = counts[:, 1:-2]
     arrays["below"][...], arrays["above"][...] = counts[:, 0], counts[:, -2]
     arrays["ended"][...] = np.count_nonzero(lost, axis=1)

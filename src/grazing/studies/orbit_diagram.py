@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions, which neither the parameter nor a coordinate may have.
-TAKEN = ("start", "n", "letter", "period", "word", "outcome", "trust", "near_miss", "slowest", "undecided")
+TAKEN = ("start", "n", "letter", "period", "word", "outcome", "trust", "near_miss", "slowest", "undecided", "outside")
 #: How near each orbit came to being another one, see :class:`grazing.maps.columns.Columns`.
 NEARNESS = ("near_miss", "slowest", "undecided")
 #: Ways to begin at a value where the orbits of its neighbour ended.
@@ -142,7 +142,7 @@ def plan(
         axes=runs.axes,
         axis_attrs={name: labels.quantity(P, name)},
         sizes={"start": lanes, "n": keep},
-        variables=_variables(P, keep),
+        variables=_variables(P, keep) | runs.variables,
         compute=partial(_compute, runs, name, sweep),
         together=runs.together,
         work=runs.work,
@@ -203,6 +203,7 @@ def _fill(runs: Runs, cells: Ints, arrays: Arrays, part: slice, states: Floats |
         call(compiled_turning(), found.points, j, arrays[coordinate][part])
     call(compiled_turning(), found.letters[:, :, None], 0, arrays["letter"][part])
     arrays["outcome"][part] = found.outcomes[:, 0]
+    runs.say_outside(cells, found.points[:, -1], {name: array[part] for name, array in arrays.items()})
     settled = settled_columns(runs.P, runs.rows(cells), found)
     arrays["period"][part], arrays["trust"][part] = settled.period, settled.trust
     arrays["word"][part] = settled.words

@@ -21,6 +21,7 @@ from grazing.kernel.pool import run_tasks, workers_of
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.studies import labels
+from grazing.studies.outside import with_note
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -179,7 +180,7 @@ def labelled(plan: Plan, arrays: Arrays) -> xr.Dataset:
     }
     axes = {name: (name, values, plan.axis_attrs.get(name, {})) for name, values in plan.axes.items()}
     result = xr.Dataset(data, {**axes, **plan.coords}, plan.document)
-    return result if plan.finish is None else plan.finish(result)
+    return with_note(result if plan.finish is None else plan.finish(result))
 
 
 def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None = None) -> xr.Dataset:

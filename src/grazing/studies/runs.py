@@ -17,8 +17,9 @@ from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
 from grazing.parameter import real, unknown, whole
-from grazing.studies import labels
+from grazing.studies import labels, outside
 from grazing.studies.classify import FLOOR, TOLERANCE
+from grazing.studies.plan import Arrays, Variable
 from grazing.studies.starts import checked_box, checked_seed, checked_starts, random_starts
 
 Floats = NDArray[np.float64]
@@ -130,6 +131,21 @@ class Runs:
         different, which = np.unique(self.values(cells)[:, self.moving], axis=0, return_inverse=True)
         boxes = [self.P.replace(**dict(zip(names, row.tolist(), strict=True))).box for row in different]
         return np.array(boxes)[which.ravel()]
+
+    @property
+    def drawn(self) -> bool:
+        """Whether starts are drawn from the map's own box, so that nobody has chosen where."""
+        return isinstance(self.settings.starts, int) and self.settings.box is None
+
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """What is said of starts that are drawn, beside what a study is about."""
+        return {outside.NAME: Variable((), "int32", outside.ATTRIBUTES)} if self.drawn else {}
+
+    def say_outside(self, cells: Ints, last: Floats, arrays: Arrays) -> None:
+        """Write how many orbits of each cell ended outside the box; ``last`` (cells, dim, n) are their last points."""
+        if self.drawn:
+            arrays[outside.NAME][...] = outside.beyond(last, self.boxes(cells)).sum(axis=1)
 
     def pieces(self, cells: Ints, states: Floats | None = None) -> Iterator[Columns]:
         """Run the orbits of cells piece by piece, from given states or from the starts of the study."""

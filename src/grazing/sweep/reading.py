@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
+from grazing.studies.outside import with_note
 from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.codec import fill_value
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
@@ -86,6 +87,7 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
             result = result if plan.finish is None else plan.finish(result)
         except NotNamed as error:
             result.attrs[NOTE] = f"what the study adds at the end is missing: {error}"
+    result = with_note(result)
     _say_who(found, records, result)
     if not done.all():
         result[DONE] = (found.layout.axes, _by_cell(found, done), {"long_name": "whether a cell has been computed"})
