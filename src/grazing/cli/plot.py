@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from grazing.cli import output
 from grazing.cli.own import OwnMap, OwnModel, named_here
+from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError
 
 
@@ -52,7 +53,11 @@ def plot(
     result, arguments = with_drawn(result, arguments, curves, file, map, model)
     written = [name for path in files for name in output.write(result, path, **arguments)]
     title = str(result.attrs.get("title", ""))
-    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
+    print(
+        text.dumps({"title": title, "files": written})
+        if json
+        else f"{printable(title, newlines=False)}\nwritten: {', '.join(written)}"
+    )
     return 0
 
 

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, in_one_line
 from grazing.studies.plan import Plan
 from grazing.sweep.files import MISFIT, Print, clear_way, is_plain, print_of, read_file, write_file
 from grazing.sweep.grid import Grid
@@ -21,7 +21,7 @@ from grazing.sweep.manifest import (
     read_template,
     template_of,
 )
-from grazing.sweep.store import Store, in_one_line
+from grazing.sweep.store import Store
 from grazing.sweep.template import coordinate_files, manifest_of, write_template
 
 

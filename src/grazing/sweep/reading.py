@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.outcome import InputError
+from grazing.outcome import InputError, in_one_line
 from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.codec import fill_value
 from grazing.sweep.files import MISFIT
@@ -19,7 +19,7 @@ from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
 from grazing.sweep.letters import TEXT, decoded, restored_attrs
 from grazing.sweep.manifest import Record
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import Store, folder_of, in_one_line, open_existing
+from grazing.sweep.store import Store, folder_of, open_existing
 from grazing.sweep.task import plan_from_recipe
 from grazing.sweep.who import shares_of
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan
 from grazing.sweep.codec import CODECS, decode, encode, longest
 from grazing.sweep.files import MISFIT, PARTIAL, Print, print_of, read_file, remove_file, write_file
@@ -473,9 +473,3 @@ def damaged(path: Path, file: str, error: object) -> InputError:
         f"{path} is damaged: {file} cannot be used ({in_one_line(error)}). "
         f"Put that file back from a copy, or let sweep.verify(..., repair=True) (grazing sweep verify --repair) do it"
     )
-
-
-def in_one_line(error: object) -> str:
-    """Return the first line of what an error says."""
-    said = getattr(error, "strerror", None) or str(error)
-    return str(said).splitlines()[0] if said else type(error).__name__

@@ -18,12 +18,12 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan, empty_arrays
 from grazing.sweep.files import append_line, read_file, write_file
 from grazing.sweep.made_by import made_by
 from grazing.sweep.same import listed, refuse_another
-from grazing.sweep.store import ASIDE, Arrays, Store, in_one_line, open_existing
+from grazing.sweep.store import ASIDE, Arrays, Store, open_existing
 
 #: The folder of the times, beside locks and history.
 TIMES = "times"
