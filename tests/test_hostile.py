@@ -76,7 +76,7 @@ def test_a_record_of_any_kind_is_a_sentence(result, tmp_path):
     for text in ("", "[" * 100_000, "9" * 10_000, '{"format": 1e999}', "\x1b[2J"):
         path.write_bytes(whole)
         rewritten(path, lambda _record, text=text: text or " ")
-        with pytest.raises(InputError, match="damaged|format"):
+        with pytest.raises(InputError, match=r"damaged|format"):
             gz.load(path)
 
 
@@ -167,7 +167,7 @@ TEXTS = ["[" * 100_000, "3", "null", "[]", '"x"', "9" * 10_000, '{"grazing_versi
          '{"grazing_config": {"study": "density", "map": 3, "params": 4}}',
          '{"grazing_config": {"study": "density", "map": "gap map", "params": [1]}}',
          '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": []}}',
-         '{"grazing_config": {"study": "orbit_diagram", "map": "gap map", "params": {}, "parameter": [], "values": {}}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": [], "values": 1}}',
          '{"grazing_config": {"study": "density", "map": "stroboscopic map", "params": {"cos99999999": 1}}}',
          '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": '
          '{"first": 0, "last": 1, "count": 1e15, "sha256": ""}}}',
@@ -256,12 +256,11 @@ def test_what_a_file_announces_is_not_taken_from_memory(tmp_path):
 # ---- terminals
 
 
-@pytest.mark.parametrize(
-    "evil", ["\x1b[2J\x1b]0;owned\x07", "\x9b31m", "\u202e", "\r", "\x08" * 9, "\nagain:     rm -rf ~"]
-)
+@pytest.mark.parametrize("evil", ["\x1b[2J\x1b]0;owned\x07", "\x9b31m", "\u202e", "\r", "\x08" * 9, "\nagain:  rm"])
 def test_no_text_of_a_file_moves_the_cursor(evil, tmp_path, capsys):
     config = json.dumps({"study": evil, "map": evil})
-    result = xr.Dataset({f"x{evil}": (f"d{evil}", [1.0], {"long_name": evil})})
+    name = evil.encode("latin-1", "replace").decode("latin-1")  # names in a NetCDF file
+    result = xr.Dataset({f"x{name}": (f"d{name}", [1.0], {"long_name": evil})})
     result.attrs = {"title": evil, "source": evil, "grazing_config": config, "grazing_recipe": json.dumps({evil: evil}),
                     "grazing_versions": json.dumps({evil: evil})}  # fmt: skip
     gz.save(result, tmp_path / "a.nc")
@@ -274,4 +273,4 @@ def test_no_text_of_a_file_moves_the_cursor(evil, tmp_path, capsys):
             main([*command, str(path)])
             said = "".join(capsys.readouterr())
             assert all(letter.isprintable() or letter == "\n" for letter in said), (command, path.name, said)
-            assert "\nagain:     rm" not in said
+            assert "\nagain:  rm" not in said

@@ -52,12 +52,8 @@ def plot(
     arguments = styled(style or [], output.study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, curves, file, map, model)
     written = [name for path in files for name in output.write(result, path, **arguments)]
-    title = str(result.attrs.get("title", ""))
-    print(
-        text.dumps({"title": title, "files": written})
-        if json
-        else f"{printable(title, newlines=False)}\nwritten: {', '.join(written)}"
-    )
+    title = printable(str(result.attrs.get("title", "")), newlines=False)
+    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0
 
 

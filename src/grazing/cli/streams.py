@@ -31,12 +31,12 @@ def prepared() -> Iterator[None]:
 
 
 def printable(text: str, newlines: bool = True) -> str:
-    """Return a text as a terminal may have it: what files say must not move its cursor or pass for another line.
+    r"""Return a text as a terminal may have it: what files say must not move its cursor or pass for another line.
 
     Examples
     --------
     >>> printable("\x1b[2Jgone\n\u202ereversed")
-    '\\\\x1b[2Jgone\\n\\\\u202ereversed'
+    '\\x1b[2Jgone\n\\u202ereversed'
     """
     kept = "\n\t" if newlines else "\t"
     return "".join(
