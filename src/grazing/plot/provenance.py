@@ -256,7 +256,8 @@ def _svg(data: bytes) -> dict[str, str]:
 
 
 def _described(parser: ElementTree.XMLPullParser) -> dict[str, str]:
-    for _event, element in parser.read_events():
+    for _event, item in parser.read_events():
+        element: Any = item
         if element.tag.endswith("}metadata"):
             # children of the Work only: its creator is an agent, who has a title of its own
             works = element.iter(CREATIVE_COMMONS + "Work")
