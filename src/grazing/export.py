@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,13 +14,15 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: How the meaning of a flag begins that says that a row only fills up its table.
 FILLER = "no_further_"
+#: Letters of a dimension in the name of a file.
+LONGEST = 100
 #: Rows that are put together at a time.
 ROWS = 200_000
 
@@ -67,12 +70,22 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.csv'")
     if not hasattr(result, "data_vars"):
         raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
-    written = []
     flat = _spread_names(result)
-    for i, (dims, names) in enumerate(tables(flat)):
-        own = "" if i == 0 else "-" + "-".join(dims or ("values",))
-        written.append(_write(flat, dims, names, target.with_name(f"{target.stem}{own}.csv")))
-    return written
+    parts = tables(flat)
+    files = [target, *(target.with_name(f"{target.stem}-{_part(dims)}.csv") for dims, _names in parts[1:])]
+    if len({*files}) < len(files):
+        raise InputError(
+            f"tables of dimensions {', '.join(str(dims) for dims, _names in parts)} would share a file; rename some"
+        )
+    return [_write(flat, dims, names, file) for (dims, names), file in zip(parts, files, strict=True)]
+
+
+def _part(dims: tuple[str, ...]) -> str:
+    """Return what the name of a table says of its dimensions."""
+    for dim in dims:
+        if not dim.isprintable() or {*dim} & {*"/\\"} or len(dim) > LONGEST:
+            raise InputError(f"dimension {shown(dim)} cannot be a part of a file's name; rename it")
+    return "-".join(dims or ("values",))
 
 
 def _spread_names(result: xr.Dataset) -> xr.Dataset:
@@ -117,7 +130,8 @@ def _write(result: xr.Dataset, dims: tuple[str, ...], names: list[str], target: 
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):  # a name that is too long, a folder that is none
+            part.unlink(missing_ok=True)
     return target
 
 

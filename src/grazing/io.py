@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 import warnings
 from collections.abc import Hashable
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +21,8 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.memory import refuse_too_large
+from grazing.outcome import InputError, in_one_line, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +30,8 @@ if TYPE_CHECKING:
 FORMAT = 1
 RECORD = "grazing_file"
 CREATED = "date_created"
+#: Attributes that say how a file is written: those of a result under these names would be taken for them.
+_OF_THE_FILE = {RECORD, CREATED, "coordinates", "dtype", "_Encoding"}
 #: Bytes of one variable beyond which NetCDF 3 cannot address it.
 LARGEST = 2**32 - 4
 #: Dimension that holds the real and the imaginary part of a complex variable.
@@ -78,10 +83,14 @@ def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         os.replace(partial, target)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
-    except ValueError as error:  # such as an attribute whose name NetCDF keeps for itself: int, real, double, ...
+    except (
+        ValueError,
+        NotImplementedError,
+    ) as error:  # such as an attribute whose name NetCDF keeps for itself: int, real, double, ...
         raise InputError(f"{target} cannot be written: {error}; rename it or make it text") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):  # a name that is too long, a folder that is none
+            partial.unlink(missing_ok=True)
     return target
 
 
@@ -117,27 +126,58 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
                 f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
             ) from error
     try:
+        if not stat.S_ISREG(os.stat(source).st_mode):  # a pipe may never begin
+            raise InputError(f"{source} is a device or a pipe; give a file")
         with open(source, "rb") as file:
             ours = file.read(3) == b"CDF"
     except FileNotFoundError:
         raise InputError(f"there is no file {source}") from None
-    except OSError as error:
-        raise InputError(f"{source} cannot be read: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{source} cannot be read: {getattr(error, 'strerror', None) or error}") from error
     foreign = InputError(f"{source} was not written by gz.save; open it with xarray.open_dataset instead")
     if not ours:
         raise foreign
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
-            stored = xr.load_dataset(source, engine="scipy", decode_times=False)
+            # Attributes such as scale_factor are those of the result: they change no number.
+            with xr.open_dataset(source, engine="scipy", decode_times=False, mask_and_scale=False) as opened:
+                if RECORD not in opened.attrs:
+                    raise foreign
+                record = _record(opened, source)
+                refuse_too_large(_size(opened, record), f"{source} cannot be opened here")
+                return _decoded(opened.load(), record)
+    except InputError:
+        raise
     except Exception as error:  # a damaged file can fail anywhere in the reader
-        raise InputError(f"{source} is damaged and cannot be read: {error}") from error
-    if RECORD not in stored.attrs:
-        raise foreign
-    record = json.loads(stored.attrs[RECORD])
+        said = in_one_line(error)
+        raise InputError(f"{source} is damaged and cannot be read: {said}") from error
+
+
+def _record(stored: xr.Dataset, source: Path) -> dict[str, Any]:
+    """Return what the record of a file says, checked as far as memory depends on it."""
+    record: dict[str, Any] = json.loads(stored.attrs[RECORD])
     if record["format"] != FORMAT:
-        raise InputError(f"{source} has format {record['format']}, this version reads {FORMAT}; update grazing")
-    return _decoded(stored, record)
+        raise InputError(f"{source} has format {shown(record['format'])}, this version reads {FORMAT}; update grazing")
+    if record["variables"].keys() != {str(name) for name in stored.variables}:
+        raise ValueError("its record is of other variables")
+    return record
+
+
+def _size(stored: xr.Dataset, record: dict[str, Any]) -> int:
+    """Return the bytes that a file takes in memory; it can name the same bytes, or wide types, many times over."""
+    types = {name: _type(kept["dtype"], "biufcUO") for name, kept in record["variables"].items()}
+    sizes = {name: (item.size, item.dtype.itemsize) for name, item in stored.variables.items()}
+    return sum(count * (stands + types[str(name)].itemsize) for name, (count, stands) in sizes.items())
+
+
+def _type(name: Any, kinds: str) -> np.dtype[Any]:
+    """Return the type that a record names, if it is of a kind that is written."""
+    if not isinstance(name, str) or np.dtype(name).kind not in kinds:
+        raise ValueError(f"its record names a type {shown(name)}")
+    return np.dtype(name)
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
@@ -211,6 +251,8 @@ def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str
         of = f"attribute {name!r} of {where}"
         if not isinstance(name, str):
             raise InputError(f"{of} has no text for a name; rename it")
+        if name in _OF_THE_FILE:
+            raise InputError(f"{of} has a name that a NetCDF file keeps for itself; rename it")
         if isinstance(value, str):
             stored[name] = value
             continue
@@ -230,7 +272,7 @@ def _decoded_attrs(attrs: dict[Any, Any], record: dict[str, str]) -> dict[str, A
             found[name] = value
             continue
         plain, ndim, kind = record[name].split(" ")
-        array = np.asarray(value).astype(kind)
+        array = np.asarray(value).astype(_type(kind, "biuf"))
         array = np.atleast_1d(array) if ndim == "1" else array.reshape(())
         found[name] = array.tolist() if plain else (array if ndim == "1" else array[()])
     return found
@@ -245,7 +287,8 @@ def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:
         dims, values = tuple(variable.dims), variable.values
         if np.dtype(kept["dtype"]).kind == "c":
             dims, values = dims[:-1], values[..., 0] + 1j * values[..., 1]
-        values = values.astype(kept["dtype"])
+        with np.errstate(invalid="raise"):  # such as NaN where the record says that numbers are whole
+            values = values.astype(kept["dtype"])
         data[name] = (dims, values, _decoded_attrs(variable.attrs, kept["attrs"]))
     coordinates = {name for name, kept in record["variables"].items() if kept["coordinate"]}
     attrs = dict(stored.attrs)

@@ -161,6 +161,12 @@ def shown(value: object) -> str:
         return f"<{type(value).__name__}>"
 
 
+def in_one_line(error: object) -> str:
+    """Return the first line of what an error says."""
+    said = getattr(error, "strerror", None) or str(error)
+    return str(said).splitlines()[0] if said else type(error).__name__
+
+
 def told(error: BaseException) -> str:
     """Return what a user's code raised, with the line in which it did.
 

@@ -193,11 +193,11 @@ def test_workers_run_the_code_that_the_run_named_and_none_that_the_store_names(t
     found, sha = task.open_existing(store), some.document["grazing_code_sha256"]
     task._plans.clear()  # as in another process
     with pytest.raises(gz.InputError, match="is code that a file names"):
-        task.compute_chunk(str(store), found.token, "", sha, 1)
+        task.compute_chunk(str(store), found.token, "", sha, False, 1)
     for call in (sweep.resume, sweep.verify):
         with pytest.raises(gz.InputError, match=f"name it in this call: --map {code}:P; in Python code='trust'"):
             call(store)
     assert not marker.exists()
-    assert task.code_of(some) == {"map": f"{code}:P"}
+    assert task.own_of(some) == {"map": f"{code}:P"}
     assert sweep.run(some, store, executor=Elsewhere()).complete
     assert sweep.verify(store, 1.0, code="trust").ok and sweep.resume(store, code="trust").complete

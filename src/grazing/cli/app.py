@@ -186,7 +186,7 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
     """Write one message to stderr, with the traceback if GRAZING_DEBUG asks for it; return the code."""
     if os.environ.get("GRAZING_DEBUG", "0") not in ("", "0"):
         traceback.print_exc()
-    print(f"{kind}: {message}", file=sys.stderr)
+    print(f"{kind}: {streams.printable(message)}", file=sys.stderr)
     return code
 
 
@@ -198,6 +198,6 @@ def _once() -> Callable[..., None]:
         kind = _NUMBER.sub("", str(message))
         if kind not in told:
             told.add(kind)
-            print(f"warning: {message}", file=sys.stderr)
+            print(f"warning: {streams.printable(str(message))}", file=sys.stderr)
 
     return show

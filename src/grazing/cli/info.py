@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output
+from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError
 
 #: Letters of a command beyond which a file says it better.
@@ -71,7 +72,7 @@ def described(path: Path) -> dict[str, Any]:
         stored = provenance(path)
         attrs = stored["provenance"]
         found |= {"kind": "figure", "title": stored["title"], "source": attrs.get("source", stored["software"])}
-        found |= {name: attrs.get(f"grazing_{name}") for name in ("config_sha256", "versions")}
+        found |= {"config_sha256": attrs.get("grazing_config_sha256"), "versions": versions(attrs)}
         return found | again(attrs, {}, (str(path),))
     from grazing.cli.plot import axes_of, loaded
 
@@ -79,7 +80,7 @@ def described(path: Path) -> dict[str, Any]:
     found |= {"kind": "store" if path.is_dir() else "result", "title": result.attrs.get("title")}
     found |= {"source": result.attrs.get("source"), "created": result.encoding.get("date_created")}
     found |= {"config_sha256": result.attrs.get("grazing_config_sha256")}
-    found |= {"versions": text.loads(result.attrs.get("grazing_versions", "null"))}
+    found |= {"versions": versions(result.attrs)}
     found |= {"sizes": {str(name): size for name, size in result.sizes.items()}}
     found |= {"variables": {str(name): str(item.attrs.get("long_name", "")) for name, item in result.data_vars.items()}}
     if path.is_dir():
@@ -89,6 +90,16 @@ def described(path: Path) -> dict[str, Any]:
         found |= {"complete": known.complete, "progress": f"{known.cells_done} of {known.cells} cells"}
         found |= {"bound": known.bound, "mixture": known.mixture}
     return found | again(result.attrs, axes_of(result), (str(path),))
+
+
+def versions(attrs: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return the versions that a file names, if it does."""
+    said = attrs.get("grazing_versions")
+    try:
+        said = text.loads(said) if isinstance(said, str) else said
+    except (ValueError, RecursionError):
+        return None
+    return said if isinstance(said, dict) else None
 
 
 def certificate(path: Path) -> dict[str, Any]:
@@ -142,6 +153,6 @@ def lines(found: Mapping[str, Any]) -> list[str]:
     if found.get("variables"):
         said += ["variables: " + ", ".join(found["variables"])]
     if found.get("config_sha256"):
-        said.append(f"config:    sha256 {found['config_sha256'][:16]}")
+        said.append(f"config:    sha256 {str(found['config_sha256'])[:16]}")
     again = found["command"] or f"no command: {found['why_not']}"
-    return [*said, f"again:     {again}"]
+    return [printable(line, newlines=False) for line in (*said, f"again:     {again}")]

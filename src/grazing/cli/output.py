@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE = ".zarr"
@@ -75,7 +75,8 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
     draw: Callable[..., Mapping[str, Any]] | None = getattr(plot, study, None)
     if draw is None or study not in DRAWN:
         raise InputError(
-            f"there is no figure of {study or 'a result that does not say its study'}; allowed are {', '.join(DRAWN)}"
+            f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
+            f"allowed are {', '.join(DRAWN)}"
         )
     if study in ("branch", "windows"):
         from grazing.cli import orbits

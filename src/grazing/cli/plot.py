@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from grazing.cli import output
 from grazing.cli.own import OwnMap, OwnModel, named_here
+from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError
 
 
@@ -51,7 +52,7 @@ def plot(
     arguments = styled(style or [], output.study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, curves, file, map, model)
     written = [name for path in files for name in output.write(result, path, **arguments)]
-    title = str(result.attrs.get("title", ""))
+    title = printable(str(result.attrs.get("title", "")), newlines=False)
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0
 

@@ -17,6 +17,7 @@ from cyclopts import App, Parameter
 
 from grazing.cli import progress
 from grazing.cli.own import OwnMap, OwnModel, named_here
+from grazing.cli.streams import printable
 from grazing.cli.whole import whole_number
 from grazing.outcome import InputError, shown
 
@@ -311,6 +312,6 @@ def _report(status: Any, json: bool, hint: bool = True) -> int:
 
 
 def _say(summary: Mapping[str, Any], words: str, json: bool) -> int:
-    print(text.dumps(summary, default=str) if json else words)
+    print(text.dumps(summary, default=str) if json else printable(words))
     sys.stdout.flush()
     return DONE

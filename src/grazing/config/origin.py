@@ -63,6 +63,15 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     if "grazing_config" not in attrs:
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
+    try:
+        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")))
+    except GrazingError:
+        raise
+    except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:  # it can say anything
+        raise InputError("its configuration is damaged") from error
+
+
+def _recipe_in(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str) -> Recipe:
     study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
     if study is None:
         raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
@@ -70,7 +79,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
         "study": study,
         **_map(config),
         **({"order": config["order"]} if "order" in config else {}),
-        "vary": _ranges(config, coordinates or {}, str(attrs.get("title", ""))),
+        "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
     }
     try:
@@ -103,6 +112,8 @@ def _map(config: Mapping[str, Any]) -> Recipe:
         return {**found, "parameters": {name: params[name] for name in GAP if name in params}}
     varied = {*_axes(config)}
     m = max(1, *(int(key[3:]) for key in {*params, *varied} if key[:3] in AMPLITUDES and key[3:].isdigit()))
+    if m > len({*params, *varied}) + 1:  # each harmonic has a number of its own
+        raise InputError("its configuration is damaged")
     waves = {key: [params.pop(f"{key}{j}", 0.0) for j in range(1, m + 1)] for key in AMPLITUDES}
     while waves["sin"] and waves["sin"][-1] == 0.0:  # the cosines say how many harmonics there are
         waves["sin"].pop()

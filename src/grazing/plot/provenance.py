@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import stat
 import struct
 import zlib
 from collections.abc import Iterator
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any, BinaryIO
 from xml.etree import ElementTree
@@ -23,8 +26,10 @@ SVG_FIELDS = {
     DUBLIN_CORE + "creator": "software",
     DUBLIN_CORE + "description": "provenance",
 }
-#: Chunks of text in a PNG file beyond this many bytes are not ours.
+#: Texts beyond this many bytes are not ours, nor is what stands farther from the beginning of an SVG file.
 LONGEST = 1 << 24
+#: Bytes of an SVG file that are parsed at a time: what is drawn, behind the metadata, is none of our business.
+STEP = 1 << 16
 
 
 def provenance_of(result: Any) -> dict[str, Any]:
@@ -62,7 +67,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
             return json.loads(value)
-        except ValueError:
+        except (ValueError, RecursionError):
             return value
     return value.tolist() if hasattr(value, "tolist") else value
 
@@ -96,19 +101,24 @@ def provenance(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     try:
+        if not (stat.S_ISREG(os.stat(path).st_mode) or path.is_dir()):  # a pipe may never begin
+            raise InputError(f"{path} is a device or a pipe; give the path of a figure")
         with path.open("rb") as file:
             head = file.read(512)
             file.seek(0)
             if head.startswith(b"\x89PNG\r\n\x1a\n"):
                 fields = _png(file)
             elif head.startswith(b"%PDF-"):
-                fields = _pdf(file.read())
+                with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+                    fields = _pdf(data)
             elif re.match(rb"(\xef\xbb\xbf)?\s*<(\?xml|svg|!DOCTYPE svg)", head):
-                fields = _svg(file)
+                fields = _svg(file.read(LONGEST))
             else:
                 raise InputError(f"{path} is no figure; allowed are PNG, PDF and SVG files that grazing wrote")
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}; give the path of a figure") from None
+    except InputError:
+        raise
     except (ValueError, zlib.error, struct.error, ElementTree.ParseError) as error:
         raise InputError(f"{path} is damaged ({error}); make the figure again") from None
     if not fields.get("software", "").startswith("grazing") or "provenance" not in fields:
@@ -116,7 +126,9 @@ def provenance(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} {wrote} and holds no provenance; allowed are figures that grazing wrote")
     try:
         stored = json.loads(fields["provenance"])
-    except ValueError as error:
+        if not isinstance(stored, dict):
+            raise ValueError("it is no mapping")
+    except (ValueError, RecursionError) as error:
         raise InputError(f"the provenance in {path} is damaged ({error}); make the figure again") from None
     return {"title": fields.get("title", ""), "software": fields["software"], "provenance": stored}
 
@@ -166,12 +178,13 @@ def _inflated(data: bytes) -> bytes:
 # ---- PDF: the trailer names the information dictionary, whose strings are (literal) or <hexadecimal>
 
 _ESCAPES = {b"n": b"\n", b"r": b"\r", b"t": b"\t", b"b": b"\b", b"f": b"\f"}
+_INFO = re.compile(rb"/Info\s+(\d{1,10})\s+(\d{1,10})\s+R")
 _PIECE = re.compile(rb"\\([0-7]{1,3}|\r\n|[\s\S])|([()])|[^\\()]+")
 
 
-def _pdf(data: bytes) -> dict[str, str]:
+def _pdf(data: mmap) -> dict[str, str]:
     trailer = data.rfind(b"trailer")
-    found = re.search(rb"/Info\s+(\d+)\s+(\d+)\s+R", data[trailer:]) if trailer >= 0 else None
+    found = _INFO.search(data, trailer, trailer + LONGEST) if trailer >= 0 else None
     if found is None:  # other programs keep it in a stream: not ours
         return {}
     starts = re.search(rb"(?:^|[\r\n])" + found[1] + rb"\s+" + found[2] + rb"\s+obj\b", data)
@@ -180,11 +193,12 @@ def _pdf(data: bytes) -> dict[str, str]:
     return {PDF_FIELDS[key]: text for key, text in _strings(data, starts.end()) if key in PDF_FIELDS}
 
 
-def _strings(data: bytes, at: int) -> Iterator[tuple[str, str]]:
+def _strings(data: mmap, at: int) -> Iterator[tuple[str, str]]:
     """Yield the keys of a dictionary whose values are strings, with them."""
     key = ""
     token = re.compile(rb"\s*(/[^\s/()<>\[\]]*|\(|<<|>>|<[0-9A-Fa-f\s]*>|[^\s/()<>]+)")
-    while found := token.match(data, at):
+    end = at + LONGEST
+    while found := token.match(data, at, end):
         at, piece = found.end(), found[1]
         if piece in (b">>", b"endobj"):
             return
@@ -199,10 +213,11 @@ def _strings(data: bytes, at: int) -> Iterator[tuple[str, str]]:
     raise ValueError("its information dictionary does not end")
 
 
-def _literal(data: bytes, at: int) -> tuple[bytes, int]:
+def _literal(data: mmap, at: int) -> tuple[bytes, int]:
     """Return the string that begins after a bracket, and where it ends."""
     out, depth = bytearray(), 1
-    while found := _PIECE.match(data, at):
+    end = at + LONGEST
+    while found := _PIECE.match(data, at, end):
         at = found.end()
         if found[1] is not None:
             code = found[1]
@@ -227,8 +242,22 @@ def _decoded(raw: bytes) -> str:
 # ---- SVG: Dublin Core elements in <metadata>, before anything that is drawn
 
 
-def _svg(file: BinaryIO) -> dict[str, str]:
-    for _event, element in ElementTree.iterparse(file):
+def _svg(data: bytes) -> dict[str, str]:
+    if b"<!ENTITY" in data:  # a few letters can stand for gigabytes of them
+        raise ValueError("it declares entities")
+    parser = ElementTree.XMLPullParser()
+    for first in range(0, len(data), STEP):
+        parser.feed(data[first : first + STEP])
+        if found := _described(parser):
+            return found
+    if len(data) < LONGEST:  # else it goes on, and is not ours
+        parser.close()
+    return {}
+
+
+def _described(parser: ElementTree.XMLPullParser) -> dict[str, str]:
+    for _event, item in parser.read_events():
+        element: Any = item
         if element.tag.endswith("}metadata"):
             # children of the Work only: its creator is an agent, who has a title of its own
             works = element.iter(CREATIVE_COMMONS + "Work")

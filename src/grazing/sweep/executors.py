@@ -15,9 +15,9 @@ from concurrent.futures import (
 )
 from functools import partial
 
-from grazing.outcome import GrazingError
+from grazing.outcome import GrazingError, in_one_line
 from grazing.studies.plan import Plan, Progress
-from grazing.sweep.store import Store, in_one_line
+from grazing.sweep.store import Store
 from grazing.sweep.task import code_of, compute_chunk, own_of, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.

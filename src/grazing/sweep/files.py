@@ -15,10 +15,17 @@ from uuid import uuid4
 Print = tuple[int, str]
 #: The name of a file before it is complete.
 PARTIAL = re.compile(r"(?P<name>.+)\.[0-9a-f]{32}\.partial")
+#: What documents of any form raise when they are read as those of a store.
+MISFIT = (ValueError, TypeError, KeyError, AttributeError, IndexError, RecursionError, OverflowError)
 #: Bytes of a file of metadata beyond which it is none.
 LONGEST = 2**27
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+
+
+def is_name(text: object) -> bool:
+    """Whether a text can be the name of an array: of one folder below the store, which no terminal takes for more."""
+    return isinstance(text, str) and text.isprintable() and bool(text) and not (text[0] == "." or {*text} & {*"/\\ "})
 
 
 def print_of(content: bytes) -> Print:
@@ -86,19 +93,31 @@ def write_file(root: Path, key: str, content: bytes, fsync: bool = False) -> Non
             fsync_folder(folder)
 
 
-def append_line(path: Path, line: str) -> None:
-    """Append a line to a file; nothing waits for a pipe that nobody reads.
+def append_line(root: Path, key: str, line: str) -> None:
+    """Append a line to a file below a folder, behind no link; nothing waits for a pipe that nobody reads.
 
     Raises
     ------
     OSError
         If it cannot be written.
     """
-    handle = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NONBLOCK", 0), 0o666)
+    _make_folders(root, key)
+    more = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
+    handle = os.open(root / key, os.O_WRONLY | os.O_APPEND | os.O_CREAT | more, 0o666)
     try:
         os.write(handle, f"{line}\n".encode())
     finally:
         os.close(handle)
+
+
+def is_own(root: Path, key: str) -> bool:
+    """Whether a folder is there below ``root``, and is no link, nor lies behind one."""
+    here = root
+    for part in key.split("/"):
+        here = here / part
+        if here.is_symlink() or not here.is_dir():
+            return False
+    return True
 
 
 def is_plain(root: Path, key: str) -> bool:
@@ -122,6 +141,25 @@ def clear_way(root: Path, key: str) -> None:
     remove(root / key)
 
 
+def remove_file(root: Path, key: str) -> None:
+    """Remove what has a name below a folder, in folders of its own: nothing that lies behind a link.
+
+    Raises
+    ------
+    OSError
+        If it cannot be removed, or if there is a link in the way.
+    """
+    here = root
+    for part in key.split("/")[:-1]:
+        here = here / part
+        try:
+            if not stat.S_ISDIR(os.lstat(here).st_mode):
+                raise _not_own(here)
+        except FileNotFoundError:
+            return
+    remove(root / key)
+
+
 def remove(path: Path) -> None:
     """Remove whatever has a name; nothing behind a link."""
     try:
@@ -140,12 +178,16 @@ def _make_folders(root: Path, key: str) -> list[Path]:
         above, here = here, here / part
         try:
             if not stat.S_ISDIR(os.lstat(here).st_mode):
-                raise NotADirectoryError(20, f"{here} is not a folder of its own; sweep.verify(repair=True) removes it")
+                raise _not_own(here)
         except FileNotFoundError:
             with suppress(FileExistsError):  # another task was faster
                 os.mkdir(here)
             made.append(above)
     return made
+
+
+def _not_own(folder: Path) -> NotADirectoryError:
+    return NotADirectoryError(20, f"{folder} is not a folder of its own; sweep.verify(repair=True) removes it")
 
 
 def fsync_folder(folder: Path) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
+from grazing.sweep.files import is_name
 from grazing.sweep.grid import Grid
 from grazing.sweep.letters import TEXT, Types, encoded, stored_attrs, width_of
 from grazing.sweep.manifest import MANIFEST
@@ -89,12 +90,19 @@ class Layout:
             raise ValueError("its cells are not cut into chunks")
         if Grid(shape, chunk).count > MOST:
             raise ValueError(f"it has more than {MOST} chunks")
+        variables, coords = dict(record["variables"]), dict(record["coords"])
+        for name in [*variables, *coords]:
+            if not is_name(name) or name in (DONE, MANIFEST):
+                raise ValueError(f"it names an array {name!r}, which no store has")
+        for kind in {*variables.values(), *coords.values()} - {"text", "object"}:
+            if not isinstance(kind, str) or np.dtype(kind).kind not in "biufcU":
+                raise ValueError(f"it names a type {kind!r}, which no store has")
         return cls(
             Grid(shape, chunk),
-            tuple(record["axes"]),
-            dict(record["variables"]),
-            dict(record["coords"]),
-            dict(record["types"]),
+            tuple(map(str, record["axes"])),
+            variables,
+            coords,
+            {str(name): str(kind) for name, kind in dict(record["types"]).items()},
             bool(record["finish"]),
             record["format"],
         )
@@ -184,10 +192,10 @@ def _cut(chunk: tuple[int, ...], size: int) -> tuple[int, ...]:
 
 def _refuse_names(plan: Plan, coords: Mapping[str, str]) -> None:
     for name in [*plan.variables, *coords]:
-        if name in (DONE, MANIFEST, WHO) or name.startswith(".") or "/" in name or " " in name:
+        if name in (DONE, MANIFEST, WHO) or not is_name(name):
             raise InputError(
                 f"a variable is named {name!r}; a store keeps 'done', 'manifest' and 'made_by' for itself, "
-                f"and allows no space, / or ."
+                f"and allows no space, no slash, no . in front and no letter that is not printed"
             )
     both = sorted(set(plan.variables) & set(coords))
     if both:

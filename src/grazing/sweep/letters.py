@@ -78,6 +78,8 @@ def restored_attrs(attrs: Mapping[str, Any], where: str, types: Types) -> dict[H
         if kind == "python":
             found[name] = [float(item) for item in value] if ndim == "1" else float(value)
         elif kind:
+            if np.dtype(kind).kind not in "biuf":  # such as texts of a billion letters
+                raise ValueError(f"an attribute {name} of type {kind} is none")
             array = np.array(value).astype(kind)
             found[name] = array if ndim == "1" else array[()]
         else:

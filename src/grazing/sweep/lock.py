@@ -23,7 +23,7 @@ from threading import Event, Thread
 from uuid import uuid4
 
 from grazing.outcome import InputError
-from grazing.sweep.files import remove
+from grazing.sweep.files import is_own, remove
 from grazing.sweep.store import ASIDE, folder_of, open_existing
 
 try:
@@ -155,7 +155,7 @@ def unlock(store: str | os.PathLike[str], force: bool = False) -> list[Lock]:
     """
     path = folder_of(store)
     folder = path / ASIDE / "locks"
-    if not folder.is_dir():
+    if not is_own(path, f"{ASIDE}/locks"):
         open_existing(path)  # there may be none, which is said there
         return []
     try:
@@ -198,7 +198,7 @@ def _now() -> str:
 def _make(folder: Path) -> None:
     """Make the folder of the locks; not the store: one that was removed is not made again."""
     for part in (folder.parent, folder):
-        if os.path.lexists(part) and not part.is_dir():  # what a hand has put there
+        if os.path.lexists(part) and not is_own(part.parent, part.name):  # what a hand has put there, a link too
             remove(part)
         part.mkdir(exist_ok=True)
 

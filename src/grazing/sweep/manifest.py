@@ -16,17 +16,19 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grazing.sweep.files import Print, read_file
+from grazing.sweep.files import MISFIT, Print, is_name, read_file
 
 MANIFEST = "manifest"
 TEMPLATE, CHUNKS, SEAL = f"{MANIFEST}/template", f"{MANIFEST}/chunks", f"{MANIFEST}/seal"
 _HASH = re.compile(r"[0-9a-f]{64}")
+#: Files of an array, below its folder.
+_METADATA, _NUMBERS = re.compile(r"zarr\.json"), re.compile(r"c(/[0-9]+)*")
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,12 @@ def template_of(content: bytes) -> Template:
         metadata = {key: str(text) for key, text in body["metadata"].items()}
         if "zarr.json" not in metadata:
             raise ValueError("it is none of ours")
-        return Template(metadata, _prints(body["coordinates"]), digest)
+        coordinates = _prints(body["coordinates"])
+        _refuse_elsewhere([key for key in metadata if key != "zarr.json"], _METADATA)
+        _refuse_elsewhere(coordinates, _NUMBERS)
+        for text in metadata.values():
+            text.encode()
+        return Template(metadata, coordinates, digest)
 
 
 def read_record(path: Path, identity: str, number: int) -> Record:
@@ -131,7 +138,7 @@ def read_seal(path: Path, identity: str, count: int) -> list[str] | None:
             raise ValueError("it belongs to another store")
         if len(body["records"]) != count:
             raise ValueError("it belongs to another number of chunks")
-        return list(body["records"])
+        return [str(record) for record in body["records"]]
 
 
 def identities_named(path: Path) -> set[str]:
@@ -155,7 +162,9 @@ def _ours() -> Iterator[None]:
     """Say of JSON that fits its hash but not our form that it is none of ours."""
     try:
         yield
-    except (KeyError, TypeError, AttributeError, RecursionError) as error:
+    except MISFIT as error:
+        if type(error) is ValueError:
+            raise
         raise ValueError("it is none of ours") from error
 
 
@@ -168,6 +177,14 @@ def _opened(content: bytes) -> tuple[dict[str, Any], str]:
     if not isinstance(body, dict):
         raise ValueError("it is none of ours")
     return body, digest.decode()
+
+
+def _refuse_elsewhere(files: Iterable[str], below: re.Pattern[str]) -> None:
+    """Raise ValueError for a file that is none of an array: repairing would write it, wherever that is."""
+    for file in files:
+        name, _, inner = file.partition("/")
+        if not is_name(name) or not below.fullmatch(inner):
+            raise ValueError(f"it names {file!r}, which is no file of a store")
 
 
 def _prints(files: Mapping[str, Any]) -> dict[str, Print]:

@@ -7,9 +7,9 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, in_one_line
 from grazing.studies.plan import Plan
-from grazing.sweep.files import Print, clear_way, is_plain, print_of, read_file, remove, write_file
+from grazing.sweep.files import MISFIT, Print, clear_way, is_plain, print_of, read_file, write_file
 from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, FORMAT, LAYOUT, Layout, laid_out
 from grazing.sweep.manifest import (
@@ -21,7 +21,7 @@ from grazing.sweep.manifest import (
     read_template,
     template_of,
 )
-from grazing.sweep.store import Store, in_one_line
+from grazing.sweep.store import Store
 from grazing.sweep.template import coordinate_files, manifest_of, write_template
 
 
@@ -66,8 +66,8 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
     try:
         count = Layout.read(json.loads(template.metadata["zarr.json"])["attributes"][LAYOUT]).grid.count
         read_seal(path, template.identity, count)
-    except (OSError, ValueError):
-        remove(path / SEAL)
+    except (OSError, *MISFIT):
+        clear_way(path, SEAL)
         mended.append(SEAL)
     return mended
 
@@ -93,7 +93,7 @@ def mend_coordinates(store: Store, plan: Plan, names: Iterable[str]) -> list[str
 def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
     """Count chunks as missing, and remove what stands where their files belong."""
     for number in numbers:
-        remove(store.path / store.file(number))  # first of all: from now on the others say nothing
+        clear_way(store.path, store.file(number))  # first of all: from now on the others say nothing
         for key in store.files_of(number):
             clear_way(store.path, key)
 
@@ -110,7 +110,7 @@ def _format(path: Path) -> int | None:
     """Return the format that the metadata of the whole name, if any."""
     try:
         return int(json.loads(json.loads(read_file(path / "zarr.json"))["attributes"][LAYOUT])["format"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, *MISFIT):
         return None
 
 
@@ -140,7 +140,7 @@ def _candidates(path: Path, plan: Plan | None) -> Iterator[bytes]:
         }
         if all((path / name).is_dir() for name in names):
             yield manifest_of(path, names, prints)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError, InputError):
+    except (OSError, *MISFIT):
         layout = None
     if plan is not None:
         grids = {layout.grid} if layout is not None else _grids(path, plan)
@@ -157,6 +157,6 @@ def _grids(path: Path, plan: Plan) -> set[Grid]:
         try:
             chunk = json.loads(read_file(path / name / "zarr.json"))["chunk_grid"]["configuration"]["chunk_shape"]
             found.add(Grid(plan.shape, tuple(map(int, chunk[:n]))))
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        except (OSError, *MISFIT):
             continue
     return found

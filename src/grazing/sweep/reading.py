@@ -11,21 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.outcome import InputError
+from grazing.outcome import InputError, in_one_line
 from grazing.studies.outside import with_note
 from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.codec import fill_value
+from grazing.sweep.files import MISFIT
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
 from grazing.sweep.letters import TEXT, decoded, restored_attrs
 from grazing.sweep.manifest import Record
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import Store, folder_of, in_one_line, open_existing
+from grazing.sweep.store import Store, folder_of, open_existing
 from grazing.sweep.task import plan_from_recipe
 from grazing.sweep.who import shares_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Copies of letters while they become texts: as read, sorted, and decoded.
+LETTERS = 3
 NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
 MIXTURE, UNBOUND = "grazing_mixture", "grazing_unbound"
 
@@ -128,7 +131,7 @@ def _dataset(store: Store, records: Mapping[int, Record | None]) -> xr.Dataset:
     arrays |= {name: _coordinate(store, name, name in texts) for name in layout.coords}
     try:
         return _labelled(store, arrays)
-    except (ValueError, TypeError, KeyError, AttributeError) as error:  # metadata that nothing binds may say anything
+    except MISFIT as error:  # metadata that nothing binds may say anything
         raise _damaged(store, "its metadata", error) from error
 
 
@@ -199,7 +202,10 @@ def _size(store: Store, name: str) -> int:
     """Return the bytes that an array takes in memory; texts are the same few words many times over."""
     spec = store.arrays[name]
     if TEXT in spec.attrs:
-        return int(prod(spec.shape[:-1])) * POINTER
+        letters = prod(spec.chunk) if name in store.layout.variables else prod(spec.shape)
+        kind = store.layout.coords.get(name, "object")
+        each = POINTER if kind in ("text", "object") else np.dtype(kind).itemsize
+        return int(prod(spec.shape[:-1]) * each + LETTERS * letters)
     return int(prod(spec.shape) * np.dtype(spec.dtype).itemsize)
 
 

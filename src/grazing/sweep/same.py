@@ -10,7 +10,7 @@ from typing import Any
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
 from grazing.sweep.grid import Chunk, grid_of
-from grazing.sweep.layout import laid_out
+from grazing.sweep.layout import Spec, laid_out
 from grazing.sweep.made_by import made_by
 from grazing.sweep.store import Store
 
@@ -59,10 +59,14 @@ def refuse_another(store: Store, plan: Plan, chunk: Chunk = None, other_code: bo
     if chunk is not None and grid_of(plan, chunk).chunk != store.grid.chunk:
         sizes = ", ".join(f"{name}: {size}" for name, size in zip(plan.axes, store.grid.chunk, strict=True))
         raise InputError(f"{store.path} was begun with chunks of {{{sizes}}}, which stay; leave chunk out")
-    if replace(laid_out(plan, store.grid)[0], format=store.layout.format).text() != store.layout.text():
-        raise InputError(
-            f"{store.path} was begun by another version, which stored other variables; give another folder"
-        )
+    layout, specs = laid_out(plan, store.grid)
+    same = replace(layout, format=store.layout.format).text() == store.layout.text()
+    if not same or any((spec.dims, spec.shape, spec.kind) != _form(store.arrays[name]) for name, spec in specs.items()):
+        raise InputError(f"{store.path} was begun by another version, which stored other arrays; give another folder")
+
+
+def _form(spec: Spec) -> tuple[tuple[str, ...], tuple[int, ...], str]:
+    return spec.dims, spec.shape, spec.kind
 
 
 def listed(there: Mapping[str, Any], here: Mapping[str, Any], words: tuple[str, str] = ("there", "here")) -> str:

@@ -9,19 +9,19 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import ceil
+from math import ceil, prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan
 from grazing.sweep.codec import CODECS, decode, encode, longest
-from grazing.sweep.files import PARTIAL, Print, print_of, read_file, remove, write_file
+from grazing.sweep.files import MISFIT, PARTIAL, Print, print_of, read_file, remove_file, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, RECIPE, UNBOUND, Layout, Spec
+from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, MOST, RECIPE, UNBOUND, Layout, Spec
 from grazing.sweep.letters import TEXT, encoded
 from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import (
@@ -232,7 +232,7 @@ class Store:
         files: dict[str, Print] = {}
         try:
             self.refuse_if_gone()
-            (self.path / self.file(number)).unlink(missing_ok=True)
+            remove_file(self.path, self.file(number))
             for name, values in stored_chunk(plan, self.grid.block_shape(number), arrays).items():
                 for key, inner in self.files(name, number).items():
                     content = encode(values[_inside(inner)], self.arrays[name].chunk)
@@ -257,7 +257,7 @@ class Store:
     def unseal(self) -> None:
         """Take the seal away, before anything is computed again."""
         try:
-            remove(self.path / SEAL)
+            remove_file(self.path, SEAL)
         except OSError as error:
             raise self._lost(error) from error
 
@@ -284,6 +284,8 @@ class Store:
         wanted = list(numbers)
         ours = {key for number in wanted for key in self.files_of(number)} | {SEAL}
         for name in [*self.layout.variables, DONE, MANIFEST]:
+            if (self.path / name).is_symlink():
+                continue
             for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
                     found = PARTIAL.fullmatch(file)
@@ -368,7 +370,7 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
         listed = record["consolidated_metadata"]["metadata"] if layout.format == UNBOUND else {}
     except InputError as error:
         raise InputError(f"{path} cannot be opened: {error}") from None
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+    except MISFIT as error:
         raise damaged(path, "zarr.json", error) from error
     if hashlib.sha256(attrs["grazing_config"].encode()).hexdigest() != attrs["grazing_config_sha256"]:
         raise damaged(path, "zarr.json", "the configuration does not fit its hash")
@@ -384,7 +386,7 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
                 raise ValueError("it is not what the manifest says")
             arrays[name] = _spec(own, name)
             _refuse_misfit(arrays[name], name, layout)
-        except (ValueError, TypeError, KeyError, AttributeError, IndexError) as error:
+        except MISFIT as error:
             raise damaged(path, file, error) from error
     if template is None:
         return Store(path, attrs, layout, arrays, None, None, hashlib.sha256(raw).hexdigest(), fsync)
@@ -437,6 +439,8 @@ def _spec(own: dict[str, Any], name: str) -> Spec:
         or grid["name"] != "regular"
     ):
         raise ValueError("its chunks are not cut as those of a store")
+    if not isinstance(own["data_type"], str) or np.dtype(own["data_type"]).kind not in "biufc":
+        raise ValueError("its type is not one of a store")
     shape, chunk = (tuple(map(int, sizes)) for sizes in (own["shape"], grid["configuration"]["chunk_shape"]))
     dims = tuple(map(str, own.get("dimension_names") or ()))
     attrs, kind = own.get("attributes", {}), str(np.dtype(own["data_type"]))
@@ -448,6 +452,8 @@ def _spec(own: dict[str, Any], name: str) -> Spec:
 def _refuse_misfit(spec: Spec, name: str, layout: Layout) -> None:
     """Raise ValueError if an array does not have the shape and the type that the sweep gave it."""
     grid, n = layout.grid, len(layout.grid.shape)
+    if prod(ceil(length / size) for length, size in zip(spec.shape, spec.chunk, strict=True)) > MOST:
+        raise ValueError(f"it has more than {MOST} files")
     if name == DONE:
         if (spec.shape, spec.chunk, spec.kind) != (grid.counts, (1,) * n, "uint8"):
             raise ValueError("its shape is not that of the sweep")
@@ -467,9 +473,3 @@ def damaged(path: Path, file: str, error: object) -> InputError:
         f"{path} is damaged: {file} cannot be used ({in_one_line(error)}). "
         f"Put that file back from a copy, or let sweep.verify(..., repair=True) (grazing sweep verify --repair) do it"
     )
-
-
-def in_one_line(error: object) -> str:
-    """Return the first line of what an error says."""
-    said = getattr(error, "strerror", None) or str(error)
-    return str(said).splitlines()[0] if said else type(error).__name__

@@ -8,6 +8,7 @@ import json
 import os
 import pickle
 import socket
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
@@ -17,13 +18,15 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan, empty_arrays
 from grazing.sweep.files import append_line, read_file, write_file
 from grazing.sweep.made_by import made_by
 from grazing.sweep.same import listed, refuse_another
-from grazing.sweep.store import Arrays, Store, open_existing
+from grazing.sweep.store import ASIDE, Arrays, Store, open_existing
 
+#: The folder of the times, beside locks and history.
+TIMES = "times"
 #: Plans that a worker keeps.
 KEPT = 4
 _plans: dict[tuple[str, str, str], tuple[Plan, Store]] = {}
@@ -51,23 +54,18 @@ def chunk_task(plan: Plan, store: Store, number: int) -> Iterator[None]:
 # ---- how long it took, beside the result
 
 
-def _times(store: Store) -> Path:
-    return store.aside / "times"
-
-
 def note_time(store: Store, number: int, seconds: float) -> None:
     """Append the time that a chunk took to a file of this process."""
-    file = _times(store) / f"{socket.gethostname()}-{os.getpid()}"
+    key = f"{ASIDE}/{TIMES}/{socket.gethostname()}-{os.getpid()}"
     with suppress(OSError):  # the chunk is safe; a disk that is full says so with the next one
-        file.parent.mkdir(exist_ok=True)
-        append_line(file, f"{number} {seconds:.6f}")
+        append_line(store.path, key, f"{number} {seconds:.6f}")
 
 
 def time_of_work(store: Store) -> float:
     """Return the seconds that finished chunks took, over all processes."""
     total = 0.0
     with suppress(OSError):
-        for file in _times(store).iterdir():
+        for file in (store.aside / TIMES).iterdir():
             with suppress(OSError, ValueError):
                 for line in read_file(file).decode("ascii", "replace").splitlines():
                     number, _, seconds = line.partition(" ")
@@ -100,7 +98,7 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
         name = hashlib.sha256(content).hexdigest()
         file = store.aside / f"plan-{name}.pickle"
         try:
-            write_file(store.aside, file.name, content, store.fsync)
+            write_file(store.path, f"{ASIDE}/{file.name}", content, store.fsync)
             for old in store.aside.glob("plan-*"):
                 if old != file:
                     old.unlink(missing_ok=True)
@@ -244,9 +242,9 @@ def _pickled(plan: Plan) -> bytes:
 
 def _unpickled(store: Store, name: str, where: str) -> Plan:
     try:
-        content = (store.aside / f"plan-{name}.pickle").read_bytes()
-    except OSError as error:
-        raise GrazingError(f"{where} finds no plan in {store.path}: {error.strerror or error}") from error
+        content = read_file(store.aside / f"plan-{name}.pickle", sys.maxsize)
+    except (OSError, ValueError) as error:
+        raise GrazingError(f"{where} finds no plan in {store.path}: {in_one_line(error)}") from error
     if hashlib.sha256(content).hexdigest() != name:  # a pickle runs code: only the one that the run wrote is opened
         raise GrazingError(f"{where}: the plan in {store.path} is not the one that the run put there")
     try:
@@ -259,4 +257,4 @@ def _unpickled(store: Store, name: str, where: str) -> Plan:
 def note_run(store: Store, line: dict[str, Any]) -> None:
     """Append a line to the history of the store."""
     with suppress(OSError):
-        append_line(store.aside / "history.jsonl", json.dumps(line))
+        append_line(store.path, f"{ASIDE}/history.jsonl", json.dumps(line))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.pool import run_tasks
-from grazing.outcome import InputError
+from grazing.outcome import InputError, in_one_line
 from grazing.parameter import real, whole
 from grazing.studies.plan import Plan, Progress, empty_arrays
 from grazing.sweep.layout import laid_out
@@ -23,7 +23,7 @@ from grazing.sweep.lock import locked
 from grazing.sweep.manifest import MANIFEST
 from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import ASIDE, Store, folder_of, in_one_line, open_existing, stored_chunk
+from grazing.sweep.store import ASIDE, Store, folder_of, open_existing, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
 
 #: What a difference names where the record of a chunk is at fault.

@@ -1,0 +1,235 @@
+"""Stores of a forger, all hashes fit: nothing is written elsewhere or asked of memory, every error is a sentence."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing import sweep
+from grazing.outcome import GrazingError
+from grazing.sweep import manifest
+from tests.sweep.forger import bound, forged
+from tests.sweep.plans import plan
+
+
+@pytest.fixture
+def store(tmp_path):
+    (tmp_path / "home").mkdir()
+    sweep.run(plan(7), tmp_path / "home" / "a.zarr", chunk=2)
+    return tmp_path / "home" / "a.zarr"
+
+
+def calls(store):
+    """Everything that is done to a store that somebody handed over."""
+    yield lambda: gz.load(store)
+    yield lambda: sweep.status(store)
+    yield lambda: sweep.verify(store, share=1, plan=plan(7))
+    yield lambda: sweep.verify(store, share=1, plan=plan(7), repair=True)
+    yield lambda: sweep.resume(store, plan(7))
+    yield lambda: sweep.unlock(store)
+
+
+def around(store):
+    """What lies outside of the store."""
+    top = store.parents[1]
+    return {
+        str(path): path.read_bytes() if path.is_file() else None
+        for path in sorted(top.rglob("*"))
+        if store not in path.parents
+    }
+
+
+def attacked(store):
+    """Do everything; return what was said. Nothing outside may change, and every error is one that is meant."""
+    before, said = around(store), []
+    for call in calls(store):
+        try:
+            call()
+        except GrazingError as error:
+            said.append(str(error))
+        assert around(store) == before
+    return said
+
+
+OUTSIDE = ["../evil", "../../evil", "{top}/evil", "x/../../evil", "..", ".", "", "a\\b", "a\0b", "a\x1b[2J", "\ud800"]
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+@pytest.mark.parametrize("what", ["metadata", "prints", "variable", "coordinate"])
+def test_no_name_leads_out_of_the_store(store, name, what):
+    name = name.format(top=store.parents[1])
+
+    def change(metadata, layout, prints):
+        if what == "metadata":
+            metadata[f"{name}/zarr.json"] = {"any": "text"}
+        elif what == "prints":
+            prints[f"{name}/c/0"] = prints["mu/c/0"]
+        else:
+            old, into = ("mean", "variables") if what == "variable" else ("mu", "coords")
+            layout[into] = {(name if key == old else key): kind for key, kind in layout[into].items()}
+            metadata[f"{name}/zarr.json"] = metadata.pop(f"{old}/zarr.json")
+
+    try:
+        forged(store, change)
+    except (ValueError, OSError):  # a name that no disk has: what is left is damaged
+        pass
+    assert attacked(store)
+
+
+@pytest.mark.parametrize(
+    "value", [None, [], {}, "x", 1e999, -1, 1.5, [[]], [1e999], [None], {"a": 1}, 10**30, [10**30], True]
+)
+def test_metadata_of_any_kind_are_a_sentence(store, value, tmp_path):
+    """Each entry in turn, at any depth, becomes something else, in all that a store says of itself."""
+
+    def places(node, path=()):
+        for key, inner in list(node.items() if isinstance(node, dict) else enumerate(node)):
+            yield (*path, key)
+            if isinstance(inner, (dict, list)):
+                yield from places(inner, (*path, key))
+
+    def put(node, path):
+        for key in path[:-1]:
+            node = node[key]
+        node[path[-1]] = value
+
+    template = manifest.read_template(store)
+    texts = {file: text for file, text in template.metadata.items() if file in ("zarr.json", "mean/zarr.json")}
+    documents = {file: json.loads(text) for file, text in texts.items()}
+    documents["zarr.json"].pop("consolidated_metadata")
+    documents["layout"] = json.loads(documents["zarr.json"]["attributes"]["grazing_sweep"])
+    dice = np.random.default_rng(len(repr(value)))
+    every = [(file, path) for file, document in documents.items() for path in places(document)]
+    for i in dice.choice(len(every), 12, replace=False):
+        file, path = every[i]
+
+        def change(metadata, layout, _prints, file=file, path=path):
+            put(layout if file == "layout" else metadata[file], path)
+
+        try:
+            forged(store, change)
+        except (AttributeError, TypeError):  # there is no attribute left to put the layout into
+            continue
+        for call in list(calls(store))[:4]:
+            try:
+                call()
+            except GrazingError:
+                pass
+        for key, text in template.metadata.items():
+            (store / key).write_text(text)
+        bound(store, template.metadata, template.coordinates)
+    gz.load(store)
+
+
+def test_records_of_any_kind_are_a_sentence(store):
+    identity = manifest.read_template(store).identity
+    file = store / manifest.CHUNKS / "1"
+    body = json.loads(file.read_bytes().split(b"\n")[0])
+    for key in body:
+        for value in (None, [], {}, 1e999, "x", {"a": 1}, {"a": [1e999, "x"]}, {"a": [10**30, 3]}, [[1, 2]], -1):
+            file.write_bytes(manifest.lines({**body, key: value}))
+            attacked_only = [gz.load, sweep.status, lambda path: sweep.verify(path, plan=plan(7))]
+            for call in attacked_only:
+                try:
+                    call(store)
+                except GrazingError:
+                    pass
+    for records in (None, 3, [None] * 4, [1e999] * 4, [[]] * 4, {"a": 1}):
+        (store / manifest.SEAL).write_bytes(manifest.lines({"store": identity, "records": records}))
+        for call in attacked_only:
+            with pytest.raises(GrazingError) if call is gz.load else _either():
+                call(store)
+
+
+class _either:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, _where):
+        return kind is None or issubclass(kind, GrazingError)
+
+
+# ---- memory
+
+
+def many_files(metadata, _layout, prints):
+    """A coordinate in as many files as it has numbers."""
+    own = metadata["mu/zarr.json"]
+    own["shape"], own["chunk_grid"]["configuration"]["chunk_shape"] = [10**14], [1]
+
+
+def long_words(metadata, _layout, _prints):
+    own = metadata["word/zarr.json"]
+    own["shape"][-1] = own["chunk_grid"]["configuration"]["chunk_shape"][-1] = 10**11
+
+
+def wide_words(metadata, layout, _prints):
+    layout["coords"]["mu"] = "<U999999999"
+    metadata["mu/zarr.json"]["attributes"]["grazing_text"] = ""
+    metadata["mu/zarr.json"]["data_type"] = "uint8"
+    metadata["mu/zarr.json"]["shape"] = metadata["mu/zarr.json"]["chunk_grid"]["configuration"]["chunk_shape"] = [7, 8]
+    metadata["mu/zarr.json"]["dimension_names"] = ["mu", "letters"]
+
+
+def long_coordinate(metadata, _layout, _prints):
+    own = metadata["mu/zarr.json"]
+    own["shape"], own["chunk_grid"]["configuration"]["chunk_shape"] = [10**11], [10**11]
+
+
+def wide_type(metadata, layout, _prints):
+    metadata["mu/zarr.json"]["data_type"] = layout["coords"]["mu"] = "<U2000000000"
+
+
+def wide_attribute(metadata, layout, _prints):
+    layout["types"]["mean/long_name"] = "<U500000000 0"
+
+
+def wide_attributes(metadata, layout, _prints):
+    metadata["mean/zarr.json"]["attributes"]["many"] = ["a"] * 1000
+    layout["types"]["mean/many"] = "<U500000000 1"
+
+
+def object_type(metadata, layout, _prints):
+    metadata["mu/zarr.json"]["data_type"] = layout["coords"]["mu"] = "object"
+
+
+BOMBS = [many_files, long_words, wide_words, long_coordinate, wide_type, wide_attribute, wide_attributes, object_type]
+ATTACK = """
+import resource, sys, threading
+import numpy as np
+from grazing import sweep
+import grazing as gz
+from grazing.outcome import GrazingError
+from tests.sweep.plans import plan
+plan(7).document
+gz.InputError
+import xarray, zarr, numcodecs.zstd, google_crc32c
+with open("/proc/self/statm") as file:
+    now = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (now + 2**30, now + 2**30))
+for store in sys.argv[1:]:
+    for call in (gz.load, sweep.status, lambda path: sweep.verify(path, share=1, plan=plan(7))):
+        try:
+            call(store)
+            print(store, "went well")
+        except GrazingError as error:
+            pass
+"""
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs the size of a process")
+def test_what_a_store_announces_is_not_taken_from_memory(store, tmp_path):
+    stores = []
+    for bomb in BOMBS:
+        copy = tmp_path / f"{bomb.__name__}.zarr"
+        shutil.copytree(store, copy)
+        stores.append(forged(copy, bomb))
+    done = subprocess.run(
+        [sys.executable, "-c", ATTACK, *map(str, stores)], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr[-2000:]

@@ -1,0 +1,97 @@
+"""Links in a store that somebody handed over: what lies behind them is neither removed nor written."""
+
+import os
+from contextlib import suppress
+
+import pytest
+
+from grazing import sweep
+from grazing.outcome import GrazingError
+from grazing.sweep.store import open_existing
+from grazing.sweep.task import note_run, note_time
+from tests.sweep.plans import plan
+from tests.sweep.test_forged import around
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+
+#: What may lie behind a link: names that a store has, too.
+THEIRS = ("poetry.lock", "all.lock", "old.new", "gate", "seal", "template", "0", "1", "history.jsonl", "plan-mine",
+          "0.0123456789abcdef0123456789abcdef.partial", "seal.0123456789abcdef0123456789abcdef.partial",
+          "zarr.json")  # fmt: skip
+
+
+@pytest.fixture
+def store(tmp_path):
+    """Half of a sweep, and somebody's folder beside it."""
+    home = tmp_path / "home" / "theirs"
+    home.mkdir(parents=True)
+    for name in THEIRS:
+        (home / name).write_text("precious")
+        os.utime(home / name, (0, 0))
+    (home / "c").mkdir()
+    for name in THEIRS[6:8]:
+        (home / "c" / name).write_text("precious")
+    sweep.run(plan(7), tmp_path / "home" / "a.zarr", chunk=2, shard=(1, 2))
+    return tmp_path / "home" / "a.zarr"
+
+
+FOLDERS = [".grazing", ".grazing/locks", ".grazing/times", "manifest", "manifest/chunks", "done", "done/c", "mean",
+           "mean/c", "mu", "mu/c"]  # fmt: skip
+FILES = [".grazing/history.jsonl", ".grazing/locks/gate", ".grazing/locks/all.lock", "manifest/template",
+         "manifest/seal", "manifest/chunks/0", "done/c/0", "done/c/1", "mean/c/0", "mean/c/1", "zarr.json"]  # fmt: skip
+
+
+def linked(store, key, target):
+    there = store / key
+    there.parent.mkdir(parents=True, exist_ok=True)
+    if there.is_dir():
+        there.rename(store.parents[1] / "before")
+    elif there.exists():
+        there.unlink()
+    there.symlink_to(target, target_is_directory=target.is_dir())
+
+
+def everything(store):
+    yield lambda: sweep.status(store)
+    yield lambda: sweep.unlock(store, force=True)
+    yield lambda: sweep.verify(store, plan=plan(7))
+    yield lambda: sweep.run(plan(7), store, shard=(1, 2))
+    yield lambda: sweep.resume(store, plan(7))
+    yield lambda: note_run(open_existing(store), {"a": 1})
+    yield lambda: note_time(open_existing(store), 1, 1.0)
+    yield lambda: open_existing(store).unseal()
+    yield lambda: open_existing(store).remove_partials(range(4))
+    yield lambda: sweep.verify(store, plan=plan(7), repair=True)
+    yield lambda: sweep.resume(store, plan(7))
+
+
+@pytest.mark.parametrize("key", FOLDERS)
+@pytest.mark.parametrize("same", [True, False])
+def test_a_folder_behind_a_link_is_left_alone(store, key, same):
+    """The link leads to somebody's folder, or to a copy of what was there: with that the store even opens."""
+    theirs = store.parent / "theirs"
+    linked(store, key, theirs)
+    if same and (store.parents[1] / "before").is_dir():
+        for file in (store.parents[1] / "before").rglob("*"):
+            goal = theirs / file.relative_to(store.parents[1] / "before")
+            goal.mkdir(exist_ok=True) if file.is_dir() else goal.write_bytes(file.read_bytes())
+    before = around(store)
+    for call in everything(store):
+        with suppress(GrazingError):
+            call()
+        assert around(store) == before
+
+
+@pytest.mark.parametrize("key", FILES)
+@pytest.mark.parametrize("gone", [True, False])
+def test_a_file_behind_a_link_is_left_alone(store, key, gone):
+    target = store.parent / "theirs" / "poetry.lock"
+    target = target.with_name("not there") if gone else target
+    linked(store, key, target)
+    before = around(store)
+    for call in everything(store):
+        with suppress(GrazingError):
+            call()
+        assert around(store) == before
+    assert sweep.resume(store, plan(7)).complete
+    assert sweep.verify(store, plan=plan(7)).ok

@@ -1,0 +1,276 @@
+"""Files of a stranger: results, tables and figures that say anything; every error is a sentence, nothing is taken."""
+
+import json
+import os
+import struct
+import subprocess
+import sys
+import zlib
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import grazing as gz
+from grazing.cli.app import main
+from grazing.export import to_csv
+from grazing.outcome import InputError
+
+# ---- results
+
+
+@pytest.fixture
+def result():
+    found = xr.Dataset({"x": ("d", [1.0, 2.0, np.nan]), "word": ("d", ["L", "", "RR"]), "z": ("d", [1j, 2, 3])})
+    found["x"].attrs = {"list": [1, 2], "whole": 3, "np": np.float32(1)}
+    return found.assign_coords(d=[0.1, 0.2, 0.3])
+
+
+def rewritten(path, change):
+    """Change the record of a file."""
+    with xr.open_dataset(path, engine="scipy", decode_cf=False) as opened:
+        stored = opened.load()
+    record = json.loads(stored.attrs["grazing_file"])
+    record = change(record) or record
+    stored.attrs["grazing_file"] = record if isinstance(record, str) else json.dumps(record)
+    stored.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
+
+
+def places(node, path=()):
+    yield path
+    if isinstance(node, (dict, list)):
+        for key, inner in list(node.items() if isinstance(node, dict) else enumerate(node)):
+            yield from places(inner, (*path, key))
+
+
+VALUES = [None, [], {}, "x", "O", "V8", "<M8[s]", "f8,(100000000,)i8", "<U999999999", 1e999, -1, True, {"names": ["a"]},
+          "python 1 <U500000000", "python 1 object", "1 2 3 4", "<i4"]  # fmt: skip
+
+
+def test_a_record_of_any_kind_is_a_sentence(result, tmp_path):
+    path = gz.save(result, tmp_path / "a.nc")
+    whole = path.read_bytes()
+    with xr.open_dataset(path, engine="scipy", decode_cf=False) as opened:
+        record = json.loads(opened.attrs["grazing_file"])
+    every = [(where, value) for where in places(record) for value in (*VALUES, KeyError)]
+    for i in np.random.default_rng(3).choice(len(every), 250, replace=False):
+        where, value = every[i]
+
+        def change(record, where=where, value=value):
+            node = record
+            for key in where[:-1]:
+                node = node[key]
+            if not where:
+                return json.dumps(None if value is KeyError else value)
+            if value is KeyError:
+                del node[where[-1]]
+            else:
+                node[where[-1]] = value
+
+        path.write_bytes(whole)
+        rewritten(path, change)
+        try:
+            gz.load(path)
+        except InputError as error:
+            assert str(path) in str(error)
+    for text in ("", "[" * 100_000, "9" * 10_000, '{"format": 1e999}', "\x1b[2J"):
+        path.write_bytes(whole)
+        rewritten(path, lambda _record, text=text: text or " ")
+        with pytest.raises(InputError, match=r"damaged|format"):
+            gz.load(path)
+
+
+def test_whole_numbers_are_not_made_of_nan(result, tmp_path):
+    path = gz.save(result, tmp_path / "a.nc")
+    rewritten(path, lambda record: record["variables"]["x"].update(dtype="<i8"))
+    with pytest.raises(InputError, match="damaged"):
+        gz.load(path)
+
+
+@pytest.mark.parametrize(
+    "attrs",
+    [{"scale_factor": 2.0, "add_offset": 1.0}, {"_FillValue": 1.0}, {"missing_value": 2.0}, {"_Unsigned": "true"},
+     {"units": "days since 2000-01-01"}, {"calendar": "standard"}, {"valid_range": [0, 1]}, {"coordinates": "x"},
+     {"dtype": "bool"}, {"_Encoding": "ascii"}, {"date_created": "never"}, {"grazing_file": "{}"}],
+    ids=lambda attrs: next(iter(attrs)),
+)  # fmt: skip
+@pytest.mark.parametrize(
+    "values", [[1.0, 2.0], [1, 2], [True, False], ["a", "b"]], ids=["float", "int", "bool", "text"]
+)
+def test_no_attribute_changes_a_number(attrs, values, tmp_path):
+    """What NetCDF reads into an attribute is nothing that the result meant: it comes back, or is not saved."""
+    for given in (xr.Dataset({"x": ("d", values, attrs)}), xr.Dataset({"x": ("d", values)}, attrs=attrs)):
+        try:
+            path = gz.save(given, tmp_path / "a.nc")
+        except InputError:
+            continue
+        xr.testing.assert_identical(gz.load(path), given)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no pipes here")
+    for name in ("a.nc", "a.png", "a.json", "a.toml", "a.zarr"):
+        os.mkfifo(tmp_path / name)
+        done = subprocess.run(
+            [sys.executable, "-m", "grazing", "info", str(tmp_path / name)], capture_output=True, text=True, timeout=30
+        )
+        assert done.returncode == 2, done
+
+
+# ---- tables
+
+
+@pytest.mark.parametrize("dim", ["../e", "a/b", "/abs", "a\0b", "a\x1b[2J", "\ud800", "x" * 300, "a\\b", "a-b", ".."])
+def test_a_dimension_names_no_other_file(dim, tmp_path):
+    (tmp_path / "in").mkdir()
+    result = xr.Dataset({"x": ("n", np.arange(9.0)), "y": ((dim,), np.ones(3)), "q": (("a", "b"), np.ones((2, 2)))})
+    try:
+        written = to_csv(result, tmp_path / "in" / "t.csv")
+    except InputError:
+        written = []
+    assert len({*written}) == len(written)
+    assert {path for path in tmp_path.rglob("*") if path.is_file()} == {*written}
+    assert all(path.parent == tmp_path / "in" for path in written)
+
+
+# ---- figures
+
+
+def png(*chunks):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in (*chunks, (b"IEND", b"")))
+
+
+def svg(text, before=""):
+    return (
+        f'<?xml version="1.0"?>{before}<svg xmlns="http://www.w3.org/2000/svg"><metadata>'
+        '<rdf:RDF xmlns:dc="http://purl.org/dc/elements/1.1/" xmlns:cc="http://creativecommons.org/ns#" '
+        'xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"><cc:Work><dc:creator>grazing</dc:creator>'
+        f"<dc:description>{text}</dc:description></cc:Work></rdf:RDF></metadata></svg>"
+    ).encode()
+
+
+def pdf(text):
+    return (
+        b"%PDF-1.4\n1 0 obj\n<< /Creator (grazing) /Subject ("
+        + text.encode()
+        + (b") >>\nendobj\ntrailer\n<< /Info 1 0 R >>\n")
+    )
+
+
+TEXTS = ["[" * 100_000, "3", "null", "[]", '"x"', "9" * 10_000, '{"grazing_versions": 3}', '{"grazing_versions": [1]}',
+         '{"grazing_config_sha256": 7, "grazing_recipe": []}', '{"source": {"a": 1}}', '{"grazing_recipe": "{"}',
+         '{"grazing_config": {"study": []}}', '{"grazing_config": "[]"}', '{"title": [1]}',
+         '{"grazing_config": {"study": "density", "map": 3, "params": 4}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": [1]}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": []}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": [], "values": 1}}',
+         '{"grazing_config": {"study": "density", "map": "stroboscopic map", "params": {"cos99999999": 1}}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": '
+         '{"first": 0, "last": 1, "count": 1e15, "sha256": ""}}}',
+         '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": '
+         '{"first": 0, "last": 1, "count": 1000000000000, "sha256": ""}}}']  # fmt: skip
+
+
+def figures(text):
+    yield "png", png((b"tEXt", b"Software\0grazing"), (b"iTXt", b"Description\0\0\0\0\0" + text.encode()))
+    yield "svg", svg(text)
+    yield "pdf", pdf(text)
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
+def test_what_a_figure_says_of_itself_is_data(text, tmp_path, capsys):
+    for ending, content in figures(text):
+        path = tmp_path / f"a.{ending}"
+        path.write_bytes(content)
+        try:
+            assert isinstance(gz.plot.provenance(path)["provenance"], dict)
+        except InputError:
+            pass
+        code = main(["info", str(path)])
+        assert code in (0, 2), capsys.readouterr().err
+        assert main(["info", "--config", str(path)]) == 2
+
+
+BIG = """
+import os, resource, sys
+import grazing as gz
+import xarray, scipy.io
+gz.plot.provenance, gz.load
+with open("/proc/self/statm") as file:
+    now = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (now + 2**29, now + 2**29))
+for path in sys.argv[1:]:
+    try:
+        (gz.load if path.endswith("nc") else gz.plot.provenance)(path)
+    except gz.InputError as error:
+        pass
+"""
+
+
+def netcdf(count):
+    """A file of which many variables are the same bytes."""
+    size = 10**6
+    name = [struct.pack(">I4s", 3, f"{i:03}\0".encode()) for i in range(count)]
+    head = b"CDF\x02" + struct.pack(">I", 0) + struct.pack(">IIII4sI", 10, 1, 1, 0, b"", 0)[:12]
+    head += struct.pack(">I4sI", 1, b"d\0\0\0", size)
+    record = {"dtype": "<f8", "coordinate": False, "attrs": {}}
+    said = {"format": 1, "attrs": {}, "variables": {f"{i:03}": record for i in range(count)}}
+    text = json.dumps(said).encode()
+    text += b" " * (-len(text) % 4)
+    head += struct.pack(">III12sII", 12, 1, 12, b"grazing_file", 2, len(text)) + text
+    begin = len(head) + 8 + count * (8 + 4 + 4 + 8 + 4 + 4 + 8)
+    each = b"".join(
+        one + struct.pack(">II", 1, 0) + struct.pack(">II", 0, 0) + struct.pack(">IIq", 6, 8 * size, begin)
+        for one in name
+    )
+    return head + struct.pack(">II", 11, count) + each, begin + 8 * size
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs the size of a process")
+def test_what_a_file_announces_is_not_taken_from_memory(tmp_path):
+    bomb = zlib.compress(b" " * 2**24)
+    chunks = [(b"zTXt", f"Description{i}\0\0".encode() + zlib.compress(bomb + b" " * 2**24)) for i in range(50)]
+    (tmp_path / "a.png").write_bytes(png((b"tEXt", b"Software\0grazing"), *chunks))
+    entities = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 20}">' for i in range(8))
+    (tmp_path / "a.svg").write_bytes(svg("&e8;", f'<!DOCTYPE svg [<!ENTITY e0 "{"x" * 1000}">{entities}]>'))
+    (tmp_path / "deep.svg").write_bytes(b'<?xml version="1.0"?>' + b"<a>" * 10**6)
+    with open(tmp_path / "long.svg", "wb") as file:
+        file.write(b'<?xml version="1.0"?><svg>')
+        file.truncate(2**33)
+    with open(tmp_path / "long.pdf", "wb") as file:
+        file.write(b"%PDF-1.4\ntrailer /Info 1 0 R\n1 0 obj\n<< /Creator (")
+        file.truncate(2**28)
+    header, length = netcdf(100)
+    with open(tmp_path / "same.nc", "wb") as file:
+        file.write(header)
+        file.truncate(length)
+    paths = [str(path) for path in sorted(tmp_path.iterdir())]
+    done = subprocess.run([sys.executable, "-c", BIG, *paths], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+# ---- terminals
+
+
+@pytest.mark.parametrize("evil", ["\x1b[2J\x1b]0;owned\x07", "\x9b31m", "\u202e", "\r", "\x08" * 9, "\nagain:  rm"])
+def test_no_text_of_a_file_moves_the_cursor(evil, tmp_path, capsys):
+    config = json.dumps({"study": evil, "map": evil})
+    name = evil.encode("latin-1", "replace").decode("latin-1")  # names in a NetCDF file
+    result = xr.Dataset({f"x{name}": (f"d{name}", [1.0], {"long_name": evil})})
+    result.attrs = {"title": evil, "source": evil, "grazing_config": config, "grazing_recipe": json.dumps({evil: evil}),
+                    "grazing_versions": json.dumps({evil: evil})}  # fmt: skip
+    gz.save(result, tmp_path / "a.nc")
+    text = json.dumps({"grazing_config": {"study": evil}, "source": evil, "grazing_versions": {evil: evil}})
+    for ending, content in figures(text):
+        (tmp_path / f"a.{ending}").write_bytes(content)
+    (tmp_path / "a.toml").write_text(f'study = "density"\n{json.dumps(evil)} = {json.dumps(evil)}\n')
+    for path in sorted(tmp_path.iterdir()):
+        for command in (["info"], ["info", "--json"], ["plot", "-o", str(tmp_path / "b.png")], ["config", "show"]):
+            main([*command, str(path)])
+            said = "".join(capsys.readouterr())
+            assert all(letter.isprintable() or letter == "\n" for letter in said), (command, path.name, said)
+            assert "\nagain:  rm" not in said or path.suffix == ".toml"
