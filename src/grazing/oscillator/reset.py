@@ -239,7 +239,7 @@ def reset(
         known = contraction
     else:
         try:
-            ratio, speed = (real(x, "contraction", "") for x in contraction)
+            ratio, speed = (x if x == inf else real(x, "contraction", "") for x in contraction)
         except Exception:  # of whatever object was given
             raise InputError(f"contraction is {shown(contraction)}; give (ratio, speed) or a function of p") from None
         if not (0.0 <= ratio < 1.0 and speed > 0.0):
