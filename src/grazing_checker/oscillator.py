@@ -49,6 +49,7 @@ class Problem:
         self.size = 2 * self.n if self.n else 2
         self.unknown = unknown
         self.work = Work()
+        self.work.spend(20 * self.size**2)  # for the products of matrices
         self.nodes = check_law(data["law"])
         self.after = data["law"]["after"]
         texts = {"model": model_parameters(data["model"]), "law": dict(data["law"]["parameters"])}

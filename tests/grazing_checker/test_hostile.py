@@ -68,6 +68,7 @@ def test_a_curve_is_said_to_be_alone_nowhere_but_in_what_was_proven(kind):
 HOSTILE = {
     "periods": {("periods",): 10_000},
     "rates": {("model", "k"): (1e5).hex(), ("precision",): 1024},
+    "impacts": {("impacts",): 900, ("claims", "box"): [["0", "0"]] * 1800},
     "slow": {("model", "omega"): (1e-5).hex()},
     "harmonics": {("periods",): 10, ("model", "cos"): [(1e-3).hex()] * 1000, ("model", "sin"): [(1e-3).hex()] * 1000},
 }
@@ -108,9 +109,6 @@ def test_the_bound_of_the_rest_holds_in_any_unit(size):
 def test_the_name_of_a_file_need_not_be_text(tmp_path):
     path = tmp_path / "\udcff.json"
     path.write_text(json.dumps(documents()["free"]))
-    import subprocess
-    import sys
-
     done = subprocess.run(
         [sys.executable, "-m", "grazing_checker", path],
         capture_output=True,
