@@ -232,8 +232,8 @@ class Stage:
 
 
 def _undecided_stability(data: dict[str, Any]) -> str:
-    t, d = (Fraction(data["claims"][key][0]) for key in ("trace", "det"))
-    if abs(t) < 1 + d < 2 and data["impacts"]:
+    t, d = ([Fraction(x) for x in data["claims"][key]] for key in ("trace", "det"))
+    if max(map(abs, t)) < 1 + d[0] and d[1] < 1:
         return (
             "stability is not decided: both multipliers are inside the unit circle, but an impact leaves with w = 0, "
             "and the reset law may throw back motions beside it that meet the wall slowly; use a law that makes 0 of 0"
