@@ -10,6 +10,9 @@ def main(files: list[str]) -> int:
     if not files or any(name.startswith("-") for name in files):
         print("usage: python -m grazing_checker FILE...", file=sys.stderr)
         return 2
+    anything = getattr(sys.stdout, "reconfigure", None)
+    if anything is not None:  # the name of a file need not be text
+        anything(errors="backslashreplace")
     wrong = 0
     for name in files:
         try:

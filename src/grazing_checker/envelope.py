@@ -72,9 +72,11 @@ def opened(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     text = _written(source) if isinstance(source, Mapping) else _read(source)
     try:
         document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
-    except (ValueError, RecursionError) as error:
+        _check_envelope(document)
+    except Rejected:
+        raise
+    except (ValueError, RecursionError) as error:  # 1e999 is read and cannot be written, nor can lists a thousand deep
         raise Rejected(f"this is not the JSON of a certificate: {error}; get it again from where it was made") from None
-    _check_envelope(document)
     return dict(document)
 
 

@@ -20,8 +20,26 @@ from grazing_checker.reading import demand
 #: A 2 x 2 matrix, row by row.
 Matrix = tuple[Ball, Ball, Ball, Ball]
 
-#: Longest step times rho, and most steps of a flight.
-STEP, MOST_STEPS = 2, 40_000
+#: Longest step times rho.
+STEP = 2
+#: Most work for one certificate, in coefficients of series and the like: about half a minute.
+MOST_WORK = 30_000_000
+
+
+class Work:
+    """What may still be computed for a certificate: a hostile one is rejected, not followed for days."""
+
+    def __init__(self) -> None:
+        self.left = MOST_WORK
+
+    def spend(self, amount: int) -> None:
+        """Take some of it; reject the certificate if none is left."""
+        self.left -= amount
+        demand(
+            self.left >= 0,
+            "checking it takes too much work: the flights, steps, harmonics or impacts are more than the checker "
+            "follows; prove an orbit of fewer periods, or rates and harmonics that are lower",
+        )
 
 
 class Motion(NamedTuple):
@@ -100,8 +118,8 @@ class Series(NamedTuple):
 class Checked:
     """Free flights of a motion at the working precision; ``sensitive`` adds the derivative by the parameter."""
 
-    def __init__(self, motion: Motion, sensitive: bool = False) -> None:
-        self.motion, self.sensitive = motion, sensitive
+    def __init__(self, motion: Motion, sensitive: bool = False, work: Work | None = None) -> None:
+        self.motion, self.sensitive, self.work = motion, sensitive, work or Work()
         count = max(len(motion.cos), 1)
         self.W = (count * motion.omega).upper()
         self.rho = (motion.alpha + motion.k + 2 * self.W).upper()
@@ -165,12 +183,13 @@ class Checked:
         x = [y, v]
         for n in range(K - 2):
             x.append((F[n] - m.alpha * (n + 1) * x[n + 1] - m.k2 * x[n]) / ((n + 1) * (n + 2)))
-        ends = (
-            abs(x[K - 2]) * factorial(K - 2) / self.rho ** (K - 2),
-            abs(x[K - 1]) * factorial(K - 1) / self.rho ** (K - 1),
+        bounds = (
+            (abs(x[K - 2]) * factorial(K - 2) / self.rho ** (K - 2)).upper(),
+            (abs(x[K - 1]) * factorial(K - 1) / self.rho ** (K - 1)).upper(),
+            (bound / self.room).upper(),
         )
-        C = max((a.upper() for a in (*ends, bound / self.room)), key=lambda a: float(a) if a.is_finite() else 1e308)
-        demand(C.is_finite() and all(a <= C for a in ends), "a flight leaves all bounds")
+        demand(all(one.is_finite() for one in bounds), "a flight leaves all bounds")
+        C = max(bounds)  # exact balls, compared as such: as doubles the smallest of them are all 0
         return Series(x, C, self.rho)
 
     def expanded(self, t: Ball, y: Ball, v: Ball) -> Series:
@@ -180,7 +199,7 @@ class Checked:
     def count(self, L: Ball) -> int:
         """Return the number of steps of a flight."""
         steps = float((self.rho * abs(L)).upper()) / STEP
-        demand(steps < MOST_STEPS, "a flight has too many time scales")
+        demand(steps < MOST_WORK, "a flight has too many time scales")
         return max(1, ceil(steps))
 
 
@@ -236,6 +255,8 @@ class Path:
     def __init__(self, flights: Checked, t: Ball, y: Ball, v: Ball, L: Ball) -> None:
         self.flights, self.t, self.L = flights, t, L
         self.count = flights.count(L)
+        per_step = flights.K * (len(flights.motion.cos) + 10) * (4 if flights.sensitive else 1)
+        flights.work.spend(self.count * per_step)
         self.h = L / self.count
         free = free_flights(flights, self.h)
         E = free.matrix
@@ -279,6 +300,7 @@ class Path:
 def transition(flights: Checked, L: Ball) -> Matrix:
     """Return the unforced flight E(L), row by row; L may have either sign."""
     count = flights.count(L)
+    flights.work.spend(10 * flights.K)
     power = free_flights(flights, L / count).matrix
     whole = None
     while count:  # E(L) = E(L/count)^count, by its binary digits
@@ -323,6 +345,7 @@ def exceeds(path: Path, low: Ball, high: Ball, order: int, limit: Ball, sign: in
     while todo:
         a, b, depth = todo.pop()
         done += 1
+        path.flights.work.spend(10 * path.flights.K)
         if shown(a, b):
             continue
         if depth >= DEEPEST or done > MOST:

@@ -23,8 +23,8 @@ NODES, LEVELS, PARAMETERS, EXPONENT = 2000, 200, 50, 100
 COMPARISONS = ("<", "<=", ">", ">=", "==")
 
 
-def check_law(law: Any) -> None:
-    """Demand that a law is one: its parameters, and a tree of which every leaf is known."""
+def check_law(law: Any) -> int:
+    """Demand that a law is one: parameters, and a tree of which every leaf is known; return how many nodes it has."""
     keys(law, ("parameters", "after"), "the law")
     names = law["parameters"]
     demand(isinstance(names, Mapping) and len(names) <= PARAMETERS, "the law's parameters are no short mapping")
@@ -33,7 +33,9 @@ def check_law(law: Any) -> None:
             isinstance(name, str) and NAME.fullmatch(name) and not TAKEN.fullmatch(name),
             f"{name!r} cannot be the name of a parameter of the law",
         )
-    _check_tree(law["after"], names, LEVELS, [0])
+    count = [0]
+    _check_tree(law["after"], names, LEVELS, count)
+    return count[0]
 
 
 def _check_tree(tree: Any, names: Mapping[str, Any], levels: int, count: list[int]) -> None:
@@ -128,9 +130,8 @@ def _whole(tree: Any) -> int | None:
 def _power(a: Jet, b: Jet, whole: int | None) -> Jet:
     """Return a^b: a product for a whole exponent, else e^(b log a) of an a > 0."""
     if whole is not None:
-        value, slope = number(1), number(0)
-        for _ in range(abs(whole)):
-            value, slope = value * a.x, slope * a.x + value
+        exponent = abs(whole)
+        value, slope = a.x**exponent, exponent * a.x ** max(exponent - 1, 0)
         if whole < 0:
             value, slope = 1 / value, -slope / (value * value)
         return Jet(value, slope * a.by_v, slope * a.by_p)

@@ -105,7 +105,8 @@ def _stability(
 
     Jury: both eigenvalues of a real 2 x 2 matrix are inside the unit circle exactly if 1 + tr + det, 1 - tr + det and
     1 - det are > 0; if one of these is < 0, an eigenvalue is outside. A fixed point of a smooth map is asymptotically
-    stable in the first case and unstable in the second. Nothing else is claimed.
+    stable in the first case and unstable in the second. That the motion is stable as the fixed point is, is demanded by
+    :meth:`grazing_checker.oscillator.Problem.followed`. Nothing else is claimed.
     """
     trace, det = problem.trace_and_det(box, legs)
     within(trace, claims["trace"], "the trace")
@@ -114,6 +115,7 @@ def _stability(
     claimed, found = claims["stability"], margins(trace, det)
     demand(claimed in ("stable", "unstable", "undecided"), f"the stability claimed is {claimed!r}")
     if claimed == "stable":
+        demand(problem.followed(box), "an impact leaves with w = 0, and the law may throw slow impacts back")
         for name, x in found.items():
             rows.more(name, x)
     if claimed == "unstable":

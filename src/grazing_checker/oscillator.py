@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from grazing_checker.balls import Ball, around, double, number
-from grazing_checker.flight import Checked, Matrix, Motion, Path, exceeds, product, transition
+from grazing_checker.balls import Ball, around, between_0_and, double, number
+from grazing_checker.flight import Checked, Matrix, Motion, Path, Work, exceeds, product, transition
 from grazing_checker.law import Jet, check_law, constant, evaluate
-from grazing_checker.reading import Inequalities, demand, keys, numbers, text_of_double, whole
+from grazing_checker.reading import Inequalities, Rejected, demand, keys, numbers, text_of_double, whole
 
 Point = list[Ball]
 Rows = list[list[Ball]]
@@ -48,7 +48,9 @@ class Problem:
         demand(self.n <= LARGEST and self.N <= LARGEST, "the orbit has too many impacts or periods")
         self.size = 2 * self.n if self.n else 2
         self.unknown = unknown
-        check_law(data["law"])
+        self.work = Work()
+        self.work.spend(20 * self.size**2)  # for the products of matrices
+        self.nodes = check_law(data["law"])
         self.after = data["law"]["after"]
         texts = {"model": model_parameters(data["model"]), "law": dict(data["law"]["parameters"])}
         if unknown is not None:
@@ -80,16 +82,32 @@ class Problem:
 
     def impact(self, x: Point, v: Ball) -> Jet:
         """Return the velocity after an impact at v, with its derivatives."""
+        self.work.spend(10 * self.nodes)
         known, slopes = self.parameters("law", x), self.slope("law")
         leaves = {name: Jet(value, number(0), slopes.get(name, number(0))) for name, value in known.items()}
         after = evaluate(self.after, {**leaves, "v": Jet(v, number(1), number(0))})
         demand(all(one.is_finite() for one in after), "the reset law is not finite over the box")
         return after
 
+    def followed(self, x: Point) -> bool:
+        """Return whether motions near that in a box are followed by its map from impact to impact.
+
+        That map says what becomes of all of them, if every impact leaves with w > 0. Beside one that leaves with w = 0
+        there are motions that meet the wall there with any small velocity before the force lifts them off. The law
+        must not throw these back: it has to be smooth at small v <= 0 and to make 0 of 0.
+        """
+        if all(w > 0 for w in x[self.n : 2 * self.n]):
+            return True
+        try:
+            slow = self.impact(x, between_0_and(number(-1, -1000)))
+        except Rejected:
+            return False
+        return bool(slow.x.is_finite() and self.impact(x, number(0)).x.is_zero())
+
     def legs(self, x: Point, sensitive: bool = False) -> list[Leg]:
         """Return the flights of a point, or of a small box."""
         motion = self.motion(x)
-        flights = Checked(motion, sensitive)
+        flights = Checked(motion, sensitive, self.work)
         made = []
         for t, y, w, L, end in self._starts(x, motion):
             path = Path(flights, t, y, w, L)
@@ -99,7 +117,7 @@ class Problem:
     def wide_legs(self, centre: Point, x: Point) -> list[Leg]:
         """Return the flights of a box about a centre, each as the centre's plus an unforced one."""
         motion = self.motion(x)
-        flights = Checked(motion)
+        flights = Checked(motion, work=self.work)
         made = []
         for (tc, yc, wc, Lc, endc), (t, y, w, L, end) in zip(
             self._starts(centre, motion), self._starts(x, motion), strict=True
@@ -220,11 +238,15 @@ def applied(C: Rows, F: Point) -> Point:
 
 
 def spread(C: Rows, D: Rows, u: Point) -> Point:
-    """Return bounds on |I - C D| u."""
-    size = range(len(C))
+    """Return bounds on |I - C D| u; few entries of D are not 0."""
+    filled = [[(j, x) for j, x in enumerate(row) if not x.is_zero()] for row in D]
     bounds = []
-    for i in size:
-        row = [sum((C[i][m] * D[m][j] for m in size), number(0)) - (1 if i == j else 0) for j in size]
+    for i, factors in enumerate(C):
+        row = [number(0)] * len(C)
+        row[i] = number(-1)
+        for factor, entries in zip(factors, filled, strict=True):
+            for j, x in entries:
+                row[j] = row[j] + factor * x
         bounds.append(sum((abs(x).upper() * w for x, w in zip(row, u, strict=True)), number(0)).upper())
     return bounds
 

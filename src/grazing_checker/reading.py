@@ -10,7 +10,7 @@ from typing import Any
 from grazing_checker.balls import Ball, number
 
 EXACT = re.compile(r"(-?)0x([0-9a-f]{1,2000})p(-?[0-9]{1,6})")
-DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,5})?")
+DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,4})?")
 
 
 #: Widest interval that a claim may give for a number, relative to its size, as a power of two.

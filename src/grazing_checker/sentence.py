@@ -108,10 +108,11 @@ def value_sentence(data: Mapping[str, Any]) -> str:
     low, high = claims["value"]
     ends = [STABILITY[one].partition(":")[0] for one in claims["ends"]]
     grazes = data["type"] == "gr"
+    pinned = dict(enumerate([*coordinates(n), name])).get(data["pinned"])
     beside = "" if grazes else f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
     return (
         f"For {model_text(data)}, all parameters taken as these exact doubles, there is a value of {name} in "
         f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T with "
-        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; such orbits are a curve through that box, are alone in "
-        f"it and stay off the wall between their impacts{' but for that dip' if grazes else ''}{beside}."
+        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; such orbits are a curve in that box, along which "
+        f"{pinned} grows, and stay off the wall between their impacts{' but for that dip' if grazes else ''}{beside}."
     )

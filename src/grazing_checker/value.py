@@ -194,6 +194,8 @@ def _claims(problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[
     for i, end in enumerate(ends):
         found = margins(*problem.trace_and_det(*end)).values()
         held = {
-            "stable": all(x > 0 for x in found), "unstable": any(x < 0 for x in found), "undecided": True
-        }.get(claims["ends"][i], False)  # fmt: skip
+            "stable": all(x > 0 for x in found) and problem.followed(end[0]),
+            "unstable": any(x < 0 for x in found),
+            "undecided": True,
+        }.get(claims["ends"][i], False)
         demand(held, f"the orbit at end {i + 1} is not proven {claims['ends'][i]!r}")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from math import ceil, floor
+from math import ceil, floor, gcd
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +31,12 @@ Floats = NDArray[np.float64]
 
 #: Shortest flight, in periods: beyond, two impacts have become one.
 SHORTEST = 1e-9
+
+
+def force_turns(params: Mapping[str, float]) -> int:
+    """Return how often the force repeats itself in a period T, by its active harmonics; 0 if it is constant."""
+    names = (name for name in params if name[:3] in ("cos", "sin") and name[3:].isdigit())
+    return gcd(*(int(name[3:]) for name in names if params[name] != 0.0))
 
 
 class Profile(NamedTuple):
@@ -138,9 +144,10 @@ class ImpactEquations(FlightEquations):
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         n, T = self.n, 2.0 * np.pi / self.values(p)[2]
         h = n // 2
-        if n % 2 or self.N % 2 or self.pieces[:h] != self.pieces[h:]:
+        turns = force_turns(dict(zip(self.model.params, self.values(p), strict=False)))
+        if n % 2 or turns * self.N % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
-        apart = np.append(x[h:n] - x[:h] - self.N // 2 * T, x[n + h :] - x[n : n + h])
+        apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
 
     def broken(self, x: Floats, p: Floats) -> str:

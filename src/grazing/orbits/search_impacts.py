@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
-from math import gcd, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from grazing.kernel.random import uniform
 from grazing.orbits.closing import DIPS, ENDING, LOW, WHEN
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.impact_equations import SHORTEST, ImpactEquations
+from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import triggered_law
@@ -100,12 +100,12 @@ class Solutions:
 
     def _repeats(self, x: Floats, N: int, pieces: Pieces, equations: ImpactEquations) -> NDArray[np.bool_]:
         """Return which solutions go round a shorter one several times."""
-        n = len(pieces)
+        n, turns = len(pieces), force_turns(self.model.params)
         repeats = np.zeros(len(x), bool)
-        for d in range(2, gcd(n, N) + 1):
-            if n % d or N % d:
+        for d in range(2, n + 1):
+            if n % d or turns * N % d:  # N/d periods T must be whole ones of the force, which may be shorter
                 continue
-            shift = turned(x, n // d, N * self.T) - np.repeat([N // d * self.T, 0.0], n)
+            shift = turned(x, n // d, N * self.T) - np.repeat([N / d * self.T, 0.0], n)
             repeats |= (np.abs((shift - x) / equations.scale) < SAME).all(axis=1)
         return repeats
 

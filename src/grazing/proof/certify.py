@@ -232,6 +232,12 @@ class Stage:
 
 
 def _undecided_stability(data: dict[str, Any]) -> str:
+    t, d = ([Fraction(x) for x in data["claims"][key]] for key in ("trace", "det"))
+    if max(map(abs, t)) < 1 + d[0] and d[1] < 1:
+        return (
+            "stability is not decided: both multipliers are inside the unit circle, but an impact leaves with w = 0, "
+            "and the reset law may throw back motions beside it that meet the wall slowly; use a law that makes 0 of 0"
+        )
     trace, det = (" to ".join(data["claims"][key]) for key in ("trace", "det"))
     return (
         f"stability is not decided: a multiplier is on the unit circle or too close to it (trace {trace}, determinant "
@@ -275,9 +281,9 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
     cleared = [cleared_flight(flow, flights, i, box, n) for i in range(len(flights))]
     trace, det = equations.trace_and_det(flights, flow)
     margins = jury(trace, det)
-    stability = stability_of(margins)
-    apart = shift_margins(box, n, N, flow.T)
     model = described(equations, bits)
+    stability = stability_of(margins, model, box)
+    apart = shift_margins(box, n, N, flow.T)
     least = all(margin > 0 for margin in apart.values()) if n else active_harmonics(model["model"]) > 0
     data = {
         **model,

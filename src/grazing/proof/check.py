@@ -52,9 +52,10 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
     """
     try:
         with LOCK:
-            said = check(certificate)
+            document = opened(certificate)  # read once: what is compared is what was checked
+            said = check(document)
         if law is not None:
-            _compare(opened(certificate)["data"], law)
+            _compare(document["data"], law)
     except Rejected as error:
         raise InputError(f"the certificate is rejected: {error}") from None
     return said

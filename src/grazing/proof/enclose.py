@@ -70,7 +70,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     -------
     Certificate
         ``value`` is the enclosure, at most some 1e-13 (1 + its size) wide. The proof shows a curve of orbits
-        through a small box, alone in it, on which the test function of the bifurcation changes its sign.
+        in a small box, one for every value of one coordinate, on which the test function of the bifurcation changes
+        its sign.
 
     Raises
     ------
@@ -160,8 +161,9 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
             tests.append(bound("trace^2/4 - det", trace**2 / 4 - det, "<", 0))
             if not trace**2 / 4 - det < 0:
                 raise Undecided
+    described_model = described(equations, bits)
     data = {
-        **described(equations, bits),
+        **described_model,
         "type": kind,
         "pinned": pinned,
         "centre": [exact_text(x) for x in centre],
@@ -176,7 +178,9 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         "claims": {
             "value": enclosed(box[size], 24),
             "box": [enclosed(x) for x in box[:size]],
-            "ends": [stability_of(jury(end.trace, end.det)) for end in ends],
+            "ends": [
+                stability_of(jury(end.trace, end.det), described_model, balls(end.centre, end.radius)) for end in ends
+            ],
         },
     }
     image = curve_image(equations, centre, radius, C, rows, pinned)

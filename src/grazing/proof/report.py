@@ -8,6 +8,7 @@ from grazing.proof.clearance import Clear
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.krawczyk import contraction, remainder
 from grazing.proof.text import above, below, enclosed, exact_text
+from grazing_checker.oscillator import Problem
 
 if TYPE_CHECKING:
     from flint import arb
@@ -37,10 +38,15 @@ def jury(trace: arb, det: arb) -> dict[str, arb]:
     return {"1 + trace + det": 1 + trace + det, "1 - trace + det": 1 - trace + det, "1 - det": 1 - det}
 
 
-def stability_of(margins: dict[str, arb]) -> str:
-    """Return stable, unstable or undecided; a negative margin means a multiplier outside the unit circle."""
+def stability_of(margins: dict[str, arb], model: dict[str, Any], box: list[arb]) -> str:
+    """Return stable, unstable or undecided; a negative margin means a multiplier outside the unit circle.
+
+    Where an impact leaves with w = 0, an orbit is stable only if the law, too, lets slow impacts be slow.
+    """
     if all(x > 0 for x in margins.values()):
-        return "stable"
+        unknown = model.get("parameter")
+        problem = Problem(model, unknown and (unknown["of"], unknown["name"]))
+        return "stable" if problem.followed(box) else "undecided"
     return "unstable" if any(x < 0 for x in margins.values()) else "undecided"
 
 
