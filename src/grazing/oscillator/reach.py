@@ -57,7 +57,7 @@ def reach_of(
     if F0 < 0.0:
         height = speed * (speed / (fall - F0))
     elif k > 0.0:
-        height = min((F0 + fall) / (k * k), LONGEST * travel)
+        height = min((F0 + fall) / k / k, LONGEST * travel)  # k * k may be below all doubles
         fastest = min(fall / k, LONGEST * travel / T)
     height = max(min(height, LONGEST * travel) + width, 1e-6 * abs(sigma))
     return max(min(height, LARGE), SMALL), min(fastest, LARGE), speed

@@ -95,8 +95,8 @@ def density(
 def _pooled(counts: NDArray[Any], where: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
     """Return counts in the order of the values, and the first column and the first bin of every cell that is drawn.
 
-    A page has some thousand dots: where there are more columns or bins, neighbours are drawn as one, so that drawing takes
-    the same memory however large the result is.
+    A page has some thousand dots: where there are more columns or bins, neighbours are drawn as one, so that drawing
+    takes the same memory however large the result is.
     """
     columns, bins = (np.arange(0, size, -(-size // MOST)) for size in (where.size, counts.shape[1]))
     ends = [*columns[1:].tolist(), where.size]
@@ -111,7 +111,7 @@ def _kept(edges: Floats, first: NDArray[np.intp]) -> Floats:
     if first.size == edges.size - 1 or not is_even(edges):
         return np.append(edges[first], edges[-1])
     width = (edges[-1] - edges[0]) / (edges.size - 1) * (first[1] - first[0])
-    return edges[0] + width * np.arange(first.size + 1)
+    return np.asarray(edges[0] + width * np.arange(first.size + 1), np.float64)
 
 
 def paper_map() -> ListedColormap:

@@ -245,7 +245,7 @@ def _decoded(raw: bytes) -> str:
 def _svg(data: bytes) -> dict[str, str]:
     if b"<!ENTITY" in data:  # a few letters can stand for gigabytes of them
         raise ValueError("it declares entities")
-    parser = ElementTree.XMLPullParser()
+    parser: ElementTree.XMLPullParser[Any] = ElementTree.XMLPullParser()
     for first in range(0, len(data), STEP):
         parser.feed(data[first : first + STEP])
         if found := _described(parser):
@@ -255,9 +255,9 @@ def _svg(data: bytes) -> dict[str, str]:
     return {}
 
 
-def _described(parser: ElementTree.XMLPullParser) -> dict[str, str]:
-    for _event, item in parser.read_events():
-        element: Any = item
+def _described(parser: ElementTree.XMLPullParser[Any]) -> dict[str, str]:
+    for event in parser.read_events():
+        element = list[Any](event)[1]
         if element.tag.endswith("}metadata"):
             # children of the Work only: its creator is an agent, who has a title of its own
             works = element.iter(CREATIVE_COMMONS + "Work")

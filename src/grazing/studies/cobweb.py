@@ -64,7 +64,7 @@ def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0)
         "letter": ("step", letters, labels.letter_attributes(P)),
         "outcome": ("step", outcomes, labels.outcome_attributes()),
     }
-    place = places_of(points[:, 0])
+    place = places_of(np.asarray(points[:, 0], np.float64))
     images, image_letters, _outcomes = P.run(place[None].copy(), 0, 1)
     data |= {
         "image": ("place", images[0, 0], labels.quantity(P, name) | {"long_name": f"image of {name} under the map"}),

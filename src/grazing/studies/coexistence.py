@@ -29,7 +29,8 @@ Ints = NDArray[np.int64]
 #: Names of variables and dimensions of the result, which a parameter must not have.
 TAKEN = (
     "attractor", "start", "coordinate", "change", "period", "word", "share", "lifetime", "reached", "steps", "last",
-    "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind", "outside",
+    "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
+    "outside",
 )  # fmt: skip
 #: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it ever has.
 ARRIVED = 1e-6
