@@ -17,6 +17,7 @@ from grazing.oscillator.constants import constants_of, piece_of, roots, section_
 from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.reset import in_python
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -29,7 +30,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import parameter_tuple, real, whole
+from grazing.parameter import parameter_tuple, parameters, real, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -142,7 +143,7 @@ def flown_legs(
         tables.append(legs[:count])
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
-            law(float(bad[0, V_MINUS]))  # which says where, if it raises
+            in_python(law.law)(float(bad[0, V_MINUS]), parameters(law.params))  # which says its line, if it raises
             raise UserCodeError(
                 f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
                 f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "
