@@ -1,5 +1,7 @@
 """Where starts are drawn: in the model's own units of length and time, and far enough to find what there is."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -137,3 +139,20 @@ def test_a_machine_means_the_same_in_every_unit_of_length():
     for length in (2.0**10, 2.0**-40):
         for mine, theirs in zip(here, told(made(RIG, length)), strict=True):
             assert mine == theirs
+
+
+def test_a_rig_in_metres_is_the_rig_in_millimetres():
+    """From its default starts: a soft excitation 1.5 times above the resonance, a gap of twice the free swing."""
+    shares = []
+    for unit in (1.0, 1000.0):
+        k = 20.0 * math.pi
+        free = 1.0 / math.hypot(1.25 * k * k, 0.15 * k * k)
+        forcing = gz.Forcing(omega=1.5 * k, cos=(unit,))
+        m = gz.Oscillator(alpha=0.1 * k, k=k, forcing=forcing, sigma=-2.0 * free * unit, reset=gz.newton(0.9))
+        P = gz.stroboscopic_map(m)
+        found = gz.coexistence(P, "omega", [1.5 * k], starts=100, transient=1000, keep=60, seed=1)
+        pairs = zip(found.word.values.flat, found.share.values.flat, strict=True)
+        shares.append({str(word): float(share) for word, share in pairs if share > 0.0})
+    metres, millimetres = shares
+    assert metres == millimetres
+    assert 0.0 < metres["1"] < 1.0  # most starts settle on the impacting orbit, some do not
