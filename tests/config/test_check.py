@@ -113,6 +113,19 @@ def test_what_is_not_the_pinball_keeps_no_value_of_the_paper():
         assert all(f"with {said} this is not the paper's pinball, and nothing is assumed" in line for line in found[1:])
 
 
+@pytest.mark.parametrize("cos", [[1.0], [1.0, 0.0], [1, 0, -0.0]])
+@pytest.mark.parametrize("sin", [[], [0.0], [0, 0.0, 0]])
+def test_amplitudes_of_zero_at_the_end_leave_the_pinball_the_pinball(cos, sin):
+    """All of it is named, and zeros add nothing to a force: its starts are drawn where its own are."""
+    whole = {name: item.default for name, item in inspect.signature(gz.pinball).parameters.items()}
+    config = {"map": "stroboscopic", "parameters": {**whole, "cos": cos, "sin": sin}}
+    assert map_of(config).box == gz.stroboscopic_map(gz.pinball()).box
+    for other in ({"cos": [*cos, 1e-9]}, {"sin": [*sin, 0.0, 1e-9]}, {"cos": [0.5]}, {"cos": [0.0]}, {"sigma": 0.1}):
+        changed = map_of({**config, "parameters": {**config["parameters"], **other}})
+        model = gz.Oscillator(3.0, 1.0, changed.model.forcing, gz.active(0.8, 0.4), other.get("sigma", 0.0))
+        assert changed.box == gz.stroboscopic_map(model).box != map_of(config).box
+
+
 def test_terms_that_are_not_named_are_not_there():
     found = checked({**DIAGRAM, "law": "newton", "parameters": {**FULL, "cos": [0.0], "sin": [0.5]}})
     assert [found["parameters"][name] for name in ("t0", "sigma", "phase")] == [0.0, 0.0, 0.0]

@@ -17,7 +17,10 @@ import grazing as gz
 from grazing import InputError
 from grazing.cli import main
 from grazing.config import boundaries_of, checked, command_of, plan_of, recipe_of, result_of
+from grazing.config.build import map_in
+from grazing.studies import orbit_diagram
 from grazing.studies.plan import run_plan
+from grazing.studies.runs import checked_runs
 
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
 BALL = {"alpha": 3.0, "k": 1.0, "omega": 2.2, "t0": -0.5, "cos": [1.0], "r": 0.8}
@@ -149,6 +152,37 @@ def test_an_oscillator_with_harmonics_and_its_own_box():
     assert recipe["parameters"]["cos"] == [1.0, 0.2, 0.1] and recipe["parameters"]["sin"] == [0.1]
     assert recipe["law"] == "newton" and "box" not in recipe["settings"]
     assert np.array_equal(run_plan(plan_of(recipe)).u.values, result.u.values)
+
+
+MOVING = (
+    gz.pinball(omega=20.0),
+    gz.pinball(omega=20.0).replace(sigma=0.1),
+    gz.Oscillator(3.0, 1.0, gz.Forcing(2.2, offset=0.12), gz.active(0.8, 0.4)),
+    gz.Oscillator(3.0, 1.0, gz.Forcing(2.2, offset=0.12), gz.active(0.8, 0.4), offset_name="d"),
+    gz.Oscillator(0.5, 1.0, gz.Forcing(2.2, offset=0.12, cos=(0.4,)), gz.newton(0.8), 0.2),
+    gz.Oscillator(0.5, 1.0, gz.Forcing(2.2, offset=0.12), gz.triggered(0.8, 0.4, 0.1)),
+)
+
+
+@pytest.mark.parametrize("of", [gz.stroboscopic_map, gz.impact_map, gz.discontinuity_map])
+@pytest.mark.parametrize("model", MOVING)
+@pytest.mark.parametrize("name", ["alpha", "omega", "sigma", "cos1", "r", "offset"])
+def test_starts_of_a_recipe_are_those_of_the_result_or_it_is_refused(of, model, name):
+    """Without a run: where a command would draw its starts, at every value, also where the box moves with it."""
+    name = model.offset_name if name == "offset" else name
+    P, values = of(model), model.params[name] * np.linspace(0.7, 1.1, 4) - (0.1 if name == "sigma" else 0.0)
+    for box in (None, ((0.3, 0.4), (0.1, 0.2)), P.box):
+        runs = checked_runs(P, {name: values}, 3, 2, 5, 0, "fast", box)
+        plan = orbit_diagram.plan(P, name, values, starts=3, transient=2, keep=5, box=box)
+        try:
+            recipe = recipe_of(plan.document, {name: values})
+        except InputError as error:
+            assert "its starts were drawn in boxes" in str(error)
+            assert box is not None or model in MOVING[1:4] or name in ("sigma", "cos1"), error
+            continue
+        again, kept = map_in(recipe), recipe["settings"].get("box")
+        ends = checked_runs(again, {next(iter(recipe["vary"])): values}, 3, 2, 5, 0, "fast", kept)
+        assert np.array_equal(runs.states(np.arange(4)), ends.states(np.arange(4)))
 
 
 @pytest.mark.parametrize(

@@ -77,8 +77,16 @@ def beyond_pinball(config: Mapping[str, Any]) -> str | None:
         return moved[0] if moved else None
     usual = {"sigma": 0.0, "cos": [1.0], "sin": []}
     complete = all(name in given or name in varied for name in PINBALL)
-    same = all(given.get(name, value) == value for name, value in usual.items())
+    same = all(_without_zeros(given.get(name, value)) == value for name, value in usual.items())
     return None if complete and same else named[0]
+
+
+def _without_zeros(value: Any) -> Any:
+    """Return amplitudes without the zeros at their end, which add nothing to a force; else the value itself."""
+    if isinstance(value, (list, tuple)):
+        last = max((j for j, each in enumerate(value, start=1) if each != 0.0), default=0)
+        return list(value[:last])
+    return value
 
 
 def own_model(text: str) -> Oscillator:

@@ -168,17 +168,27 @@ def _short(text: str) -> str:
 
 
 def _own_box(recipe: Recipe, config: Mapping[str, Any]) -> Recipe:
-    """Leave out a box of random starts that is the map's own; at every value the map has its own."""
+    """Leave out a box of random starts that is the map's own, once or at every value; refuse one that is not clear."""
+    starts = config.get("starts")
+    moves = starts.get("box") if isinstance(starts, dict) else None
     box = recipe["settings"].get("box")
-    if box is None:
+    if box is None and not isinstance(moves, dict):
         return recipe
     P = map_in(recipe)
-    names = [name for name in recipe["vary"] if name in P.params]
-    ends = [P.replace(**{name: end}).box for name in names for end in extremes(recipe["vary"][name])]
-    if any([list(pair) for pair in own] == box for own in (P.box, *ends)):
-        return {**recipe, "settings": {key: item for key, item in recipe["settings"].items() if key != "box"}}
-    if any(own != P.box for own in ends):
+    sides = {name: values_of(written) for name, written in recipe["vary"].items() if name in P.params}
+    first, last = (P.replace(**{name: float(values[at]) for name, values in sides.items()}).box for at in (0, -1))
+    if isinstance(moves, dict):
+        if moves["moves"] != [[list(pair) for pair in own] for own in (first, last)]:
+            raise InputError(
+                "its starts were drawn in boxes of its model that move with what varies, and the model that a command "
+                "makes has others; in Python, give box"
+            )
+        return recipe
+    ends = [P.replace(**{name: end}).box for name in sides for end in extremes(recipe["vary"][name])]
+    if any(own != P.box for own in (first, last, *ends)):
         raise InputError("it does not say whether its starts were drawn in boxes that move with what varies")
+    if [list(pair) for pair in P.box] == box:
+        return {**recipe, "settings": {key: item for key, item in recipe["settings"].items() if key != "box"}}
     return recipe
 
 
@@ -192,6 +202,6 @@ def _settings(study: str, config: Mapping[str, Any]) -> Recipe:
             raise InputError("its starts were given and only their fingerprint was kept")
         found |= {"starts": starts["random"], "seed": starts["seed"]}
         box = starts.get("box")
-        if box is not None:
+        if box is not None and not isinstance(box, dict):  # one that moves is the map's own
             found["box"] = box
     return found

@@ -111,7 +111,7 @@ def build(folder: Path) -> None:
         (folder / f"{name}.wasm").write_bytes(code)
         text["modules"][name] |= {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
         print(f"{name}.wasm: {len(code)} bytes", file=sys.stderr, flush=True)
-    (folder / DESCRIPTION).write_text(json.dumps(text, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    (folder / DESCRIPTION).write_text(json.dumps(text, indent=0, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def rebuild(folder: Path) -> None:

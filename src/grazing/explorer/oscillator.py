@@ -156,7 +156,7 @@ def described(name: str) -> Parameter | dict[str, Any]:
     if name == "order":
         return {"name": name, "meaning": "order of the discontinuity map", "choices": list(ORDERS)}
     if name == "paper":
-        return {"name": name, "meaning": "1 for the starts of the paper's pinball"}
+        return {"name": name, "meaning": "whether starts are those of the paper's pinball", "choices": ["no", "yes"]}
     return describe_parameter(name)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -166,7 +167,9 @@ class Runs:
         """All that decides the numbers; the own value of a parameter that varies does not."""
         starts, transient, keep, seed, arithmetic, box = self.settings
         if isinstance(starts, int):
-            own = "that of the map at each value" if self.moving else self.P.box
+            own: Any = self.P.box
+            if self.moving:  # that of the map at each value; the first and the last tell it from another map's
+                own = {"moves": [self.map_at(cell).box for cell in (0, prod(self.shape) - 1)]}
             begin: dict[str, Any] = {"random": starts, "seed": seed, "box": own if box is None else box}
         else:
             begin = {"given": len(starts), "sha256": labels.fingerprint(starts)}
