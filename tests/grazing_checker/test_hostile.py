@@ -45,6 +45,9 @@ def test_an_orbit_that_is_lifted_off_is_stable_only_if_slow_impacts_stay_slow():
     gentle = {"parameters": {}, "after": ["if", fast, (0.0).hex(), ["*", (-0.5).hex(), "v"]]}
     other = claiming(changed(good.document, ("data", "law"), lambda _old: gentle))
     assert check(other).endswith("inside the unit circle.")
+    sinking = {"parameters": {}, "after": ["if", fast, (0.0).hex(), ["*", (0.5).hex(), "v"]]}  # into the wall
+    with pytest.raises(Rejected, match="throw slow impacts"):
+        check(claiming(changed(good.document, ("data", "law"), lambda _old: sinking)))
     kicked = gz.reset(lambda v, p: 0.0 * v if v < -p.slow else 0.5 + 0.0 * v, slow=0.01)
     found = certify(_with(orbit, gz.Oscillator(0.3, 1.0, model.forcing, kicked)))
     assert found.proven and found.claims["stability"] == "undecided"
