@@ -17,7 +17,8 @@ STABILITY = {
     "undecided": "nothing is claimed of its stability",
 }
 EVENTS = {
-    "pd": "a multiplier is -1 (as at a period doubling), and 1 + trace + det has opposite signs at the ends of the curve",
+    "pd": "a multiplier is -1 (as at a period doubling), and 1 + trace + det has opposite signs at the ends of the "
+    "curve",
     "lp": "a multiplier is +1 (as at a fold), and 1 - trace + det has opposite signs at the ends of the curve",
     "ns": "a pair of complex multipliers is on the unit circle (as at a Neimark-Sacker bifurcation), and 1 - det has "
     "opposite signs at the ends of the curve",
