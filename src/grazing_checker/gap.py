@@ -397,7 +397,8 @@ def no_attractor_sentence(data: Mapping[str, Any]) -> str:
     start = "(" if low == 0.0 else "["
     return (
         f"For lam = {lam!r}, l = {l!r} and every mu in {start}{low!r}, {high!r}], all {EXACTLY} {MAP} has no "
-        "attracting periodic orbit: every periodic orbit has a multiplier of modulus above 1."
+        "attracting periodic orbit: every periodic orbit has a multiplier of modulus above 1, or meets 0, where the "
+        "slope of its letter R is infinite."
     )
 
 

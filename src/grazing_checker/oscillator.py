@@ -94,7 +94,8 @@ class Problem:
 
         That map says what becomes of all of them, if every impact leaves with w > 0. Beside one that leaves with w = 0
         there are motions that meet the wall there with any small velocity before the force lifts them off. The law
-        must not throw these back: it has to be smooth at small v <= 0 and to make 0 of 0.
+        must not throw these back, nor through the wall: it has to be smooth at small v <= 0, to make 0 of 0, and not to
+        grow with v, so that it makes no velocity < 0.
         """
         if all(w > 0 for w in x[self.n : 2 * self.n]):
             return True
@@ -102,7 +103,7 @@ class Problem:
             slow = self.impact(x, between_0_and(number(-1, -1000)))
         except Rejected:
             return False
-        return bool(slow.x.is_finite() and self.impact(x, number(0)).x.is_zero())
+        return bool(slow.by_v <= 0 and self.impact(x, number(0)).x.is_zero())
 
     def legs(self, x: Point, sensitive: bool = False) -> list[Leg]:
         """Return the flights of a point, or of a small box."""

@@ -17,10 +17,11 @@ STABILITY = {
     "undecided": "nothing is claimed of its stability",
 }
 EVENTS = {
-    "pd": "a multiplier is -1 (period doubling), and 1 + trace + det has opposite signs at the ends of the curve",
-    "lp": "a multiplier is +1 (fold), and 1 - trace + det has opposite signs at the ends of the curve",
-    "ns": "a pair of complex multipliers is on the unit circle (Neimark-Sacker), and 1 - det has opposite signs at the "
-    "ends of the curve",
+    "pd": "a multiplier is -1 (as at a period doubling), and 1 + trace + det has opposite signs at the ends of the "
+    "curve",
+    "lp": "a multiplier is +1 (as at a fold), and 1 - trace + det has opposite signs at the ends of the curve",
+    "ns": "a pair of complex multipliers is on the unit circle (as at a Neimark-Sacker bifurcation), and 1 - det has "
+    "opposite signs at the ends of the curve",
     "gr": "a dip touches the wall (graze), which is above it at one end of the curve and below it at the other",
 }
 
@@ -109,10 +110,11 @@ def value_sentence(data: Mapping[str, Any]) -> str:
     ends = [STABILITY[one].partition(":")[0] for one in claims["ends"]]
     grazes = data["type"] == "gr"
     pinned = dict(enumerate([*coordinates(n), name])).get(data["pinned"])
+    but = " but for that dip, in which they are continued as if there were no wall" if grazes else ""
     beside = "" if grazes else f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
     return (
         f"For {model_text(data)}, all parameters taken as these exact doubles, there is a value of {name} in "
         f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T with "
-        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; such orbits are a curve in that box, along which "
-        f"{pinned} grows, and stay off the wall between their impacts{' but for that dip' if grazes else ''}{beside}."
+        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; the curve is one of such orbits in that box, "
+        f"along which {pinned} grows, and they stay off the wall{' between their impacts' if n else ''}{but}{beside}."
     )

@@ -110,7 +110,8 @@ class Curve:
         keys(described, ("centre", "radius"), f"end {i + 1}")
         centre, radius = (numbers(described[name], problem.size + 1, f"end {i + 1}") for name in ("centre", "radius"))
         at = self.centre[self.pinned] + (2 * i - 1) * self.radius[self.pinned]
-        demand(radius[self.pinned].is_zero() and (centre[self.pinned] - at).is_zero(), f"end {i + 1} is not at the end")
+        exactly = described["radius"][self.pinned] == "0x0p0"  # one text for 0, as in the schema
+        demand(exactly and (centre[self.pinned] - at).is_zero(), f"end {i + 1} is not at the end")
         r = self.free(radius)
         demand(all(x > 0 for x in r), f"a half-width at end {i + 1} is not positive")
         moved = applied(self.C, problem.defect(centre, problem.legs(centre)))

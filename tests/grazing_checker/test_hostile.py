@@ -14,6 +14,7 @@ from grazing_checker import Rejected, check
 from grazing_checker.__main__ import main
 from grazing_checker.balls import number, precision
 from grazing_checker.flight import Checked, Motion, Work
+from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import changed, claiming, documents
 from tests.proof.orbits import closed
 
@@ -45,6 +46,9 @@ def test_an_orbit_that_is_lifted_off_is_stable_only_if_slow_impacts_stay_slow():
     gentle = {"parameters": {}, "after": ["if", fast, (0.0).hex(), ["*", (-0.5).hex(), "v"]]}
     other = claiming(changed(good.document, ("data", "law"), lambda _old: gentle))
     assert check(other).endswith("inside the unit circle.")
+    sinking = {"parameters": {}, "after": ["if", fast, (0.0).hex(), ["*", (0.5).hex(), "v"]]}  # into the wall
+    with pytest.raises(Rejected, match="throw slow impacts"):
+        check(claiming(changed(good.document, ("data", "law"), lambda _old: sinking)))
     kicked = gz.reset(lambda v, p: 0.0 * v if v < -p.slow else 0.5 + 0.0 * v, slow=0.01)
     found = certify(_with(orbit, gz.Oscillator(0.3, 1.0, model.forcing, kicked)))
     assert found.proven and found.claims["stability"] == "undecided"
@@ -62,7 +66,21 @@ def test_a_curve_is_said_to_be_alone_nowhere_but_in_what_was_proven(kind):
     statement = documents()[kind]["statement"]
     assert "alone" not in statement
     grows = {"pd": "p.V", "gr": "d", "lp": "t_1", "ns": "p.r"}[kind]
-    assert f"such orbits are a curve in that box, along which {grows} grows, and stay off the wall" in statement
+    assert f"the curve is one of such orbits in that box, along which {grows} grows, and they stay off" in statement
+
+
+def test_a_value_says_no_more_than_its_multiplier_or_its_height():
+    """No normal form is proven, and beyond a graze the orbits of the curve are none of the oscillator."""
+    for kind in ("pd", "lp", "ns"):
+        assert "(as at a " in documents()[kind]["statement"]
+    free = "stay off the wall between their impacts but for that dip, in which they are continued as if there were no"
+    assert free in documents()["gr"]["statement"]
+
+
+def test_orbits_of_the_gap_map_that_meet_0_are_spoken_of_apart():
+    """They have no multiplier: the slope of the root is infinite there."""
+    statement = bases()["small"]["statement"]
+    assert statement.endswith("modulus above 1, or meets 0, where the slope of its letter R is infinite.")
 
 
 HOSTILE = {

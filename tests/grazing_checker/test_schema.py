@@ -4,15 +4,16 @@ import json
 from importlib.resources import files
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from grazing_checker import Rejected, check
 from grazing_checker.check import KINDS
 from grazing_checker.law import COMPARISONS, TAKEN, check_law
+from grazing_checker.reading import text_of_double
 from tests.grazing_checker.bases import bases
-from tests.grazing_checker.documents import at, changed, leaves, resealed
+from tests.grazing_checker.documents import at, changed, documents, leaves, resealed
 
 SCHEMA = json.loads((files("grazing_checker") / "schema.json").read_text())
 WHOLE = Draft202012Validator(SCHEMA)
@@ -107,3 +108,41 @@ def test_the_schema_takes_the_names_that_the_checker_takes(name):
         taken = False
     assert part("parameter-of-the-law").is_valid(name) == taken
     assert not (taken and TAKEN.fullmatch(name))
+
+
+NEAR_DOUBLES = st.floats(allow_nan=False, allow_infinity=False).map(float.hex) | st.from_regex(
+    r"\A-?0x[012]\.[0-9a-f]{1,14}p[+-]?[0-9]{1,4}\Z"
+)
+POSITIVE, NOT_NEGATIVE = (lambda x: x > 0.0), (lambda x: x >= 0.0)
+
+
+@given(NEAR_DOUBLES)
+@example("0x1.0p+0")
+@example("0x0.0000000000000p-1022")
+@example("0x0.0000000000001p-1022")
+@example("0x0.0000000000001p-1021")
+@example("0x1.0000000000000p-1023")
+@example("0x1.fffffffffffffp+1023")
+@example("0x1.0000000000000p+1024")
+@example("0x1.0000000000000p-0")
+@example("0x1.0000000000000p+00")
+@example("-0x0.0p+0")
+def test_the_schema_takes_the_doubles_that_the_checker_takes(text):
+    for name, allowed in (("double", None), ("double-positive", POSITIVE), ("double-not-negative", NOT_NEGATIVE)):
+        try:
+            x = text_of_double(text)
+            taken = allowed is None or allowed(x)
+        except Rejected:
+            taken = False
+        assert part(name).is_valid(text) == taken, name
+
+
+@pytest.mark.parametrize("zero", ["0x0p7", "-0x0p0", "0x000p-3", "0x0p-0"])
+@pytest.mark.parametrize("kind", ["pd", "gr", "lp", "ns"])
+def test_the_half_width_along_the_curve_at_its_ends_is_one_text(kind, zero):
+    """No other text for 0: what the schema refuses, the checker refuses."""
+    document = documents()[kind]
+    forged = changed(document, ("data", "ends", 1, "radius", document["data"]["pinned"]), lambda _old: zero)
+    assert not WHOLE.is_valid(forged)
+    with pytest.raises(Rejected, match="not at the end"):
+        check(resealed(forged))

@@ -117,6 +117,6 @@ def test_the_certificate_says_what_it_encloses():
     low, high = certificate.claims["value"]
     assert f"there is a value of d in [{low}, {high}]" in certificate.statement
     assert "d = 0.12," not in certificate.statement
-    assert "(period doubling)" in certificate.statement
+    assert "(as at a period doubling)" in certificate.statement
     assert "it is asymptotically stable, at the second: it is unstable" in certificate.statement
     assert "d = 0.123281449643921 to within" in repr(certificate)

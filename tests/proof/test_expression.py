@@ -9,6 +9,7 @@ import grazing as gz
 from grazing.proof.expression import NotAnExpression, expression, in_doubles, leaves
 from grazing_checker.law import law_text
 from tests.models import cubic
+from tests.proof.orbits import closed
 
 NAMES = ("e", "c")
 PARAMS = {"e": 0.8, "c": 0.5}
@@ -154,3 +155,27 @@ def test_a_model_refuses_a_law_with_a_parameter_of_its_own(name):
     law = gz.reset(lambda v, p: -0.5 * v, **{name: 0.5})
     with pytest.raises(gz.InputError, match="rename it"):
         gz.Oscillator(alpha=1.0, k=1.0, forcing=gz.Forcing(omega=2.0), reset=law)
+
+
+def test_a_law_that_hides_a_branch_from_symbols_is_found_out_at_the_speeds_of_the_orbit():
+    """It has the orbit of r v and, for doubles about it, another slope: what is proven of -r v is not of this law."""
+    model = gz.Oscillator(0.3, 1.0, gz.Forcing(omega=2.2, offset=0.2), gz.newton(r=0.5))
+    (orbit,) = gz.one_impact_orbits(model, 1)
+    v0, width = float(orbit.incoming[0]), 1e-3
+
+    def hiding(v, p):
+        if isinstance(v, float) and abs(v - v0) < width:
+            return -p.r * v0 - 3.0 * (v - v0)
+        return -p.r * v
+
+    assert expression(hiding, {"r": 0.5}, ("r",)) == ["*", ["-", "r"], "v"]  # no sample is there
+    for width in (1.0, 1e-3, 1e-6, 1e-9, 1e-12):  # noqa: B007
+        with pytest.raises(NotAnExpression, match="called with numbers"):
+            expression(hiding, {"r": 0.5}, ("r",), [v0])
+    width = 1e-3
+    other = gz.Oscillator(0.3, 1.0, model.forcing, gz.reset(hiding, r=0.5))
+    near = closed(other, orbit.period, orbit.times, orbit.outgoing, orbit.incoming)[0]
+    assert "called with numbers it does something else" in gz.certify(near).reason
+    assert "called with numbers it does something else" in gz.enclose(near, "pd", "offset").reason
+    with pytest.raises(gz.InputError, match="called with numbers"):
+        gz.check_certificate(gz.certify(orbit).document, law=hiding)

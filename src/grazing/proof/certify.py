@@ -258,7 +258,7 @@ def guess_of(orbit: ImpactOrbit) -> list[arb]:
 def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     n, N = orbit.impacts, orbit.period
-    equations = Equations(orbit.model, n, N)
+    equations = Equations(orbit.model, n, N, speeds=orbit.incoming.tolist())
     guess = guess_of(orbit)
     with Stage("the equations of the orbit are singular: two orbits meet, or it is one of a family"):
         try:

@@ -67,7 +67,7 @@ def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
         raise InputError("this certificate is about a map without a reset law; leave law away")
     params = {name: 0.5 if x is None else float.fromhex(x) for name, x in data["law"]["parameters"].items()}
     try:
-        tree = expression(law, params, tuple(params))
+        tree = expression(law, params, tuple(params), _speeds(data))
     except NotAnExpression as error:
         raise InputError(f"law = {law!r} is no expression to hold against the certificate's: {error}") from None
     if tree != data["law"]["after"]:
@@ -75,6 +75,11 @@ def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
             f"the certificate is right, but about another law: v+ = {law_text(data['law']['after'])}; "
             f"the one given is v+ = {law_text(tree)}"
         )
+
+
+def _speeds(data: Mapping[str, Any]) -> list[float]:
+    """Return the velocities before the impacts of a certificate, where it claims them."""
+    return [float(low) for low, _high in data["claims"].get("incoming", [])]
 
 
 def opened_certificate(certificate: str | Path | Mapping[str, Any]) -> dict[str, Any]:

@@ -136,7 +136,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     from flint import arb
 
     model, n, N = orbit.model, orbit.impacts, orbit.period
-    equations = Equations(model, n, N, name)
+    equations = Equations(model, n, N, name, orbit.incoming.tolist())
     size = equations.size
     with Stage("the orbit near the bifurcation is singular"):
         start = [*guess_of(orbit), arb(model.params[name])]

@@ -8,6 +8,7 @@ the equations (y, v)(N T) = (y, v)(0).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from grazing.oscillator.model import Oscillator, describe_parameter
@@ -62,12 +63,16 @@ class Equations:
         Impacts, and periods of the forcing.
     name : str, optional
         A parameter that is unknown too: points then have 2n + 1 coordinates (3 for n = 0).
+    speeds : sequence of float
+        Velocities of the orbit's impacts, about which the law is held against its expression.
     """
 
-    def __init__(self, model: Oscillator, n: int, N: int, name: str | None = None) -> None:
+    def __init__(
+        self, model: Oscillator, n: int, N: int, name: str | None = None, speeds: Sequence[float] = ()
+    ) -> None:
         self.model, self.n, self.N, self.name = model, n, N, name
         self.size = 2 * n if n else 2
-        self.law_tree = expression(model.reset.law, model.reset.params, tuple(model.params))
+        self.law_tree = expression(model.reset.law, model.reset.params, tuple(model.params), speeds)
         self._fixed: Flow | None = None
 
     def flow(self, x: list[arb], derivative: bool = False) -> Flow:
