@@ -274,3 +274,46 @@ def test_no_text_of_a_file_moves_the_cursor(evil, tmp_path, capsys):
             said = "".join(capsys.readouterr())
             assert all(letter.isprintable() or letter == "\n" for letter in said), (command, path.name, said)
             assert "\nagain:  rm" not in said or path.suffix == ".toml"
+
+
+# ---- results that are drawn, configurations that are printed
+
+
+def test_drawing_a_result_that_says_anything_is_a_sentence(tmp_path, capsys):
+    """Variables dropped, made texts or not finite, attributes of any kind: drawn, or refused in a sentence."""
+    G = gz.gap_map(lam=0.8, mu=0.05, l=0.1)
+    whole = {
+        "lyapunov": gz.lyapunov(G, "mu", np.linspace(0.0, 0.3, 4), starts=2),
+        "coexistence": gz.coexistence(G, "mu", np.linspace(0.0, 0.3, 4), starts=3),
+    }
+    refused = 0
+    for result in whole.values():
+        cases = [result.drop_vars(name) for name in [*result.variables][:6]]
+        cases += [
+            result.assign({name: (result[name].dims, np.full(result[name].shape, value))})
+            for name in [*result.data_vars][:6]
+            for value in ("$\\frac{", np.nan)
+        ]
+        cases += [result.assign_attrs({"grazing_config": said}) for said in ("no JSON", "[1]", "[" * 5000)]
+        for case in cases[::2]:
+            gz.save(case, tmp_path / "a.nc")
+            code = main(["plot", str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.png")])
+            error = capsys.readouterr().err
+            assert code in (0, 2) and "unexpected" not in error
+            refused += code == 2
+    assert refused > 3
+
+
+@pytest.mark.filterwarnings("ignore:(?s).*was not run")
+def test_what_a_configuration_says_makes_no_line_and_moves_no_cursor(tmp_path, capsys):
+    from grazing.config import toml_of
+
+    text = "/a\x1b[2J\x9b\u202e\x7f\n/b.py:P"
+    (tmp_path / "a.toml").write_text(toml_of({"study": "diagram", "map": text, "vary": {"d": "0:1:3"}}))
+    assert main(["config", "show", str(tmp_path / "a.toml")]) == 0
+    said = capsys.readouterr().out
+    assert all(letter.isprintable() or letter == "\n" for letter in said)
+    assert toml_of({"map": text}).count("\n") == 1
+    (tmp_path / "b.toml").write_text('study = "diagram"\n"a\\nerror: all is lost\\u001b" = 1\n"c" = 2\n')
+    assert main(["config", "show", str(tmp_path / "b.toml")]) == 2
+    assert not [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: all")]

@@ -233,3 +233,23 @@ def test_what_a_store_announces_is_not_taken_from_memory(store, tmp_path):
         [sys.executable, "-c", ATTACK, *map(str, stores)], capture_output=True, text=True, timeout=120
     )
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_a_recipe_of_another_sweep_adds_nothing(tmp_path):
+    """It was taken: a table of attractors from other starts in silence, and a bare KeyError from another study."""
+    from grazing.config import plan_of
+
+    gap = {"map": "gap", "parameters": {"lam": 0.8, "l": 0.1}}
+    config = {"study": "coexistence", **gap, "vary": {"mu": "-0.1:0.3:4"}, "settings": {"starts": 5}}
+    store = tmp_path / "a.zarr"
+    sweep.run(plan_of(config), store)
+    assert "attractor" in gz.load(store).sizes
+    basins = {"study": "basins", "map": "gap", "parameters": {"l": 0.1, "mu": 0.1, "lam": 0.5}, "vary": {"x": "0:1:4"}}
+    for other in ({**config, "settings": {"starts": 7}}, {**config, "vary": {"mu": "0.5:0.9:4"}}, basins):
+
+        def change(metadata, _layout, _prints, other=other):
+            metadata["zarr.json"]["attributes"]["grazing_recipe"] = json.dumps(other)
+
+        found = gz.load(forged(store, change))
+        assert "recipe is of another sweep" in found.attrs["grazing_note"]
+        assert "attractor" not in found.sizes

@@ -15,6 +15,7 @@ from grazing.cli import output, progress
 from grazing.cli.certificates import certificates_at, orbit_proofs, proof_lines, window_proofs, written_proofs
 from grazing.cli.orbit_rows import TABLES, plain
 from grazing.cli.orbit_words import WORDS
+from grazing.cli.streams import printable
 from grazing.cli.study import command, lines
 from grazing.config import command_of, result_of
 from grazing.config.build import RECIPE, orbits_as_table, orbits_of
@@ -62,7 +63,8 @@ def check(
     if json:
         print(text.dumps({"file": str(file), "verified": good, "statement" if good else "reason": said}))
     else:
-        print(f"{file}: {'verified' if good else 'NOT verified'}\n{said}", file=sys.stdout if good else sys.stderr)
+        where = sys.stdout if good else sys.stderr
+        print(f"{file}: {'verified' if good else 'NOT verified'}\n{printable(said)}", file=where)
     return DONE if good else FAILED
 
 

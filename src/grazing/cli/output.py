@@ -98,7 +98,12 @@ def study_of(attrs: Mapping[str, Any]) -> str:
     for title, name in TITLED.items():
         if str(attrs.get("title", "")).startswith(title):
             return name
-    if "grazing_config" in attrs:
-        return str(json.loads(attrs["grazing_config"]).get("study", ""))
-    recipe = json.loads(attrs.get("grazing_recipe", "{}"))
-    return str(recipe.get("study", "trajectory" if str(attrs.get("title", "")).startswith("trajectory") else ""))
+    of = "grazing_config" if "grazing_config" in attrs else "grazing_recipe"
+    try:
+        said = json.loads(attrs.get(of, "{}"))
+        if not isinstance(said, dict):
+            raise ValueError("it is no table")
+    except (ValueError, TypeError, RecursionError) as error:
+        raise InputError(f"the result is damaged: {of} cannot be read ({error}); compute it again") from error
+    flown = of == "grazing_recipe" and str(attrs.get("title", "")).startswith("trajectory")
+    return str(said.get("study", "trajectory" if flown else ""))

@@ -13,7 +13,10 @@ from cyclopts import Parameter
 from grazing.cli import output
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.streams import printable
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, in_one_line
+
+#: What drawing raises when variables are missing, of another type or form, or hold texts that are no labels.
+MISFIT = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, StopIteration, RecursionError)
 
 
 def plot(
@@ -51,7 +54,16 @@ def plot(
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, curves, file, map, model)
-    written = [name for path in files for name in output.write(result, path, **arguments)]
+    try:
+        written = [name for path in files for name in output.write(result, path, **arguments)]
+    except MISFIT as error:  # a file may say anything; what we computed ourselves is drawn elsewhere
+        if isinstance(error, GrazingError):
+            raise
+        study = output.study_of(result.attrs)
+        raise InputError(
+            f"{file} does not hold what the figure of {study} shows ({type(error).__name__}: {in_one_line(error)}); "
+            f"it was changed, or saved by another version: compute it again"
+        ) from error
     title = printable(str(result.attrs.get("title", "")), newlines=False)
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0
@@ -139,7 +151,7 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     from grazing import plot as figures
     from grazing.config.problems import unknown_key
 
-    function = getattr(figures, study, None)
+    function = getattr(figures, study) if study in output.DRAWN else None
     if not given or function is None:
         return {}
     known = {

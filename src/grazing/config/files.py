@@ -129,4 +129,5 @@ def _value(value: Any) -> str:
         return "{ " + ", ".join(f"{_key(name)} = {_value(item)}" for name, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(item) for item in value) + "]"
-    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    written = json.dumps(str(value), ensure_ascii=False)  # what no terminal should get is written as its number
+    return "".join(letter if letter.isprintable() else f"\\U{ord(letter):08x}" for letter in written)

@@ -31,7 +31,8 @@ class Problem:
 
     def line(self, label: Label) -> str:
         """Return it in one line."""
-        where, message = label(self.path), self.message if isinstance(self.message, str) else self.message()
+        where = label(tuple(part if part.isprintable() else shown(part) for part in self.path))
+        message = self.message if isinstance(self.message, str) else self.message()
         message = " ".join(message.split())
         if self.path and message.startswith(f"{self.path[-1]} = "):
             said = where + message.removeprefix(self.path[-1])

@@ -85,17 +85,32 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
     elif finished:
         from grazing.config.own import NotNamed
 
+        other = ""
         try:
-            plan = plan_from_recipe(found, code) if plan is None else plan
-            result = result if plan.finish is None else plan.finish(result)
+            if plan is None:
+                plan = plan_from_recipe(found, code)
+                other = _another(found, plan)
+            if not other and plan.finish is not None:
+                result = plan.finish(result)
         except NotNamed as error:
-            result.attrs[NOTE] = f"what the study adds at the end is missing: {error}"
+            other = str(error)
+        if other:
+            result.attrs[NOTE] = f"what the study adds at the end is missing: {other}"
     result = with_note(result)
     _say_who(found, records, result)
     if not done.all():
         result[DONE] = (found.layout.axes, _by_cell(found, done), {"long_name": "whether a cell has been computed"})
         result.attrs[INCOMPLETE] = f"{int((~done).sum())} of {len(done)} chunks are missing"
     return result
+
+
+def _another(store: Store, plan: Plan) -> str:
+    """Return in which way the recipe of a store is of another sweep; nothing of that belongs to its numbers."""
+    try:
+        refuse_another(store, plan, other_code=True)
+    except InputError as error:
+        return f"its recipe is of another sweep ({error})"
+    return ""
 
 
 def _records(store: Store, done: NDArray[np.bool_]) -> dict[int, Record | None]:
