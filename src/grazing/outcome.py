@@ -177,7 +177,7 @@ def told(error: BaseException) -> str:
     ...     1 / 0
     ... except ZeroDivisionError as error:
     ...     print(told(error))
-    ZeroDivisionError: division by zero, in line 1 of <doctest ...>: 1 / 0
+    ZeroDivisionError: division by zero, in line ... of <doctest ...>: 1 / 0
     """
     frames = traceback.extract_tb(error.__traceback__)
     said = f"{type(error).__name__}: {str(error)[:500]}"

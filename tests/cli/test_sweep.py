@@ -16,6 +16,7 @@ import xarray as xr
 from grazing.cli import main
 from grazing.config import load_config, result_of
 from grazing.sweep import open_store
+from grazing.sweep.made_by import made_by
 
 SOURCE = Path(__file__).parents[2] / "src"
 STUDY = """
@@ -124,9 +125,11 @@ def test_a_lock_is_taken_away(folder, capsys):
 
 
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("\n", 2), ("n\n", 2), ("", 2), (None, 2)])
-def test_other_code_is_asked_for_on_a_terminal(folder, capsys, monkeypatch, answer, code):
+def test_other_code_is_asked_for_on_a_terminal(folder, capsys, monkeypatch, request, answer, code):
+    request.addfinalizer(made_by.cache_clear)  # a process knows once who it is
     said(capsys, 3, "run", "study.toml", "a.zarr", "--chunk", "10", "--shard", "1/2", "-q")
     monkeypatch.setattr("grazing.__version__", "9.9")
+    made_by.cache_clear()
     monkeypatch.setattr("sys.stdin", io.StringIO(answer or ""))
     if answer is not None:
         monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)

@@ -130,7 +130,7 @@ def calls():
             mapping={
                 "study": "diagram",
                 "vary": {"d": "0:1:3"},
-                "parameters": {"cos": [1.0]},
+                "parameters": {"r": 0.7},
                 "settings": {"starts": 2, "box": [[0.0, 1.0], [0.0, 1.0]]},
             }
         ),

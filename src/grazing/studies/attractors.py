@@ -84,8 +84,7 @@ def attractors(diagram: xr.Dataset) -> list[Attractor]:
     Examples
     --------
     >>> import grazing as gz
-    >>> from grazing.outcome import InputError
-    from grazing.studies.attractors import attractors
+    >>> from grazing.studies.attractors import attractors
     >>> from grazing.studies.orbit_diagram import orbit_diagram
     >>> diagram = orbit_diagram(gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.043])
     >>> [(a.word, a.period) for a in attractors(diagram)]
