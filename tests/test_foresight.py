@@ -24,7 +24,7 @@ COMMANDS = {
     "diagram": "mu=0:0.1:4", "density": "mu=0:0.1:4", "chart": "mu=0:0.1:3 l=0:0.1:3", "basins": "x=0:0.1:4 mu=0.1",
     "lyapunov": "mu=0:0.1:4", "coexistence": "mu=0:0.1:4",
 }  # fmt: skip
-#: Megabytes at the most, of this process alone: what ``getrusage`` says begins with that of the process that started it.
+#: Megabytes at the most, of this process alone: what ``getrusage`` says begins with that of the one that started it.
 PEAK = """
 def peak():
     with open("/proc/self/status") as file:
