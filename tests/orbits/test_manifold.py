@@ -293,7 +293,7 @@ def test_every_point_is_what_the_map_makes_of_its_start(saddle):
 
 
 def test_an_image_of_the_manifold_lies_on_it(saddle):
-    """To a tolerance that shrinks with the square of the spacing: the polyline's own error."""
+    """To a tolerance that shrinks with the spacing: the polyline's own error."""
     P, worst = saddle.map, []
     whole = manifolds(saddle, "unstable", length=1.0)
     rows = rows_of(whole)
