@@ -1,8 +1,12 @@
 """``python -m grazing_checker FILE...``: print what each certificate proves; exit 1 if one proves nothing."""
 
+import re
 import sys
 
 from grazing_checker import Rejected, check
+
+#: A name of a file that is printed as it is; a sentence is none.
+PLAIN = re.compile(r"[\w./\\:~+=@,-]+")
 
 
 def main(files: list[str]) -> int:
@@ -15,11 +19,12 @@ def main(files: list[str]) -> int:
         anything(errors="backslashreplace")
     wrong = 0
     for name in files:
+        shown = name if PLAIN.fullmatch(name) else repr(name)
         try:
-            print(f"{name}: {check(name)}")
+            print(f"{shown}: {check(name)}")
         except Rejected as error:
             wrong = 1
-            print(f"{name}: rejected: {error}", file=sys.stderr)
+            print(f"{shown}: rejected: {error}", file=sys.stderr)
     return wrong
 
 

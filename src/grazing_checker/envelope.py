@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,8 @@ from grazing_checker.reading import Rejected
 FORMAT, VERSION = "grazing certificate", 2
 #: The fields of an envelope, all of them hashed but the last.
 FIELDS = ("format", "version", "kind", "statement", "trusted_base", "data", "inequalities", "sha256")
-#: Most bytes of a file that is read.
-LARGEST = 2**26
+#: Most bytes of a file that is read, most values in it, most characters of a number: those that need more are texts.
+LARGEST, VALUES, DIGITS = 2**24, 2**19, 30
 
 
 def seal(
@@ -70,12 +70,22 @@ def opened(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     A document is written and read once, so that what is checked is what a file could hold: JSON and nothing else.
     """
     text = _written(source) if isinstance(source, Mapping) else _read(source)
+    if sum(map(text.count, ",[{")) > VALUES:  # before it is read: an empty list of three bytes takes 64 in memory
+        raise Rejected(f"it has more than {VALUES} values: it is no certificate that this program follows")
     try:
-        document = json.loads(text, object_pairs_hook=_no_repeats, parse_constant=_no_constant)
+        document = json.loads(
+            text,
+            object_pairs_hook=_no_repeats,
+            parse_constant=_no_constant,
+            parse_int=_short(int),
+            parse_float=_short(float),
+        )
         _check_envelope(document)
     except Rejected:
         raise
-    except (ValueError, RecursionError) as error:  # 1e999 is read and cannot be written, nor can lists a thousand deep
+    except RecursionError:
+        raise Rejected("its lists lie too deep in each other: this is not the JSON of a certificate") from None
+    except ValueError as error:
         raise Rejected(f"this is not the JSON of a certificate: {error}; get it again from where it was made") from None
     return dict(document)
 
@@ -141,3 +151,14 @@ def _no_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _no_constant(name: str) -> Any:
     raise ValueError(f"{name} is not a number of JSON")
+
+
+def _short(kind: Callable[[str], Any]) -> Callable[[str], Any]:
+    """Return what reads a number of JSON if it is short: a long one takes time that grows with its length squared."""
+
+    def read(digits: str) -> Any:
+        if len(digits) > DIGITS:
+            raise ValueError(f"a number has {len(digits)} characters; at most {DIGITS} are read")
+        return kind(digits)
+
+    return read

@@ -293,7 +293,7 @@ class Path:
 
     def at(self, s: Ball, order: int = 0) -> Ball:
         """Return y, v or y'' after time s, which may be a ball shorter than a step."""
-        i = min(max(int(float(s.mid()) / float(self.h.mid())), 0), self.count - 1)
+        i = min(max(int(float((s.mid() / self.h.mid()).mid())), 0), self.count - 1)  # all of them hold the flight
         return self.pieces[i](s - i * self.h, order)
 
 

@@ -273,7 +273,7 @@ def orbit_rows(data: Mapping[str, Any], rows: Any) -> None:
     demand(word.least in (len(word.letters), len(word.letters) / 2), "the word repeats a shorter one more than twice")
     if word.least < len(word.letters):
         gaps = [abs(s[i] - s[i - k // 2]).lower() for i in range(k)]
-        rows.more("distance of the two halves of the orbit", max(gaps, key=float))
+        rows.more("distance of the two halves of the orbit", max(gaps))
     multiplier = powers.product(word)
     for root in s:
         multiplier /= 2 * root

@@ -2,8 +2,9 @@
 
 A law is a tree of JSON. Its leaves are texts: ``"v"``, the velocity before the impact; the name of a parameter of the
 law; or a double as of ``float.hex``. Its nodes are lists: ``["+", a, b]``, likewise ``- * /``; ``["-", a]``;
-``["abs", a]``; ``["^", a, b]``; ``["if", [c, a, b], x, y]`` with c one of ``< <= > >= ==``. The parameters of a law
-are a name space of their own: nothing here can see those of the model, and the text of a law calls them ``p.name``.
+``["abs", a]``; ``["^", a, b]``, where a^0 is 1; ``["if", [c, a, b], x, y]`` with c one of ``< <= > >= ==``. The
+parameters of a law are a name space of their own: nothing here can see those of the model, and the text of a law calls
+them ``p.name``.
 """
 
 from __future__ import annotations
@@ -129,6 +130,7 @@ def _whole(tree: Any) -> int | None:
 
 def _power(a: Jet, b: Jet, whole: int | None) -> Jet:
     """Return a^b: a product for a whole exponent, else e^(b log a) of an a > 0."""
+    demand(a.x.is_finite(), "the reset law has a power of what need not be a number")  # its power 0 would be 1
     if whole is not None:
         exponent = abs(whole)
         value, slope = a.x**exponent, exponent * a.x ** max(exponent - 1, 0)

@@ -175,4 +175,4 @@ def _least_period(problem: Problem, box: list[Ball], data: Mapping[str, Any], ro
         for i in range(n):
             laps, j = divmod(i + n // q, n)
             gaps += [abs(box[j] + laps * turn - box[i] - turn / q).lower(), abs(box[n + j] - box[n + i]).lower()]
-        rows.more(f"least period, divisor {q}", max(gaps, key=float))
+        rows.more(f"least period, divisor {q}", max(gaps))

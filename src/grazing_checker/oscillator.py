@@ -306,5 +306,5 @@ def _check_height(
 
 
 def inside(small: Point, large: Point) -> bool:
-    """Return whether a box surely lies in another."""
-    return all(bool(a.lower() >= b.lower() and a.upper() <= b.upper()) for a, b in zip(small, large, strict=True))
+    """Return whether a box surely lies inside another; bounds are rounded outwards, so that equal ones show nothing."""
+    return all(bool(a.lower() > b.lower() and a.upper() < b.upper()) for a, b in zip(small, large, strict=True))

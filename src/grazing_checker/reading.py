@@ -9,7 +9,8 @@ from typing import Any
 
 from grazing_checker.balls import Ball, number
 
-EXACT = re.compile(r"(-?)0x([0-9a-f]{1,2000})p(-?[0-9]{1,6})")
+#: Exact numbers have three times the digits of the finder's, and exponents beyond those of all doubles.
+EXACT = re.compile(r"(-?)0x([0-9a-f]{1,600})p(-?[0-9]{1,4})")
 DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,4})?")
 
 
@@ -17,8 +18,25 @@ DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,4})?")
 BLUNT = -30
 
 
+#: Most characters of a message, and of a number in it.
+LONGEST, QUOTED = 10_000, 80
+
+
 class Rejected(ValueError):
-    """A certificate that does not prove its statement, with the first thing that is wrong."""
+    """A certificate that does not prove its statement, with the first thing that is wrong.
+
+    The message is one line that can be read: what it quotes of a certificate may hold line ends and the like.
+    """
+
+    def __init__(self, said: str) -> None:
+        short = said if len(said) <= LONGEST else f"{said[:LONGEST]}..."
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in short))
+
+
+def quoted(text: Any) -> str:
+    """Return what a certificate holds, for a message: the beginning if it is long."""
+    said = repr(text)
+    return said if len(said) <= QUOTED else f"{said[:QUOTED]}..."
 
 
 def demand(holds: object, said: str) -> None:
@@ -31,7 +49,7 @@ def exact(text: Any) -> Ball:
     """Return the number that an exact text such as ``-0x2bp-7`` means."""
     found = EXACT.fullmatch(text) if isinstance(text, str) else None
     if found is None:
-        raise Rejected(f"{text!r} is no exact number")
+        raise Rejected(f"{quoted(text)} is no exact number: 0x, at most 600 digits, p, at most 4 digits of an exponent")
     return number(int(found[2], 16) * (-1 if found[1] else 1), int(found[3]))
 
 
@@ -40,15 +58,17 @@ def text_of_double(text: Any) -> float:
     try:
         x = float.fromhex(text)
     except (TypeError, ValueError, OverflowError):
-        raise Rejected(f"{text!r} is no double in hexadecimal") from None
-    demand(x.hex() == text and abs(x) < float("inf"), f"{text!r} is no finite double as float.hex writes it")
+        raise Rejected(f"{quoted(text)} is no double in hexadecimal") from None
+    demand(x.hex() == text and abs(x) < float("inf"), f"{quoted(text)} is no finite double as float.hex writes it")
     return x
 
 
 def decimal(text: Any) -> Ball:
     """Return a ball around the number that a decimal means."""
     if not (isinstance(text, str) and DECIMAL.fullmatch(text)):
-        raise Rejected(f"{text!r} is no decimal number")
+        raise Rejected(
+            f"{quoted(text)} is no decimal number: at most 60 digits before and after the point, and 4 of an exponent"
+        )
     fraction = Fraction(text)
     return number(fraction.numerator) / fraction.denominator
 

@@ -24,6 +24,8 @@ EVENTS = {
     "opposite signs at the ends of the curve",
     "gr": "a dip touches the wall (graze), which is above it at one end of the curve and below it at the other",
 }
+#: A decimal stands for the double nearest to it, in the law too.
+EXACTLY = "all parameters and the numbers in the law taken as these exact doubles,"
 
 
 def model_text(data: Mapping[str, Any]) -> str:
@@ -96,7 +98,7 @@ def orbit_sentence(data: Mapping[str, Any]) -> str:
     names = "" if n == 0 else "; t_i are the times of its impacts and w_i the velocities after them"
     met = "stays off the wall" if n == 0 else "meets the wall at no other time, and at each impact with a velocity < 0"
     return (
-        f"For {model_text(data)}, all parameters taken as these exact doubles, there is a periodic orbit "
+        f"For {model_text(data)}, {EXACTLY} there is a periodic orbit "
         f"{signature(n, data['periods'])} T{least_text(data)} that {met}, with {box_text(n, claims['box'])}{names}; no "
         f"other solution of the equations of such an orbit is within ({', '.join(claims['apart'])}) of it in these "
         f"coordinates; {STABILITY[claims['stability']]}."
@@ -113,7 +115,7 @@ def value_sentence(data: Mapping[str, Any]) -> str:
     but = " but for that dip, in which they are continued as if there were no wall" if grazes else ""
     beside = "" if grazes else f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
     return (
-        f"For {model_text(data)}, all parameters taken as these exact doubles, there is a value of {name} in "
+        f"For {model_text(data)}, {EXACTLY} there is a value of {name} in "
         f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T with "
         f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; the curve is one of such orbits in that box, "
         f"along which {pinned} grows, and they stay off the wall{' between their impacts' if n else ''}{but}{beside}."

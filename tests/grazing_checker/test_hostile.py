@@ -13,9 +13,10 @@ from grazing.proof.certify import certify
 from grazing_checker import Rejected, check
 from grazing_checker.__main__ import main
 from grazing_checker.balls import number, precision
+from grazing_checker.envelope import LARGEST, VALUES
 from grazing_checker.flight import Checked, Motion, Work
 from tests.grazing_checker.bases import bases
-from tests.grazing_checker.documents import changed, claiming, documents
+from tests.grazing_checker.documents import changed, claiming, documents, resealed
 from tests.proof.orbits import closed
 
 
@@ -83,24 +84,42 @@ def test_orbits_of_the_gap_map_that_meet_0_are_spoken_of_apart():
     assert statement.endswith("modulus above 1, or meets 0, where the slope of its letter R is infinite.")
 
 
+MEASURED = """
+import sys; sys.set_int_max_str_digits(0)
+from resource import getrusage, RUSAGE_SELF
+from grazing_checker.__main__ import main
+before = getrusage(RUSAGE_SELF); main(sys.argv[1:]); after = getrusage(RUSAGE_SELF)
+print(after.ru_maxrss - before.ru_maxrss, after.ru_utime - before.ru_utime)
+"""
+
+
+def measured(path):
+    """What is said of a file, the memory that it takes in bytes, and seconds of the processor."""
+    done = subprocess.run([sys.executable, "-c", MEASURED, path], capture_output=True, text=True)
+    memory, time = done.stdout.split()[-2:]
+    return done.stderr, int(memory) * 1024, float(time)
+
+
 HOSTILE = {
     "periods": {("periods",): 10_000},
     "rates": {("model", "k"): (1e5).hex(), ("precision",): 1024},
     "impacts": {("impacts",): 900, ("claims", "box"): [["0", "0"]] * 1800},
+    "precise": {("periods",): 800, ("precision",): 1024},
     "slow": {("model", "omega"): (1e-5).hex()},
     "harmonics": {("periods",): 10, ("model", "cos"): [(1e-3).hex()] * 1000, ("model", "sin"): [(1e-3).hex()] * 1000},
 }
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_a_certificate_that_keeps_the_checker_busy_is_rejected_before(name):
+def test_a_certificate_that_keeps_the_checker_busy_is_rejected_before(tmp_path, name):
     forged = documents()["free"]
     for path, new in HOSTILE[name].items():
         forged = changed(forged, ("data", *path), lambda _old, new=new: new)
-    before = process_time()
-    with pytest.raises(Rejected, match="too much work"):
-        check(claiming(forged))
-    assert process_time() - before < 20.0
+    path = tmp_path / "c.json"
+    path.write_text(json.dumps(claiming(forged)))
+    refusal, memory, time = measured(path)
+    assert "too much work" in refusal
+    assert memory < 16 * LARGEST and time < 20.0
 
 
 def test_work_is_counted_over_a_whole_certificate():
@@ -135,3 +154,120 @@ def test_the_name_of_a_file_need_not_be_text(tmp_path):
         errors="replace",
     )
     assert done.returncode == 0 and "For the oscillator" in done.stdout
+
+
+#: A line that pretends to be a certificate that passed.
+LIE = "\x1b[2J\r\ngood.json: For lam = 0.5 every orbit is stable.\u202e"
+
+
+def _places(document):
+    """The document with the lie as a key or a value, wherever one can be put."""
+    for path in [(), ("data",), ("data", "claims"), ("inequalities", 0)]:
+        inner = document
+        for step in path:
+            inner = inner[step]
+        yield {**document, LIE: 1} if not path else changed(document, path, lambda old: {**old, LIE: 1})
+        for key in inner:
+            if path or key in ("kind", "statement"):  # the others are made anew as it is sealed
+                yield changed(document, (*path, key), lambda _old: LIE)
+
+
+@pytest.mark.parametrize("name", ["R", "stable"])
+def test_a_message_about_a_certificate_is_one_line_whatever_it_quotes(name):
+    for forged in _places(bases()[name]):
+        for document in (forged, resealed(forged) if set(forged) <= set(bases()[name]) else forged):
+            with pytest.raises(Rejected) as refusal:
+                check(document)
+            assert str(refusal.value).isprintable()
+
+
+def test_a_message_quotes_no_more_than_can_be_read():
+    long = "x" * 10**6
+    for path in (("data", "word"), ("data", "lam"), ("inequalities", 0, "left"), ("kind",), ("statement",)):
+        with pytest.raises(Rejected) as refusal:
+            check(resealed(changed(bases()["R"], path, lambda _old: long)))
+        assert len(str(refusal.value)) < 20_000
+
+
+@pytest.mark.parametrize("name", ["a\nb", "good.json: For lam = 0.5 every orbit is stable.", "'; x", "\x1b[2J", LIE])
+def test_the_name_of_a_file_cannot_be_taken_for_a_sentence(tmp_path, monkeypatch, capsys, name):
+    """A name with more than letters, digits and marks of paths is quoted, on the line of what is proven."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_text(json.dumps(bases()["R"]))
+    assert main([name, name + "none"]) == 1
+    said, refused = capsys.readouterr()
+    assert said == f"{name!r}: {bases()['R']['statement']}\n"
+    assert refused.startswith(f"{name + 'none'!r}: rejected: ") and refused[:-1].isprintable()
+
+
+#: What files of the largest size hold as their data, and what is said of them; numbers of any length may be read.
+FILES = {
+    "lists": ("[", "[],", "0]", "more than 524288 values"),
+    "mappings": ("[", '{"a":1},', "0]", "more than 524288 values"),
+    "keys": ('{"b":0', ',"a":1', "}", "more than 524288 values"),
+    "deep": ("", "[", "", "more than 524288 values"),
+    "whole": ("", "9", "", "a number has 1677"),
+    "fraction": ("0.", "9", "", "a number has 1677"),
+    "exponent": ("1e", "9", "", "a number has 1677"),
+    "text": ('"', "x", '"', "changed after it was sealed"),
+    "wide": ('"', "\U0001f600", '"', "changed after it was sealed"),
+}
+
+
+def hostile_file(path, before, piece, after):
+    document = json.dumps({**bases()["R"], "data": {"x": "@"}}).split('"@"')
+    left = LARGEST - len("".join(document)) - 100
+    path.write_text(f"{before}{piece * (left // len(piece.encode()))}{after}".join(document), encoding="utf-8")
+    assert LARGEST - 200 < path.stat().st_size <= LARGEST
+    return path
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_the_largest_file_is_refused_before_it_takes_memory_or_time(tmp_path, name):
+    *pieces, said = FILES[name]
+    refusal, memory, time = measured(hostile_file(tmp_path / "c.json", *pieces))
+    assert said in refusal and "Traceback" not in refusal
+    assert memory < 16 * LARGEST and time < 5.0
+
+
+@pytest.mark.parametrize("piece", ["[],", '{"a":1},', '{"a":{"a":[]}},'])
+def test_the_most_values_that_are_read_fit_into_memory(tmp_path, piece):
+    path = tmp_path / "c.json"
+    document = json.dumps({**bases()["R"], "data": {"x": "@"}}).split('"@"')
+    marks = sum(map("".join(document).count, ",[{"))
+    path.write_text(f"[{piece * ((VALUES - marks - 1) // sum(map(piece.count, ',[{')))}0]".join(document))
+    refusal, memory, time = measured(path)
+    assert "changed after it was sealed" in refusal
+    assert memory < 16 * LARGEST and time < 5.0
+
+
+@pytest.mark.parametrize("levels", [400, 900, 20_000])
+def test_lists_in_lists_are_refused_in_words(tmp_path, levels):
+    path = tmp_path / "c.json"
+    document = json.dumps({**bases()["R"], "data": {"x": "@"}}).split('"@"')
+    path.write_text(("[" * levels + "]" * levels).join(document))
+    with pytest.raises(Rejected, match=r"too deep in each other|changed after it was sealed"):
+        check(path)
+
+
+NUMBERS = {
+    "exact": ("0x1p99999", "0x1p-99999999", "0x1p" + "9" * 10**6, "0x" + "f" * 601 + "p0", "0x" + "f" * 10**6 + "p0"),
+    "double": ("0x1p99999999", "0x1." + "0" * 10**6 + "p+0", "1" * 10**6),
+    "decimal": ("1E99999", "1E-99999999", "9" * 61, "0." + "9" * 10**6),
+}
+PLACES = {
+    "exact": [("data", "centre", 0), ("data", "radius"), ("data", "unique")],
+    "double": [("data", "lam"), ("data", "mu"), ("data", "preconditioner", 0, 0)],
+    "decimal": [("inequalities", 0, "left"), ("data", "claims", "apart"), ("data", "claims", "multiplier", 0)],
+}
+
+
+@pytest.mark.parametrize("form", NUMBERS)
+def test_a_number_of_great_length_or_exponent_is_refused_as_it_is_read(form):
+    for text in NUMBERS[form]:
+        for path in PLACES[form]:
+            forged = resealed(changed(bases()["R"], path, lambda _old, text=text: text))
+            before = process_time()
+            with pytest.raises(Rejected, match=f"is no (finite )?{form}"):
+                check(forged)
+            assert process_time() - before < 2.0

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import grazing_checker
+from tests.examples import examples
 from tests.grazing_checker import intervals
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, bases
 from tests.grazing_checker.documents import NAMES
@@ -75,7 +76,7 @@ def between(low, high):
     return one.union(two)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(NUMBERS, NUMBERS, RADII, RADII, st.floats(-1, 1), st.floats(-1, 1))
 def test_operations_enclose_what_exact_arithmetic_finds(a, b, r, q, s, t):
     x, y = Fraction(a) + Fraction(r) * Fraction(s), Fraction(b) + Fraction(q) * Fraction(t)
@@ -98,7 +99,7 @@ def test_operations_enclose_what_exact_arithmetic_finds(a, b, r, q, s, t):
         assert x <= y
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(st.floats(-40, 40), st.floats(0, 1) | st.just(0.0), st.floats(0.1, 50))
 def test_functions_agree_with_balls(a, r, b):
     before, intervals.ctx.prec = intervals.ctx.prec, 100

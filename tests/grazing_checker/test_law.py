@@ -1,16 +1,22 @@
 """Laws as expressions: what the checker evaluates, prints and refuses."""
 
 import math
+import re
 from types import SimpleNamespace
 
 import pytest
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mpmath import mp, mpf
 
 from grazing.proof.expression import in_doubles
+from grazing_checker import check
+from grazing_checker.balls import number, precision
 from grazing_checker.law import COMPARISONS, LEVELS, NODES, TAKEN, Jet, check_law, evaluate, law_text
 from grazing_checker.reading import Rejected
+from tests.examples import examples
+from tests.grazing_checker.documents import changed, claiming, documents
 
 ONE, TWO = (1.0).hex(), (2.0).hex()
 NUMBERS = st.floats(-8.0, 8.0).map(lambda x: round(x, 2)).map(float.hex)
@@ -36,7 +42,7 @@ def jets(v, r, V, radius=0.0):
 
 
 @given(TREES, st.floats(-3.0, -0.01), st.floats(0.1, 0.9))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_balls_hold_what_doubles_give_and_slopes_are_those_of_small_steps(tree, v, r):
     check_law({"parameters": {"r": None, "V": None}, "after": tree})
     h = arb(2) ** -80
@@ -58,7 +64,7 @@ def test_balls_hold_what_doubles_give_and_slopes_are_those_of_small_steps(tree, 
 
 
 @given(TREES, st.floats(-3.0, -0.01))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_the_text_of_a_law_means_what_its_tree_means(tree, v):
     """Read by Python, with its own rules of precedence, it gives the same double."""
 
@@ -93,6 +99,61 @@ def test_a_modulus_or_a_power_at_zero_is_refused_and_a_whole_power_is_not():
     assert not evaluate(["/", ONE, "v"], jets(0.0, 0.5, 0.5, 1e-30)).x.is_finite()
     root = evaluate(["^", ["-", "v"], "r"], jets(-2.0, 0.5, 0.5))
     assert math.isclose(float(root.x), 2**0.5) and math.isclose(float(root.by_p), 2**0.5 * math.log(2))
+
+
+def of_itself(trees):
+    """What a forger builds from one tree: nothing, one, and what is neither where the tree is 0 or undefined."""
+    zero = (0.0).hex()
+
+    def ways(a, how):
+        found = ["-", a, a], ["*", zero, a], ["/", a, a], ["^", a, zero], ["^", zero, a], ["/", a, zero], ["abs", a]
+        power = ["^", ["/", a, zero], zero]
+        return [*found, ["if", [how, a, a], a, ONE], ["if", [how, power, TWO], a, "v"]]
+
+    return st.tuples(trees, st.sampled_from(COMPARISONS), st.integers(0, 8)).map(lambda x: ways(*x[:2])[x[2]])
+
+
+FORGED = st.recursive(LEAVES, lambda trees: grown(trees) | of_itself(trees), max_leaves=8)
+LITERAL = re.compile(r"(?<![\w.])(\d+\.?\d*(?:e[+-]?\d+)?)")
+
+
+@given(FORGED, st.sampled_from([-0.5, -1.0, -0.7]), st.sampled_from([8, 40, 200]), st.floats(-0.999, 0.999))
+@settings(max_examples=examples(400))
+def test_a_law_that_is_taken_is_defined_and_smooth_as_its_formula_reads(tree, v, bits, share):
+    """The formula alone, read in 150 digits: nothing in it is undefined, and value and slope lie in their balls."""
+    check_law({"parameters": {"r": None, "V": None}, "after": tree})
+    with precision(256):
+        try:
+            after = evaluate(tree, jets(v, 0.7, 0.3, number(1, -bits)))
+        except Rejected:
+            return
+        if not all(x.is_finite() for x in after):
+            return
+    code = compile(LITERAL.sub(r"mpf(\1)", law_text(tree).replace("^", "**")), "law", "eval")
+    with mp.workdps(300), precision(800):
+        here, h, size = v + share * mpf(2) ** -bits, mpf(10) ** -120, mpf(10) ** -60
+
+        def value(x):
+            return +mpf(eval(code, {"mpf": mpf, "v": x, "p": SimpleNamespace(r=mpf(0.7), V=mpf(0.3))}))
+
+        for ball, x in ((after.x, value(here)), (after.by_v, (value(here + h) - value(here - h)) / (2 * h))):
+            low, high = (
+                mpf(int(m)) * mpf(2) ** int(e) for m, e in (end.man_exp() for end in (ball.lower(), ball.upper()))
+            )
+            room = size * (1 + abs(x) + abs(low))
+            assert low - room <= x <= high + room
+
+
+NO_NUMBERS = [["/", ONE, ["-", "r", "r"]], ["/", "v", (0.0).hex()], ["^", (0.0).hex(), (-1.0).hex()]]
+
+
+@pytest.mark.parametrize("what", NO_NUMBERS)
+def test_the_power_0_of_what_is_no_number_is_none(what):
+    """A ball around nothing to the power 0 is 1: the law would have a value where its sentence has none."""
+    power = ["^", what, (0.0).hex()]
+    for tree in (power, ["if", ["<", power, TWO], ONE, "v"], ["+", ONE, ["*", (0.0).hex(), power]]):
+        with pytest.raises(Rejected, match="need not be a number"):
+            evaluate(tree, jets(-0.5, 0.5, 0.5, 1e-30))
 
 
 NO_NAMES = [
@@ -153,3 +214,13 @@ def test_the_largest_law_is_evaluated_and_printed_in_time():
     check_law({"parameters": {}, "after": tree})
     assert float(evaluate(tree, jets(-1.0, 0.5, 0.5)).x) == (-1.0) ** LEVELS
     assert law_text(tree).count("-") == LEVELS - 1
+
+
+def test_the_numbers_in_a_law_are_said_to_be_doubles():
+    """Printed in decimals, a tenth is another number than the double: with it the orbit would lie outside its box."""
+    document = documents()["stable"]
+    r, V = (float.fromhex(document["data"]["law"]["parameters"][name]).hex() for name in ("r", "V"))
+    law = {"parameters": {}, "after": ["+", ["*", ["-", r], "v"], V]}
+    said = check(claiming(changed(document, ("data", "law"), lambda _old: law)))
+    formula = f"(-{float.fromhex(r)!r})*v + {float.fromhex(V)!r}"
+    assert f"makes u' = {formula}, all parameters and the numbers in the law taken as these exact doubles, " in said

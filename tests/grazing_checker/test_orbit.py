@@ -15,6 +15,7 @@ from grazing_checker.balls import double, number
 from grazing_checker.oscillator import spread
 from grazing_checker.reading import exact
 from grazing_checker.sentence import active_harmonics
+from tests.examples import examples
 from tests.grazing_checker.documents import changed, claiming, documents, resealed
 from tests.proof.orbits import closed, doubled, without_impacts
 
@@ -67,7 +68,7 @@ def test_a_preconditioner_that_is_singular_scaled_or_negative_proves_nothing(kin
 
 
 @given(st.lists(st.floats(-4, 4), min_size=8, max_size=8), st.tuples(st.floats(0.1, 2), st.floats(0.1, 2)))
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_whatever_passes_the_test_of_contraction_is_regular(entries, u):
     C, D = ([[double(x) for x in entries[k : k + 2]] for k in (i, i + 2)] for i in (0, 4))
     widths = [double(x) for x in u]

@@ -12,6 +12,7 @@ from grazing_checker import Rejected, check
 from grazing_checker.check import KINDS
 from grazing_checker.law import COMPARISONS, TAKEN, check_law
 from grazing_checker.reading import text_of_double
+from tests.examples import examples
 from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import at, changed, documents, leaves, resealed
 
@@ -60,7 +61,7 @@ STRANGE = st.sampled_from(VALUES)
 
 
 @given(st.data())
-@settings(max_examples=400)
+@settings(max_examples=examples(400))
 def test_what_the_schema_refuses_the_checker_refuses_too(data):
     document = bases()[data.draw(st.sampled_from(sorted(bases())))]
     paths = [path for path in leaves(document) if path[0] in ("data", "inequalities", "kind")]
@@ -86,7 +87,7 @@ TREES = st.recursive(
 
 
 @given(TREES)
-@settings(max_examples=400)
+@settings(max_examples=examples(400))
 def test_the_schema_of_laws_refuses_no_law_that_the_checker_takes(tree):
     try:
         check_law({"parameters": {"r": None, "V": None}, "after": tree})

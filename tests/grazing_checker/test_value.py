@@ -3,6 +3,8 @@
 import pytest
 
 from grazing_checker import Rejected, check
+from grazing_checker.balls import Ball, number, precision
+from grazing_checker.oscillator import inside
 from tests.grazing_checker.documents import changed, claiming, documents
 
 VALUES = ("pd", "gr", "lp", "ns")
@@ -116,3 +118,15 @@ def test_a_neimark_sacker_pair_is_complex_on_all_of_the_curve():
     assert document["inequalities"][-1]["name"] == "trace^2/4 - det"
     refused(changed(document, ("inequalities",), lambda rows: rows[:-1]), "is missing")
     refused(changed(documents()["pd"], ("data", "type"), lambda _old: "ns"), "does not surely change its sign")
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_box_that_ends_less_than_a_rounding_outside_another_is_not_inside(side):
+    """Both bounds are rounded to the same number."""
+    with precision(256):
+        tiny = number(1, -10)
+        large, near = (Ball(number(1) - side * number(1, e), tiny) for e in (-300, -301))
+        middle = Ball(number(1), tiny / 2)
+        ends = [(one.lower(), one.upper()) for one in (near, large)]
+        assert ends[0][side > 0].contains(ends[1][side > 0])
+        assert not inside([near], [large]) and inside([middle], [large])

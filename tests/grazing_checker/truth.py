@@ -5,7 +5,7 @@ the gap map is iterated. Nothing of grazing_checker is used, and of the certific
 """
 
 from functools import cache, partial
-from math import inf
+from itertools import pairwise
 
 import numpy as np
 from mpmath import mp, mpf
@@ -298,15 +298,15 @@ class Rig:
             total = mp.matrix([[1 + dL[0], dL[1]], [g * (by_t[1] + a * dL[0]), g * (by_w[1] + a * dL[1])]]) * total
         return total[0, 0] + total[1, 1], total[0, 0] * total[1, 1] - total[0, 1] * total[1, 0]
 
-    def lowest_seen(self, x, flight, count=400):
-        """The lowest height at inner times of a flight, in double precision."""
+    def dips(self, x, flight, count=400):
+        """The lowest heights of a flight: by floats on a grid, and each dip between to all digits."""
         z, L, _E, _end = self.flights(x)[flight]
         step = np.array(mp.expm(self.M * (L / count)).tolist(), dtype=float)
-        state, low = np.array(z.tolist(), dtype=float)[:, 0], inf
-        for _ in range(1, count):
-            state = step @ state
-            low = min(low, state[0])
-        return low
+        states = [np.array(z.tolist(), dtype=float)[:, 0]]
+        for _ in range(count):
+            states.append(step @ states[-1])
+        turns = [i for i, (one, two) in enumerate(pairwise(states)) if one[1] < 0 < two[1]]
+        return min(one[0] for one in states[1:-1]), [self.lowest(x, flight, L * (i + mpf(0.5)) / count) for i in turns]
 
     def lowest(self, x, flight, time):
         """The height of the local minimum of a flight that is near a time."""
@@ -333,7 +333,9 @@ def off_the_wall(rig, x, but=None):
         if rig.n:
             hold(end[1] < 0, "an impact does not arrive from above")
             hold(rig.after(end[1])[0] >= 0, "the law returns a velocity into the wall")
-        hold(rig.lowest_seen(x, i) > (-1e-10 if i == but else -1e-13), f"flight {i + 1} meets the wall")
+        seen, dips = rig.dips(x, i)
+        least = -1e-10 if i == but else 0
+        hold(seen > min(least, -1e-13) and all(dip > least for dip in dips), f"flight {i + 1} meets the wall")
 
 
 def multipliers(trace, det):

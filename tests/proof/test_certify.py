@@ -1,6 +1,6 @@
 import json
 from dataclasses import replace
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -38,9 +38,9 @@ def claimed(certificate, name):
 def test_the_stable_orbits_of_every_window_are_proven_stable_in_time(table):
     for N, (low, high) in table.items():
         (orbit,) = (o for o in gz.one_impact_orbits(PINBALL.replace(d=(low + high) / 2), N) if o.admissible)
-        start = perf_counter()
+        start = process_time()
         certificate = certify(orbit)
-        assert perf_counter() - start < 2.0
+        assert process_time() - start < 2.0
         assert certificate.claims["stability"] == "stable"
         assert certificate.claims["least_period"]
         assert check_certificate(certificate.document) == certificate.statement
@@ -55,9 +55,9 @@ def test_the_stable_orbits_of_every_window_are_proven_stable_in_time(table):
 def test_the_doubled_orbits_are_proven_unstable_in_time(table):
     for N, (low, high) in table.items():
         orbit = doubled(PINBALL, N, "d", high, low)
-        start = perf_counter()
+        start = process_time()
         certificate = certify(orbit)
-        assert perf_counter() - start < 2.0
+        assert process_time() - start < 2.0
         assert certificate.claims["stability"] == "unstable"
         assert certificate.claims["least_period"]
         assert "2 impacts in" in certificate.statement

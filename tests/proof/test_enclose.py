@@ -1,4 +1,4 @@
-from time import perf_counter
+from time import process_time
 
 import pytest
 
@@ -35,9 +35,9 @@ def test_the_edges_of_the_windows_of_the_standard_model_are_enclosed_in_time():
     count = 0
     for kind, edge, orbits in edges(gz.pinball(V=0.4), "d", range(2, 8)):
         (orbit,) = orbits
-        start = perf_counter()
+        start = process_time()
         certificate = enclose(orbit, kind, "d")
-        assert perf_counter() - start < 2.0
+        assert process_time() - start < 2.0
         low, high = checked(certificate).value
         assert low <= edge <= high
         assert high - low <= 1e-12

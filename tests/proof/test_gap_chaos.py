@@ -11,6 +11,7 @@ from grazing import theory
 from grazing.outcome import InputError
 from grazing.proof.gap_chaos import prove_no_attractor
 from grazing_checker import check
+from tests.examples import examples
 from tests.theory.naive import iterate, slope
 
 CLOSE = 1e-12
@@ -61,7 +62,7 @@ def test_the_orbit_that_is_in_the_way_attracts():
     assert min(abs(orbit.points - x)) < 1e-9
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(
     lam=st.floats(0.05, 0.99), l=st.just(0.0) | st.floats(1e-3, 1.0), mu=st.floats(1e-3, 1.5), seed=st.integers(0, 99)
 )

@@ -1,11 +1,14 @@
+import os
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grazing.proof.text import above, below, enclosed, exact_text, short
+from grazing.outcome import InputError
+from grazing.proof.text import above, below, enclosed, exact_text, short, write_certificate
 from grazing_checker.reading import Rejected, decimal, exact, text_of_double
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e100, max_value=1e100)
@@ -58,3 +61,30 @@ def test_what_is_no_decimal_is_rejected(text):
 def test_what_is_no_double_as_python_writes_it_is_rejected(text):
     with pytest.raises(Rejected):
         text_of_double(text)
+
+
+def test_a_certificate_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    """A full disk left half of it in the place of the old one; a link was followed, and a pipe waited for."""
+    file, other = tmp_path / "a.json", tmp_path / "other"
+    other.write_text("precious")
+    write_certificate({"a": 1}, file)
+    before = file.read_bytes()
+    real = Path.write_text
+
+    def full(self, text, **options):
+        real(self, text[:3], **options)
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch, pytest.raises(InputError, match="cannot be written: No space left"):
+        patch.setattr(Path, "write_text", full)
+        write_certificate({"a": 2}, file)
+    assert file.read_bytes() == before and {path.name for path in tmp_path.iterdir()} == {"a.json", "other"}
+    with pytest.raises(InputError, match="is a folder"):
+        write_certificate({"a": 2}, tmp_path)
+    with pytest.raises(InputError, match="cannot be written"):
+        write_certificate({"a": 2}, tmp_path / "nowhere" / "a.json")
+    for put in (lambda: file.symlink_to(other), lambda: os.mkfifo(file) if hasattr(os, "mkfifo") else None):
+        file.unlink()
+        put()
+        write_certificate({"a": 1}, file)
+        assert file.read_bytes() == before and other.read_text() == "precious" and not file.is_symlink()

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+from grazing.outcome import InputError
 
 if TYPE_CHECKING:
     from flint import arb
@@ -68,7 +72,24 @@ def _decimal(x: arb, rounding: str, digits: int) -> str:
 
 
 def write_certificate(document: Mapping[str, Any], path: str | Path) -> Path:
-    """Write a certificate to a file, readable by eye, and return the path."""
+    """Write a certificate to a file, readable by eye, whole or not at all, and return the path.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written; what was there stays.
+    """
     target = Path(path)
-    target.write_text(json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n", encoding="ascii")
+    text = json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n"
+    part = target.with_name(f".{uuid4().hex}.partial")
+    try:
+        if target.is_dir():
+            raise InputError(f"{target} is a folder; give the name of a file")
+        part.write_text(text, encoding="ascii")
+        part.replace(target)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
     return target
