@@ -1,5 +1,7 @@
 import json
 import os
+from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -55,6 +57,24 @@ def test_shards_compute_their_own(tmp_path):
     assert (found.chunks, found.chunks_done, found.cells_done) == (4, 1, 2)
     assert [file.name for file in (tmp_path / "a.zarr" / "done" / "c").iterdir()] == ["1"]
     assert sweep.run(plan(7), tmp_path / "a.zarr", shard=(5, 9)).chunks_done == 1  # more shards than chunks
+
+
+@pytest.mark.parametrize("look", ["exists", "is_dir", "iterdir"])
+def test_another_process_makes_the_store_between_two_looks(tmp_path, monkeypatch, look):
+    store, made = tmp_path / "a.zarr", tmp_path / "made.zarr"
+    sweep.run(plan(n=4), made, chunk=2)
+    if look != "exists":
+        store.mkdir()  # an empty folder: a store may take its name
+    original = getattr(Path, look)
+
+    def after_the_rename(self, *args, **options):
+        if self == store and os.path.lexists(made):
+            os.rename(made, store)
+        return original(self, *args, **options)
+
+    monkeypatch.setattr(Path, look, after_the_rename)
+    assert sweep.run(plan(n=4), store, chunk=2).complete
+    assert not made.exists()
 
 
 def test_missing_chunks_alone_are_computed_again(tmp_path):
@@ -229,7 +249,8 @@ def test_a_recipe_makes_the_plan_again(tmp_path, monkeypatch):
     assert sweep.resume(store).complete
     assert made == [{"n": 7}] * 2
     assert sweep.verify(store).ok
-    assert sweep.open_store(store).attrs["finished"] == "yes"
+    # opening takes no recipe that names no study of ours; the plan itself finishes
+    assert sweep.open_store(store, plan=plan(7, finish=finish)).attrs["finished"] == "yes"
 
 
 def test_without_a_recipe_the_plan_is_needed(tmp_path):
@@ -249,12 +270,11 @@ def test_without_a_recipe_the_plan_is_needed(tmp_path):
 def test_an_exception_leaves_a_store_to_be_resumed(tmp_path, threads):
     store = tmp_path / "a.zarr"
     for error in (KeyboardInterrupt, ZeroDivisionError):
-        some, count = plan(9), []
+        some, calls = plan(9), count(1)
         compute = some.compute
 
-        def failing(cells, arrays, compute=compute, count=count, error=error):
-            count.append(1)
-            if len(count) == 4:
+        def failing(cells, arrays, compute=compute, calls=calls, error=error):
+            if next(calls) == 4:  # of one thread alone, however many there are
                 raise error
             yield from compute(cells, arrays)
 
