@@ -5,6 +5,7 @@ import os
 import struct
 import subprocess
 import sys
+import time
 import zlib
 
 import numpy as np
@@ -116,6 +117,27 @@ def test_a_pipe_is_not_waited_for(tmp_path):
             [sys.executable, "-m", "grazing", "info", str(tmp_path / name)], capture_output=True, text=True, timeout=30
         )
         assert done.returncode == 2, done
+
+
+def head_of(record, count):
+    """The head of a file with so many variables of one number."""
+    text = record + b" " * (-len(record) % 4)
+    head = b"CDF\x02" + struct.pack(">III", 0, 0, 0)
+    head += struct.pack(">III12sII", 12, 1, 12, b"grazing_file", 2, len(text)) + text
+    each = (struct.pack(">I8sIIIIIq", 6, b"%06d" % i, 0, 0, 0, 6, 8, 64) for i in range(count))
+    return head + struct.pack(">II", 11, count) + b"".join(each)
+
+
+def test_a_head_that_takes_for_ever_is_not_read(tmp_path):
+    """A hundred thousand variables took half a minute, and lists of nothing thirty times their bytes of memory."""
+    for record, count in ((b"{}", 100_000), (b"[" + b"[]," * 6_000_000 + b"[]]", 0)):
+        (tmp_path / "a.nc").write_bytes(head_of(record, count))
+        begun = time.process_time()
+        with pytest.raises(InputError, match=r"is damaged and cannot be read: it(s record)? has more than"):
+            gz.load(tmp_path / "a.nc")
+        assert time.process_time() - begun < 15.0
+    with pytest.raises(InputError, match="at most 10000"):
+        gz.save(xr.Dataset({f"x{i}": 0 for i in range(10_001)}), tmp_path / "b.nc")
 
 
 # ---- tables

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.compile import digest
+from grazing.kernel.content import digest
 from grazing.outcome import InputError
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.

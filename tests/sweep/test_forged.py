@@ -5,12 +5,15 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import grazing as gz
 from grazing import sweep
+from grazing.config import plan_of
 from grazing.outcome import GrazingError
 from grazing.sweep import manifest
 from tests.sweep.forger import bound, forged
@@ -237,8 +240,6 @@ def test_what_a_store_announces_is_not_taken_from_memory(store, tmp_path):
 
 def test_a_recipe_of_another_sweep_adds_nothing(tmp_path):
     """It was taken: a table of attractors from other starts in silence, and a bare KeyError from another study."""
-    from grazing.config import plan_of
-
     gap = {"map": "gap", "parameters": {"lam": 0.8, "l": 0.1}}
     config = {"study": "coexistence", **gap, "vary": {"mu": "-0.1:0.3:4"}, "settings": {"starts": 5}}
     store = tmp_path / "a.zarr"
@@ -253,3 +254,70 @@ def test_a_recipe_of_another_sweep_adds_nothing(tmp_path):
         found = gz.load(forged(store, change))
         assert "recipe is of another sweep" in found.attrs["grazing_note"]
         assert "attractor" not in found.sizes
+
+
+def coexisting(folder):
+    gap = {"map": "gap", "parameters": {"lam": 0.8, "l": 0.1}}
+    config = {"study": "coexistence", **gap, "vary": {"mu": "-0.1:0.3:4"}, "settings": {"starts": 5}}
+    sweep.run(plan_of(config), folder / "a.zarr")
+    return config, folder / "a.zarr"
+
+
+def test_lists_of_nothing_are_not_read(store):
+    """JSON of 128 MB that holds nothing but lists takes 5 GB and half a minute, once for each file."""
+    for file in ("zarr.json", "mean/zarr.json", manifest.TEMPLATE, manifest.SEAL, f"{manifest.CHUNKS}/0"):
+        whole = (store / file).read_bytes()
+        (store / file).write_bytes(b"[" + b"[]," * 6_000_000 + b"[]]")
+        with pytest.raises(GrazingError, match="more than it can have"):
+            gz.load(store)
+        (store / file).write_bytes(whole)
+
+
+def test_a_recipe_of_anything_is_a_note(tmp_path):
+    """Studies without cells made the store "a folder" that cannot be opened; a density's range was sought for ever."""
+    config, store = coexisting(tmp_path)
+    gap = {"map": "gap", "parameters": {"lam": 0.8, "l": 0.1}}
+    dear = {"starts": 1000, "transient": 10**12}
+    recipes = [{}, {"study": "xx"}, {"study": ["diagram"]}, {"study": "trajectory", "settings": {"state": [0.1, 0]}},
+               {"study": "orbit", **gap, "settings": {"period": "1:3"}}, {**config, "curves": [2]},
+               {"study": "density", **gap, "vary": {"mu": "0:1:1000"}, "settings": dear},
+               {**config, "vary": {"mu": "-0.1:0.3:99999999"}}, {**config, "vary": [["mu", "0:1:99999999"]]},
+               {**config, "vary": 3}, {**config, "vary": [3]}, {**config, "settings": {"starts": 10**8}}]  # fmt: skip
+    for recipe in recipes:
+
+        def change(metadata, _layout, _prints, recipe=recipe):
+            metadata["zarr.json"]["attributes"]["grazing_recipe"] = json.dumps(recipe)
+
+        begun = time.process_time()
+        found = gz.load(forged(store, change))
+        assert "recipe is of another sweep" in found.attrs["grazing_note"] and "reached_word" in found
+        assert time.process_time() - begun < 5.0
+
+
+def test_numbers_that_would_take_for_ever_to_finish_are_a_note(tmp_path):
+    """Recipe, configuration and hashes fit; only to follow the attractors again would take days."""
+    config, store = coexisting(tmp_path)
+    assert "attractor" in gz.load(store).sizes
+    dear = plan_of({**config, "settings": {"starts": 5, "transient": 10**12}})
+
+    def change(metadata, _layout, _prints):
+        attrs = metadata["zarr.json"]["attributes"]
+        attrs |= dear.document | {"grazing_recipe": json.dumps(dear.recipe)}
+
+    begun = time.process_time()
+    found = gz.load(forged(store, change))
+    assert "takes more than" in found.attrs["grazing_note"] and "reached_word" in found
+    assert time.process_time() - begun < 5.0
+
+
+def test_what_basins_would_take_is_seen_in_their_numbers():
+    P = gz.gap_map(lam=0.8, mu=0.05, l=0.1)
+    plan = gz.plans.basins(P, {"x": np.linspace(0.0, 1.0, 1000)})
+    honest, period = np.zeros((1000, 1)), np.ones(1000, np.int32)
+    words = np.full(1000, "L", object)
+    told = []
+    for points in (honest, np.random.default_rng(1).random((1000, 1))):
+        result = xr.Dataset({"reached_period": ("x", period), "reached_word": ("x", words),
+                             "reached_point": (("x", "coordinate"), points)})  # fmt: skip
+        told.append(plan.finish_work(result))
+    assert told[1] > told[0] + 1000.0

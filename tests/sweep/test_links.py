@@ -7,6 +7,7 @@ import pytest
 
 from grazing import sweep
 from grazing.outcome import GrazingError
+from grazing.sweep import files
 from grazing.sweep.store import open_existing
 from grazing.sweep.task import note_run, note_time
 from tests.sweep.plans import plan
@@ -95,3 +96,50 @@ def test_a_file_behind_a_link_is_left_alone(store, key, gone):
         assert around(store) == before
     assert sweep.resume(store, plan(7)).complete
     assert sweep.verify(store, plan=plan(7)).ok
+
+
+@pytest.mark.skipif(os.open not in os.supports_dir_fd, reason="needs open folders")
+@pytest.mark.parametrize("call", ["write", "append", "remove", "clear"])
+def test_a_folder_that_becomes_a_link_after_it_was_looked_at_leads_nowhere(store, call, monkeypatch):
+    """Somebody swaps the folder in the very moment before the file in it is opened, or removed."""
+    theirs, swapped = store.parent / "theirs", []
+    names = {
+        "write": ("open", ".partial"),
+        "append": ("open", "0"),
+        "remove": ("unlink", "0"),
+        "clear": ("unlink", "0"),
+    }
+    what, ending = names[call]
+    real = getattr(os, what)
+
+    def late(path, *args, **options):
+        if str(path).endswith(ending) and not swapped:
+            swapped.append(True)
+            (store / "mean" / "c").rename(store / "mean" / "before")
+            (store / "mean" / "c").symlink_to(theirs, target_is_directory=True)
+        return real(path, *args, **options)
+
+    before = around(store)
+    monkeypatch.setattr(os, what, late)
+    act = {
+        "write": lambda: files.write_file(store, "mean/c/0", b"evil"),
+        "append": lambda: files.append_line(store, "mean/c/0", "evil"),
+        "remove": lambda: files.remove_file(store, "mean/c/0"),
+        "clear": lambda: files.clear_way(store, "mean/c/0"),
+    }
+    act[call]()
+    assert swapped and around(store) == before
+
+
+@pytest.mark.parametrize("key", [".grazing/locks/gate", ".grazing/history.jsonl"])
+def test_a_second_name_of_somebodys_file_is_left_alone(store, key):
+    """The gate of the locks emptied it, and the history grew in it."""
+    theirs = store.parent / "theirs" / "poetry.lock"
+    (store / key).unlink()
+    os.link(theirs, store / key)
+    before = around(store)
+    for call in everything(store):
+        with suppress(GrazingError):
+            call()
+        assert around(store) == before
+    assert sweep.resume(store, plan(7)).complete

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import re
 import shutil
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
@@ -17,9 +19,12 @@ Print = tuple[int, str]
 PARTIAL = re.compile(r"(?P<name>.+)\.[0-9a-f]{32}\.partial")
 #: What documents of any form raise when they are read as those of a store.
 MISFIT = (ValueError, TypeError, KeyError, AttributeError, IndexError, RecursionError, OverflowError)
-#: Bytes of a file of metadata beyond which it is none.
-LONGEST = 2**27
+#: Bytes of a file of metadata beyond which it is none: JSON takes twenty times as much in memory.
+LONGEST = 2**24
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+_HANDLES = os.open in os.supports_dir_fd
+_FOLDER = os.O_RDONLY | getattr(os, "O_DIRECTORY", 0) | getattr(os, "O_CLOEXEC", 0)
+_APPEND = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 
 
@@ -70,26 +75,26 @@ def write_file(root: Path, key: str, content: bytes, fsync: bool = False) -> Non
     OSError
         If it cannot be written.
     """
-    path = root / key
-    made = _make_folders(root, key)
-    partial = path.with_name(f"{path.name}.{uuid4().hex}.partial")
-    handle = os.open(partial, _NEW, 0o666)
-    try:
+    made: list[Path] = []
+    with _opened(root, key, made) as (where, name):
+        partial = f"{name}.{uuid4().hex}.partial"
         try:
-            left = memoryview(content)
-            while left:
-                left = left[os.write(handle, left) :]
-            if fsync:
-                os.fsync(handle)
-        finally:
-            os.close(handle)
-        os.replace(partial, path)
-    except BaseException:
-        with suppress(OSError):
-            partial.unlink()
-        raise
+            handle = os.open(partial, _NEW, 0o666, dir_fd=where)
+            try:
+                left = memoryview(content)
+                while left:
+                    left = left[os.write(handle, left) :]
+                if fsync:
+                    os.fsync(handle)
+            finally:
+                os.close(handle)
+            os.replace(partial, name, src_dir_fd=where, dst_dir_fd=where)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(partial, dir_fd=where)
+            raise
     if fsync:
-        for folder in [path.parent, *made]:
+        for folder in [(root / key).parent, *made]:
             fsync_folder(folder)
 
 
@@ -101,13 +106,18 @@ def append_line(root: Path, key: str, line: str) -> None:
     OSError
         If it cannot be written.
     """
-    _make_folders(root, key)
-    more = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
-    handle = os.open(root / key, os.O_WRONLY | os.O_APPEND | os.O_CREAT | more, 0o666)
-    try:
-        os.write(handle, f"{line}\n".encode())
-    finally:
-        os.close(handle)
+    content = f"{line}\n".encode()
+    with _opened(root, key, []) as (where, name):
+        handle = os.open(name, _APPEND, 0o666, dir_fd=where)
+        try:
+            known = os.fstat(handle)
+            if stat.S_ISREG(known.st_mode) and known.st_nlink == 1:
+                os.write(handle, content)
+                return
+        finally:
+            os.close(handle)
+    # a second name of somebody's file, as in a copy made of hard links: that one stays as it is
+    write_file(root, key, (read_file(root / key) if stat.S_ISREG(known.st_mode) else b"") + content)
 
 
 def is_own(root: Path, key: str) -> bool:
@@ -132,13 +142,12 @@ def is_plain(root: Path, key: str) -> bool:
 
 def clear_way(root: Path, key: str) -> None:
     """Remove what stands where a file and its folders belong: links, pipes, files for folders, folders for files."""
-    here = root
-    for part in key.split("/")[:-1]:
-        here = here / part
-        with suppress(FileNotFoundError):
-            if not stat.S_ISDIR(os.lstat(here).st_mode):
-                here.unlink()
-    remove(root / key)
+    parts = key.split("/")
+    for i in range(1, len(parts)):
+        with suppress(FileNotFoundError), _opened(root, "/".join(parts[:i])) as (where, name):
+            if not stat.S_ISDIR(os.lstat(name, dir_fd=where).st_mode):
+                os.unlink(name, dir_fd=where)
+    remove_file(root, key)
 
 
 def remove_file(root: Path, key: str) -> None:
@@ -149,15 +158,11 @@ def remove_file(root: Path, key: str) -> None:
     OSError
         If it cannot be removed, or if there is a link in the way.
     """
-    here = root
-    for part in key.split("/")[:-1]:
-        here = here / part
-        try:
-            if not stat.S_ISDIR(os.lstat(here).st_mode):
-                raise _not_own(here)
-        except FileNotFoundError:
-            return
-    remove(root / key)
+    with suppress(FileNotFoundError), _opened(root, key) as (where, name):
+        if stat.S_ISDIR(os.lstat(name, dir_fd=where).st_mode):
+            shutil.rmtree(name, dir_fd=where)
+        else:
+            os.unlink(name, dir_fd=where)
 
 
 def remove(path: Path) -> None:
@@ -171,19 +176,44 @@ def remove(path: Path) -> None:
         return
 
 
-def _make_folders(root: Path, key: str) -> list[Path]:
-    """Make the folders between; return those in which one was made."""
-    made, here = [], root
-    for part in key.split("/")[:-1]:
-        above, here = here, here / part
-        try:
+@contextmanager
+def _opened(root: Path, key: str, made: list[Path] | None = None) -> Iterator[tuple[int | None, str]]:
+    """Give the open folder of a file and its name there; folders are made if ``made`` is a list, which gets them.
+
+    What is done there is done in this very folder, whatever link somebody puts into its place in the meantime. A
+    system without such handles gives None and the whole path.
+    """
+    *folders, name = key.split("/")
+    if not _HANDLES:  # pragma: no cover  (Windows, where links need rights)
+        here = root
+        for part in folders:
+            if made is not None and not here.joinpath(part).exists():
+                made.append(here)
+                here.joinpath(part).mkdir(exist_ok=True)
+            here = here / part
             if not stat.S_ISDIR(os.lstat(here).st_mode):
                 raise _not_own(here)
-        except FileNotFoundError:
-            with suppress(FileExistsError):  # another task was faster
-                os.mkdir(here)
-            made.append(above)
-    return made
+        yield None, str(here / name)
+        return
+    here, handle = root, os.open(root, _FOLDER)
+    try:
+        for part in folders:
+            if made is not None:
+                with suppress(FileExistsError):  # it is there, or another task was faster
+                    os.mkdir(part, dir_fd=handle)
+                    made.append(here)
+            here = here / part
+            try:
+                inner = os.open(part, _FOLDER | os.O_NOFOLLOW, dir_fd=handle)
+            except OSError as error:
+                if error.errno in (errno.ELOOP, errno.ENOTDIR, errno.EMLINK):
+                    raise _not_own(here) from None
+                raise
+            outer, handle = handle, inner  # before it is closed: Ctrl-C may come between, and closes no number twice
+            os.close(outer)
+        yield handle, name
+    finally:
+        os.close(handle)
 
 
 def _not_own(folder: Path) -> NotADirectoryError:

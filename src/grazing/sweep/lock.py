@@ -207,9 +207,9 @@ def _make(folder: Path) -> None:
 def _one_at_a_time(folder: Path) -> Iterator[float]:
     """Let one process at a time look at the locks and place its own; give the time, by the clock of the disk."""
     gate = folder / "gate"
-    if os.path.lexists(gate) and not stat.S_ISREG(os.lstat(gate).st_mode):
+    if os.path.lexists(gate) and not _is_only_name(os.lstat(gate)):
         remove(gate)
-    handle = os.open(gate, os.O_RDWR | os.O_CREAT, 0o666)
+    handle = os.open(gate, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
     try:
         os.write(handle, b".")
         os.ftruncate(handle, 0)
@@ -219,6 +219,11 @@ def _one_at_a_time(folder: Path) -> Iterator[float]:
         yield os.fstat(handle).st_mtime
     finally:
         os.close(handle)
+
+
+def _is_only_name(known: os.stat_result) -> bool:
+    """Whether something is a file that no hard link shares: the other one is somebody's, and would be emptied."""
+    return stat.S_ISREG(known.st_mode) and known.st_nlink == 1
 
 
 def _try_lock(handle: int, alone: bool = True) -> bool | None:

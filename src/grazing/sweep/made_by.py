@@ -7,7 +7,8 @@ import platform
 from functools import cache, lru_cache
 from pathlib import Path
 
-from grazing.kernel.compile import digest, processor
+from grazing.kernel.compile import processor
+from grazing.kernel.content import digest
 from grazing.studies.labels import versions
 from grazing.studies.plan import Plan
 

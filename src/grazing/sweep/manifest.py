@@ -26,6 +26,8 @@ from grazing.sweep.files import MISFIT, Print, is_name, read_file
 
 MANIFEST = "manifest"
 TEMPLATE, CHUNKS, SEAL = f"{MANIFEST}/template", f"{MANIFEST}/chunks", f"{MANIFEST}/seal"
+#: Bytes of a seal: its frame, and the hash of a record with its quotes and comma.
+LONG_SEAL, HASH = 1000, 67
 _HASH = re.compile(r"[0-9a-f]{64}")
 #: Files of an array, below its folder.
 _METADATA, _NUMBERS = re.compile(r"zarr\.json"), re.compile(r"c(/[0-9]+)*")
@@ -129,7 +131,7 @@ def read_seal(path: Path, identity: str, count: int) -> list[str] | None:
         If it cannot be read, is not what was written, or belongs to another store.
     """
     try:
-        content = read_file(path / SEAL)
+        content = read_file(path / SEAL, LONG_SEAL + count * HASH)
     except FileNotFoundError:
         return None
     with _ours():

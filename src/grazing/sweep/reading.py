@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
 from math import prod
@@ -11,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.outcome import InputError, in_one_line
+from grazing.outcome import GrazingError, InputError, in_one_line, shown
 from grazing.studies.outside import with_note
 from grazing.studies.plan import POINTER, Plan
 from grazing.sweep.codec import fill_value
 from grazing.sweep.files import MISFIT
+from grazing.sweep.grid import seconds_per_step
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
 from grazing.sweep.letters import TEXT, decoded, restored_attrs
 from grazing.sweep.manifest import Record
@@ -29,8 +31,16 @@ if TYPE_CHECKING:
 
 #: Copies of letters while they become texts: as read, sorted, and decoded.
 LETTERS = 3
+#: Studies that add something when all cells are there.
+FINISHED = ("coexistence", "basins")
+#: Seconds that this may take where nobody but the store asks for it.
+PATIENCE = 20.0
 NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
 MIXTURE, UNBOUND = "grazing_mixture", "grazing_unbound"
+
+
+class Dear(InputError):
+    """What a study adds would take long to find again."""
 
 
 def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code: str | None = None) -> xr.Dataset:
@@ -83,19 +93,26 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
     if finished and plan is None and found.recipe is None:
         result.attrs[NOTE] = "what the study adds at the end is missing: the store keeps no recipe; give the plan"
     elif finished:
-        from grazing.config.own import NotNamed
+        from grazing.config.own import NotNamed, named, refuse_unnamed
 
         other = ""
         try:
             if plan is None:
+                refuse_unnamed(named(found.recipe or {}, code))
+                _refuse_other_recipe(found)
                 plan = plan_from_recipe(found, code)
-                other = _another(found, plan)
-            if not other and plan.finish is not None:
-                result = plan.finish(result)
+                refuse_another(found, plan, other_code=True)
+                _refuse_dear(plan, result)
         except NotNamed as error:
             other = str(error)
+        except Dear as error:
+            other = str(error)
+        except GrazingError as error:
+            other = f"its recipe is of another sweep ({error})"
         if other:
             result.attrs[NOTE] = f"what the study adds at the end is missing: {other}"
+        elif plan is not None and plan.finish is not None:
+            result = plan.finish(result)
     result = with_note(result)
     _say_who(found, records, result)
     if not done.all():
@@ -104,13 +121,35 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
     return result
 
 
-def _another(store: Store, plan: Plan) -> str:
-    """Return in which way the recipe of a store is of another sweep; nothing of that belongs to its numbers."""
-    try:
-        refuse_another(store, plan, other_code=True)
-    except InputError as error:
-        return f"its recipe is of another sweep ({error})"
-    return ""
+def _refuse_other_recipe(store: Store) -> None:
+    """Raise InputError for a recipe of another study or of other sizes: to make its plan could take any time."""
+    from grazing.config.settings import STUDIES
+
+    recipe, config = store.recipe or {}, json.loads(store.attrs["grazing_config"])
+    study = STUDIES.get(str(recipe.get("study")))
+    if study is None or study.function != config.get("study") or study.function not in FINISHED:
+        raise InputError(f"its study is {shown(recipe.get('study'))}")
+    counts = [range_[-1].split(":")[2:3] for range_ in _ranges_in(recipe)]
+    if any(count and count[0].strip().isdigit() and int(count[0][:20]) not in store.grid.shape for count in counts):
+        raise InputError("other values vary in it")
+
+
+def _ranges_in(recipe: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what varies in a recipe, if it is written as a range."""
+    vary = recipe.get("vary")
+    pairs = vary.items() if isinstance(vary, Mapping) else vary if isinstance(vary, list) else ()
+    return [
+        (str(pair[0]), pair[1])
+        for pair in pairs
+        if isinstance(pair, (list, tuple)) and len(pair) == 2 and isinstance(pair[1], str)
+    ]
+
+
+def _refuse_dear(plan: Plan, result: xr.Dataset) -> None:
+    """Raise Dear if what the study adds takes long: to open a store that somebody made is no computation."""
+    work = 0.0 if plan.finish_work is None else plan.finish_work(result)
+    if work * seconds_per_step(plan) > PATIENCE:
+        raise Dear(f"to find it again takes more than {PATIENCE:.0f} s; give the plan to have it")
 
 
 def _records(store: Store, done: NDArray[np.bool_]) -> dict[int, Record | None]:
