@@ -1,4 +1,4 @@
-"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [explorer] [options]`."""
+"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [explorer] [forms] [options]`."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .against import BadKernel, parsed
 from .chatter import FOLLOWERS, chatter, show_bounces
 from .explorer import respond, show_responses
 from .finders import FINDERS
+from .forms import forms, show_forms
 from .goals import goals
 from .measure import measure
 from .report import write
@@ -23,9 +24,9 @@ from .shallow import shallow, show_shares
 from .speeds import show_goals, show_speeds
 from .studies import cost, show_costs
 
-PARTS = ("speed", "shallow", "chatter", "studies", "explorer")
+PARTS = ("speed", "shallow", "chatter", "studies", "explorer", "forms")
 #: Parts that are no rows of programs, which --only could choose from.
-WHOLE = {"studies", "explorer"}
+WHOLE = {"studies", "explorer", "forms"}
 #: Studies take seconds each: so many rounds are enough.
 STUDY_ROUNDS = 5
 QUICK = 0.2  # share of the work, of the fixed set and of the rounds in a quick run
@@ -113,8 +114,12 @@ def run(tokens: Sequence[str] | None = None) -> None:
     tell("")
     if responses:
         show_responses(out, responses)
+    brought = forms(rounds, share, tell) if "forms" in parts and not options.only else []
+    tell("")
+    if brought:
+        show_forms(out, brought)
     if options.json is not None:
-        write(options.json, rounds, results, seen, bounces, costs, responses)
+        write(options.json, rounds, results, seen, bounces, costs, responses, brought)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

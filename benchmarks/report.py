@@ -15,6 +15,7 @@ from typing import Any
 
 from .chatter import Chatter
 from .explorer import Response
+from .forms import Brought
 from .measure import Result, beside, ratio
 from .shallow import DEPTHS, Shallow
 from .studies import Cost
@@ -30,6 +31,7 @@ def write(
     bounces: Sequence[Chatter],
     costs: Sequence[Cost] = (),
     responses: Sequence[Response] = (),
+    brought: Sequence[Brought] = (),
 ) -> None:
     """Write everything to a JSON file; docs/benchmarks.md says what the fields mean."""
     content = {
@@ -51,6 +53,7 @@ def write(
         ],
         "studies": [asdict(one) for one in costs],
         "explorer": [asdict(one) for one in responses],
+        "forms": [asdict(one) for one in brought],
     }
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 

@@ -4,32 +4,18 @@ import os
 import pickle
 import random
 import shutil
+import sys
 import warnings
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+from numba.core import environment
 
 from grazing.kernel import compile as compiling
 from grazing.kernel import disk
 from grazing.kernel.compile import compiled
-
-SOURCE = "def outer(x):\n    return {factor} * x + 1.0\n"
-
-
-def fresh(factor=2.0):
-    """The same kernel as a new function, as another process has it: only the disk knows it."""
-    names = {"__name__": __name__}
-    exec(SOURCE.format(factor=factor), names)
-    return compiled(names["outer"])
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    (tmp_path / "kept").mkdir(mode=0o700)
-    monkeypatch.setenv("GRAZING_CACHE", str(tmp_path / "kept"))
-    disk.cache_folder.cache_clear()
-    yield tmp_path / "kept"
-    disk.cache_folder.cache_clear()
+from tests.kernel.kept import SOURCE, fresh
 
 
 @pytest.fixture
@@ -175,6 +161,24 @@ def test_a_new_folder_is_closed_to_others(tmp_path, monkeypatch):
     assert (tmp_path / "a" / "b").stat().st_mode & 0o777 == 0o700
 
 
+def test_a_relative_folder_stays_where_it_was_when_the_process_goes_elsewhere(tmp_path, monkeypatch):
+    """Else kernels would be read from whatever folder has that name in the next place."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GRAZING_CACHE", "kept")
+    disk.cache_folder.cache_clear()
+    found = disk.cache_folder()
+    monkeypatch.setenv("GRAZING_CACHE", "")
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # a user without a home
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
+    disk.cache_folder.cache_clear()
+    with pytest.warns(RuntimeWarning, match="this user has no home"):
+        fallback = disk.cache_folder()
+    disk.cache_folder.cache_clear()
+    assert found == tmp_path / "kept" and fallback.parent == tmp_path
+    assert {path.name for path in tmp_path.iterdir()} == {"kept", fallback.name}
+
+
 def test_a_linked_fallback_is_not_used(tmp_path, monkeypatch):
     monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
     (tmp_path / "elsewhere").mkdir(mode=0o700)
@@ -185,3 +189,16 @@ def test_a_linked_fallback_is_not_used(tmp_path, monkeypatch):
 def test_nothing_else_reads_pickles_of_kernels():
     """The index of numba, a pickle beside every kernel that was read before anything was checked, is gone."""
     assert "IndexDataCacheFile" not in Path(compiling.__file__).read_text()
+
+
+def test_equal_code_of_a_module_that_is_gone_is_found(folder, monkeypatch):
+    """A kernel of a notebook or of a file of one's own is kept for whoever has the same one."""
+    for name in ("notebook_of_yesterday", "notebook_of_today"):
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+        names = {"__name__": name}
+        exec(SOURCE.format(factor=3.0), names)
+        entry = compiled(names["outer"])
+        assert entry(2.0) == 7.0
+        assert sum(entry.stats.cache_hits.values()) == (1 if name.endswith("today") else 0)
+        monkeypatch.delitem(sys.modules, name)
+        environment.Environment._memo.clear()  # as in another process

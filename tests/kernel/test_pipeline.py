@@ -10,8 +10,12 @@ import pytest
 
 from grazing.kernel import compile as layer
 from grazing.kernel.compile import compiled
+from grazing.kernel.wide import PLAIN
+
+WIDE = pytest.mark.skipif(bool(PLAIN), reason=f"plain forms are taken: {PLAIN}")
 
 
+@WIDE
 def test_no_machine_code_is_made_of_what_is_only_linked():
     unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")  # no kernel on the disk has it
 
@@ -22,7 +26,7 @@ def test_no_machine_code_is_made_of_what_is_only_linked():
         return inner(x) - 1.0
 
     assert compiled(outer)(2.0) == 2.0 * unseen - 1.0
-    (found,) = layer._inner[inner, "strict"].overloads.values()
+    (found,) = layer._inner[layer.digest(inner), "strict"].overloads.values()
     (entry,) = layer._outer[outer, "strict"].overloads.values()
     engine = entry.library._codegen._engine
     assert engine.is_symbol_defined(entry.fndesc.llvm_func_name)
@@ -61,6 +65,7 @@ def test_operators_are_those_of_numba(own, x):
     assert compiled(function)(x, 9) == wanted == pytest.approx(mixed(x, 9), rel=1e-14)
 
 
+@WIDE
 def test_registers_that_are_put_on_the_stack_lie_in_one_line_of_the_cache():
     unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")
 

@@ -9,7 +9,6 @@ from grazing.kernel.vectors import (
     WHOLE,
     appended,
     combined,
-    filled,
     handed_back,
     made_whole,
     repeated,
@@ -93,10 +92,6 @@ def test_what_was_appended_is_handed_back(start, end, place):
         assert np.array_equal(plain[180:300], work[180:300])
 
 
-def fills(work, start, end, x):
-    filled(numbers(work), start, end, x)
-
-
 def spreads(work, start, end, table, at, count):
     spread(numbers(work), start, end, 2, 50, numbers(table), at, count)
 
@@ -105,19 +100,17 @@ def spreads(work, start, end, table, at, count):
 def test_places_are_filled(start, end):
     """What compiled code writes over the end is less than a vector."""
     table, over = np.arange(40.0) + 0.1, -(start - end) // -width() * width() + start
-    for function, arguments, count in ((fills, (0.1,), 1), (spreads, (table, 7, 3), 3)):
-        plain, fast = np.zeros(200), np.zeros(200)
-        function(plain, start, end, *arguments)
-        compiled(function)(fast, start, end, *arguments)
-        first = 0 if function is fills else 2
-        written = np.zeros(200, bool)
-        for h in range(count):
-            row = slice(first + 50 * h + start, first + 50 * h + end)
-            assert (plain[row] == (0.1 if function is fills else table[7 + h])).all()
-            assert np.array_equal(fast[row], plain[row])
-            written[first + 50 * h + start : first + 50 * h + over] = True
-        assert np.count_nonzero(plain) == count * (end - start)
-        assert not fast[~written].any()
+    plain, fast = np.zeros(200), np.zeros(200)
+    spreads(plain, start, end, table, 7, 3)
+    compiled(spreads)(fast, start, end, table, 7, 3)
+    written = np.zeros(200, bool)
+    for h in range(3):
+        row = slice(2 + 50 * h + start, 2 + 50 * h + end)
+        assert (plain[row] == table[7 + h]).all()
+        assert np.array_equal(fast[row], plain[row])
+        written[2 + 50 * h + start : 2 + 50 * h + over] = True
+    assert np.count_nonzero(plain) == 3 * (end - start)
+    assert not fast[~written].any()
 
 
 # ---- results: so many places and none beyond

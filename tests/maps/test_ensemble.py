@@ -13,7 +13,7 @@ from numba.core import event
 
 import grazing as gz
 from grazing.kernel import elementary
-from grazing.kernel.compile import digest
+from grazing.kernel.content import digest
 from grazing.maps import period
 from grazing.maps.ensemble import ensemble, law_addresses, paced
 from grazing.maps.map import CHATTER_LETTER
@@ -333,7 +333,7 @@ def test_the_hash_of_a_kernel_is_the_same_in_every_process():
     """Else a kernel kept on disk would never be found again."""
     here = digests()
     for seed in ("1", "2"):
-        env = {**os.environ, "PYTHONHASHSEED": seed, "NUMBA_DISABLE_JIT": "1"}
+        env = {**os.environ, "PYTHONHASHSEED": seed}  # the same forms as here
         program = DIGESTS.format(source=SOURCE, root=ROOT)
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
         assert done.returncode == 0, done.stderr
@@ -371,7 +371,7 @@ from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import called, called_for_all, numbers
 from grazing.maps.ensemble import law_addresses
 from grazing.oscillator.cells import LAW, table_size
-from grazing.oscillator.workspace import AFTER, BEFORE, WIDTH, workspace_size
+from grazing.oscillator.workspace import WIDTH, W, workspace_size
 from grazing.oscillator.reset import difference_of
 from grazing.parameter import parameter_tuple
 
@@ -384,12 +384,12 @@ def many(where, work, table, runs):
 places = law_addresses(law, difference_of(law), "mine", parameter_tuple(("r",)), "strict")
 row = np.array([0.5])
 work = np.zeros(workspace_size(1))
-work[BEFORE] = -2.0
+work[W.BEFORE] = -2.0
 at = float(row.ctypes.data)
 table, runs = np.zeros(table_size(1)), np.zeros(3 * WIDTH, np.int64)
 table[LAW], runs[1] = at, 1
 compiled(many)(places[2], work, table, runs)
-print(compiled(one)(places[0], -2.0, at), compiled(one)(places[1], -2.0, at), work[AFTER])
+print(compiled(one)(places[0], -2.0, at), compiled(one)(places[1], -2.0, at), work[W.AFTER])
 """
 
 

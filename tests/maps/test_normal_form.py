@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import grazing as gz
 from grazing import theory
 from grazing.maps.normal_form import steady_minimum
+from tests.examples import examples
 from tests.models import MODELS, THREE
 
 S = gz.pinball(alpha=3, k=1, omega=2.2, t0=0, r=0.8, V=0.4)
@@ -65,7 +66,7 @@ def test_mu_is_the_papers_formula(d):
     V=st.floats(0.0, 1.0),
     sigma=st.floats(-0.5, 0.5),
 )
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 def test_the_graze_is_a_graze(alpha, k, omega, V, sigma):
     m = gz.pinball(alpha=alpha, k=k, omega=omega, V=V, sigma=sigma)
     nf = gz.normal_form(m, "d")

@@ -1,6 +1,7 @@
 """What doubles cannot decide is decided in ball arithmetic, and the orbit goes on from there."""
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
@@ -21,13 +22,17 @@ GRAZING = {
     "under-damped": gz.pinball(alpha=0.2, k=3.0, V=0.1),
     "passive": gz.pinball(V=0.0, t0=0.3),
 }
-GRAZE_AT = {name: gz.normal_form(m, "d").graze for name, m in GRAZING.items()}
 WAYS = [("block", "fast"), ("block", "strict"), ("scalar", "fast"), ("scalar", "strict")]
+
+
+@functools.cache
+def graze_at(name):
+    return gz.normal_form(GRAZING[name], "d").graze
 
 
 def grazing_map(name, side, phase=0.0):
     """Return the model at the graze, or one double beside it; its map; the orbit that grazes, at the strobe."""
-    d = GRAZE_AT[name]
+    d = graze_at(name)
     m = GRAZING[name].replace(d=float(np.nextafter(d, d + side)))
     P = gz.stroboscopic_map(m, phase)
     y, v = steady_response(0.0, packed(P))

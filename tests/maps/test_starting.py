@@ -8,6 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import grazing as gz
+from tests.examples import examples
 
 NUMBERS = st.floats(0.05, 20.0)
 MODELS = st.fixed_dictionaries(
@@ -51,7 +52,7 @@ def maps_of(model):
     return gz.stroboscopic_map(model, 0.3 * model.period), gz.impact_map(model), gz.discontinuity_map(model)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(MODELS, st.sampled_from([(1e3, 1.0), (2.0**-20, 1.0), (1.0, 1e3), (1e-3, 60.0)]))
 def test_boxes_have_the_units_of_the_model(given_, units):
     length, time = units
@@ -71,7 +72,7 @@ def SCALES(length, time):
     return state, np.array([[time], [length / time]]), state
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(MODELS)
 def test_boxes_are_finite_and_those_of_the_map_made_again(given_):
     model = made(given_)

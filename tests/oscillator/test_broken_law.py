@@ -33,6 +33,7 @@ STUDIES = {
     "diagram": lambda P: gz.orbit_diagram(P, "omega", OMEGA, starts=4, transient=20, keep=5),
     "lyapunov": lambda P: gz.lyapunov(P, "omega", OMEGA, starts=4, steps=20),
     "chart": lambda P: gz.chart(P, {"omega": OMEGA, "alpha": [0.1, 0.2]}, starts=4, transient=20, keep=10),
+    "response": lambda P: gz.response(P, "omega", OMEGA, starts=4, transient=20, keep=10),
     "bifurcations": lambda P: gz.bifurcation_diagram(P, "omega", OMEGA, starts=4, transient=20, keep=10),
 }
 

@@ -6,7 +6,6 @@ import pytest
 import grazing as gz
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import numbers
-from grazing.oscillator import workspace
 from grazing.oscillator.cells import (
     ALWAYS,
     CELLS,
@@ -27,23 +26,7 @@ from grazing.oscillator.cells import (
     table_size,
 )  # fmt: skip
 from grazing.oscillator.certificate import certify, certify_rest, locate, next_event
-from grazing.oscillator.workspace import (
-    C1,
-    C2,
-    DOUBT,
-    EVENT,
-    FREE,
-    HIGH,
-    NEED,
-    REST,
-    WIDER,
-    WIDTH,
-    X1,
-    X2,
-    Z1,
-    Z2,
-    workspace_size,
-)  # fmt: skip
+from grazing.oscillator.workspace import HIGH, WIDTH, W, workspace_size
 from tests.models import MODELS, packed
 
 NAMES = [name for name, model in MODELS.items() if name != "stiff"]
@@ -138,7 +121,7 @@ def asks(work, table, runs, since, events):
     certify(w, t, room, numbers(runs), 1, N, N)
     locate(w, t, room, numbers(runs), 1)
     for i in range(N):
-        events[i] = next_event(t, since[i], w[X1 + i], w[X2 + i], w[DOUBT + i])
+        events[i] = next_event(t, since[i], w[W.X1 + i], w[W.X2 + i], w[W.DOUBT + i])
     return certify_rest(w, t, room, numbers(runs), 1)
 
 
@@ -171,18 +154,18 @@ def test_every_form_of_a_question_gives_the_answer_of_the_rows(name, arithmetic)
     for upright in {0.0, t[UPRIGHT]}:
         w, events, runs = np.zeros(workspace_size(3)), np.zeros(N), np.zeros(3 * WIDTH, np.int64)
         t[UPRIGHT] = upright
-        for start, values in ((C1, x), (C2, y), (X1, x), (X2, y), (Z1, x), (Z2, y), (WIDER, wider)):
+        for start, values in ((W.C1, x), (W.C2, y), (W.X1, x), (W.X2, y), (W.Z1, x), (W.Z2, y), (W.WIDER, wider)):
             w[start : start + N] = values
-        w[workspace.THEN : workspace.THEN + N] = thens(t, name)[inside]
+        w[W.THEN : W.THEN + N] = thens(t, name)[inside]
         runs[:2], t[TABLED] = (0, N), 1.0
-        w[NEED : NEED + N] = np.where(np.isfinite(x + y), 1e-9 - upright * x, np.nan)
+        w[W.NEED : W.NEED + N] = np.where(np.isfinite(x + y), 1e-9 - upright * x, np.nan)
         left = compiled(asks, arithmetic)(w, t, runs, since, events)
-        passed, event = (w[start : start + N] for start in (FREE, EVENT))
+        passed, event = (w[start : start + N] for start in (W.FREE, W.EVENT))
         assert np.array_equal(passed[clear], np.where(lowest[clear] >= 0.0, 1.0, -1.0))
         assert np.array_equal(event, first)
         assert np.array_equal(events, following)
         assert (event > 0.0).any()
-        assert np.array_equal(w[REST : REST + left], np.flatnonzero(~free))
+        assert np.array_equal(w[W.REST : W.REST + left], np.flatnonzero(~free))
 
 
 @pytest.mark.parametrize("name", NAMES)

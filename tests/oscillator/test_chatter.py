@@ -409,3 +409,20 @@ def test_what_happened_before_the_rest_is_forgotten():
     assert (letter, outcome, J) == (CHATTER_LETTER, CHATTER | STUCK, (0.0, 0.0, 0.0, 0.0))
     for u, v in ((0.3, -0.5), (0.33, -0.1), (0.3, 0.2), (0.3, 0.0)):
         assert P.step((u, v), packed(P))[0] == point
+
+
+def test_a_law_that_promises_nothing_is_followed_until_its_speeds_round_to_zero():
+    """As the documentation says: the state is that of completed chatter, the letter a number of impacts."""
+
+    def softer(v, p):
+        return -p.share * v
+
+    pressed = gz.pinball(alpha=0.2, k=1.0, omega=1.1, d=-0.4, r=0.25, V=0.0)
+    mute, told = (
+        gz.Oscillator(alpha=0.2, k=1.0, forcing=pressed.forcing, reset=gz.reset(softer, share=0.25, **promise))
+        for promise in ({}, {"contraction": (0.25, float("inf"))})
+    )
+    followed, completed = (gz.stroboscopic_map(m).orbit((0.3, 0.0), 1) for m in (mute, told))
+    assert completed.letters[0] == CHATTER_LETTER
+    assert followed.letters[0] > 400 and followed.outcomes[0] == STUCK
+    assert np.abs(followed.points[-1] - completed.points[-1]).max() < 1e-13

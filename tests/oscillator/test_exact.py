@@ -14,6 +14,7 @@ import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.maps.starting import paper_box
 from grazing.oscillator import exact
+from grazing.oscillator.constants import forcing
 from grazing.oscillator.exact import (
     Beyond,
     Motion,
@@ -25,6 +26,7 @@ from grazing.oscillator.exact import (
     rounded,
     windows_of,
 )
+from grazing.oscillator.flight import anchored, flight, modes
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, GRAZE, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 from tests.models import MODELS, model_of, packed
 from tests.reference import PROBLEMS, Problem, active, advance, load_dips, load_orbits, newton, trigger
@@ -460,3 +462,40 @@ def test_importing_it_is_cheap():
     code = f"import sys; sys.path.insert(0, {source!r}); import grazing.oscillator.exact; print('flint' in sys.modules)"
     run = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["False"]
+
+
+def beside_the_wall(m, random):
+    """Return a start hardly above the wall at sigma = 0, which turns just above it, hits it, or is pressed on it."""
+    c = packed(gz.stroboscopic_map(m))
+    F = forcing(0.0, c)[0]
+    if random.random() < 0.4:  # a graze after a millionth to a hundredth of a period
+        s, depth = c.T * 10.0 ** random.uniform(-7.0, -2.0), 10.0 ** random.uniform(-26.0, -15.0)
+        y, v = flight(s, anchored(0.0, 0.0, 0.0, c), c)
+        start = np.linalg.solve(np.array(modes(s, c)).reshape(2, 2), [random.choice((1.0, -1.0)) * depth - y, -v])
+        if start[0] > 0.0:
+            return float(start[0]), float(start[1])
+    y = 10.0 ** random.uniform(-320.0, -12.0)
+    v = math.sqrt(2.0 * abs(F) * y) * (1.0 + random.choice((-1.0, 1.0)) * 10.0 ** random.uniform(-13.0, 0.0))
+    return y, random.choice((-v, -v, v, 0.0, -(10.0 ** random.uniform(-160.0, -3.0))))
+
+
+@pytest.mark.parametrize("law", [gz.active(0.8, 0.4), gz.triggered(0.6, 0.5, 1e-30)], ids=str)
+def test_starts_beside_the_wall(law):
+    """The search for an impact or a lowest point ends relative to the way that is left, however short that is."""
+    random = np.random.default_rng(7)
+    hits = decided = 0
+    for i in range(150):
+        alpha, k = random.choice((0.0, 0.3, 3.0)), random.choice((0.0, 1.0, 2.0))
+        force = gz.Forcing(omega=random.uniform(1.0, 4.0), t0=random.uniform(-3.0, 3.0), offset=random.uniform(-1, 1))
+        m = gz.Oscillator(alpha=alpha, k=k, forcing=force, reset=law)
+        start = beside_the_wall(m, random)
+        truth, orbit = exact_period(m, start), gz.stroboscopic_map(m).orbit(start, 1)
+        if truth is None or orbit.outcomes[0] & AMBIGUOUS:
+            continue
+        decided, hits = decided + 1, hits + (truth.impacts > 0)
+        letter = CHATTER_LETTER if truth.outcome & CHATTER else STUCK_LETTER if truth.lay else truth.impacts
+        assert orbit.letters[0] == letter, (i, m, start)
+        speed = min(1.0, truth.slow) if not truth.outcome & CHATTER else 1.0
+        error = np.abs(orbit.points[-1] - truth.state).max()
+        assert error * speed < 1e-13 or error < 1e-9, (i, m, start)
+    assert decided > 120 and hits > 50

@@ -13,6 +13,7 @@ from grazing.kernel.compile import compiled
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.constants import roots
 from grazing.oscillator.flight import anchored, divided2, divided3, duhamel, flight, modes, noise
+from tests.examples import examples
 from tests.models import MODELS, packed
 from tests.reference import Problem, free_flight, newton
 
@@ -55,7 +56,7 @@ def test_flight_and_its_error_bound(name):
     v=st.floats(-1.0, 1.0),
     part=st.floats(0.0, 1.0),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_bound_holds_for_any_model(alpha, k, omega, offset, y, v, part):
     m = gz.pinball(alpha=alpha, k=k, omega=omega, d=offset)
     c = packed(stroboscopic_map(m))

@@ -22,7 +22,7 @@ from grazing.oscillator.cells import (
 )  # fmt: skip
 from grazing.oscillator.certificate import candidates, certify, count_hits, onward
 from grazing.oscillator.still import SELDOM, UNSEEN, find_cycles, remember, stand_still
-from grazing.oscillator.workspace import AWAKE, C1, C2, FREE, HITS, NEED, RUNS, WHOSE, WIDTH, workspace_size
+from grazing.oscillator.workspace import AWAKE, RUNS, WHOSE, WIDTH, W, workspace_size
 from tests.models import MODELS, packed
 
 STRIDE, STARTS = 8, 5
@@ -49,8 +49,8 @@ def looks(w, t, room, runs, awake, moved, length):
     """Remember the pairs, move them, and look whether they have come back."""
     remember(numbers(w), numbers(t), room, numbers(runs), awake, STRIDE)
     for i in range(moved.shape[1]):
-        w[C1 + i] += moved[0, i]
-        w[C2 + i] += moved[1, i]
+        w[W.C1 + i] += moved[0, i]
+        w[W.C2 + i] += moved[1, i]
     return find_cycles(numbers(w), numbers(t), room, numbers(runs), awake, STRIDE, STARTS, length)
 
 
@@ -61,8 +61,8 @@ def pairs_of(columns, free=-1.0):
     """Return a workspace with pairs, all of which fly free or none."""
     w = np.zeros(workspace_size(3))
     count = columns * STRIDE
-    w[C1 : C1 + count], w[C2 : C2 + count] = np.random.default_rng(3).normal(size=(2, count))
-    w[FREE : FREE + count] = free
+    w[W.C1 : W.C1 + count], w[W.C2 : W.C2 + count] = np.random.default_rng(3).normal(size=(2, count))
+    w[W.FREE : W.FREE + count] = free
     return w
 
 
@@ -71,9 +71,9 @@ def pairs_of(columns, free=-1.0):
 def test_a_column_repeats_itself_if_every_orbit_came_back_to_the_bit(form, length):
     t = tables("standard", "under-damped", "standard", "critical", "standard", "standard", "standard")
     w, moved = pairs_of(7), np.zeros((2, 7 * STRIDE))
-    w[C2 + 1 * STRIDE + 4], moved[1, 1 * STRIDE + 4] = 1.0, 3e-16  # the last orbit of column 1
+    w[W.C2 + 1 * STRIDE + 4], moved[1, 1 * STRIDE + 4] = 1.0, 3e-16  # the last orbit of column 1
     moved[:, 2 * STRIDE + STARTS : 3 * STRIDE] = 1.0  # behind the orbits of column 2
-    w[C1 + 3 * STRIDE] = np.nan
+    w[W.C1 + 3 * STRIDE] = np.nan
     t[4, HOLDING], t[5, CYCLE] = 1.0, 9.0
     runs = all_awake(6)  # column 6 is not flown
     assert form(w, t.ravel(), t.shape[1], runs, 6, moved, length) == 2
@@ -95,18 +95,18 @@ def test_a_pair_that_flies_free_has_come_back_once_no_state_shows_it(form, name)
     size = UNSEEN * np.sqrt(min(k2 * u * u, v * v) / energies[:STARTS].max())
     for times, free, found in ((0.999, 1.0, 1), (0.999, -1.0, 0), (1.001, 1.0, 0)):
         w, moved = pairs_of(1, free), np.full((2, STRIDE), 1e-9 * size)
-        w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = times * size * x, times * size * y
+        w[W.C1 : W.C1 + STRIDE], w[W.C2 : W.C2 + STRIDE] = times * size * x, times * size * y
         t[0, CYCLE] = 0.0
         assert form(w, t.ravel(), t.shape[1], all_awake(1), 1, moved, 1) == t[0, CYCLE] == found
     w, moved = pairs_of(1, 1.0), np.stack([-0.5 * size * x, -0.5 * size * y])
-    w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = 1.2 * size * x, 1.2 * size * y
+    w[W.C1 : W.C1 + STRIDE], w[W.C2 : W.C2 + STRIDE] = 1.2 * size * x, 1.2 * size * y
     t[0, CYCLE] = 0.0  # what was written with the pair that was kept is to be written again: no state may show it
     assert form(w, t.ravel(), t.shape[1], all_awake(1), 1, moved, 2) == 0
     a, b = t[0, ONWARD + 1 : ONWARD + 3], t[0, ONWARD + 4 : ONWARD + 6]
     for place in (ONWARD, ONWARD + 3):
         pushed = t.copy()
         pushed[0, place] = 1e-30
-        w[C1 : C1 + STRIDE], w[C2 : C2 + STRIDE] = 0.5 * size * x, 0.5 * size * y
+        w[W.C1 : W.C1 + STRIDE], w[W.C2 : W.C2 + STRIDE] = 0.5 * size * x, 0.5 * size * y
         moved = np.full((2, STRIDE), 1e-9 * size)
         assert form(w.copy(), t.copy().ravel(), t.shape[1], all_awake(1), 1, moved, 1) == 1
         assert form(w.copy(), pushed.ravel(), t.shape[1], all_awake(1), 1, moved, 1) == 0
@@ -166,16 +166,16 @@ def test_a_column_that_stands_still_is_passed_over(form):
     t = tables("standard", "standard", "standard")
     w, runs = pairs_of(3), np.zeros(3 * WIDTH, np.int64)
     runs[AWAKE : AWAKE + 2] = 0, 2
-    w[NEED : NEED + 3 * STRIDE] = 1e300  # nobody flies free
-    w[HITS : HITS + 3 * STRIDE] = 7.0
+    w[W.NEED : W.NEED + 3 * STRIDE] = 1e300  # nobody flies free
+    w[W.HITS : W.HITS + 3 * STRIDE] = 7.0
     middle = slice(STRIDE, 2 * STRIDE)
-    before = {row: w[row:][middle].copy() for row in (C1, C2, NEED, FREE, HITS)}
+    before = {row: w[row:][middle].copy() for row in (W.C1, W.C2, W.NEED, W.FREE, W.HITS)}
     places, several = form(w, t.ravel(), t.shape[1], runs, 2)
     assert (places, several) == (2 * STARTS, 2)
     assert runs[[RUNS, RUNS + 1, RUNS + 2]].tolist() == [0, STARTS, 2 * STARTS]
     assert runs[[WHOSE, WHOSE + 1]].tolist() == [0, 2]
     assert all(np.array_equal(w[row:][middle], kept) for row, kept in before.items())
-    assert w[HITS : HITS + STRIDE].tolist() == [1.0] * STARTS + [0.0] * (STRIDE - STARTS)
+    assert w[W.HITS : W.HITS + STRIDE].tolist() == [1.0] * STARTS + [0.0] * (STRIDE - STARTS)
 
 
 #: Models, changes of them, and whether the orbits end in a cycle that is looked for.

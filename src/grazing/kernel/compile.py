@@ -8,43 +8,38 @@ edit anywhere below a kernel can never be answered from an old file.
 
 from __future__ import annotations
 
-import dis
 import hashlib
-import math
 import os
-import sys
 import threading
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, lru_cache
-from pathlib import Path
-from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
+from functools import cache
+from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-import numpy as np
-
-from grazing.kernel.disk import KernelFiles
+from grazing.kernel.content import Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
+from grazing.kernel.prepared import family, own
 from grazing.kernel.primitives import forms, pointed
+from grazing.kernel.wide import PLAIN
 from grazing.outcome import InputError, UserCodeError
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
-#: The functions of these modules have a compiled form of their own and are not compiled from their source.
-PRIMITIVES = ("grazing.kernel.primitives", "grazing.kernel.turns", "grazing.kernel.rows", "grazing.kernel.vectors")
-#: To be raised when this file stores kernels in another way, so that older files are left alone.
-LAYOUT = 4
-
 _lock = threading.RLock()
-_inner: dict[tuple[FunctionType, str], Any] = {}
+_inner: dict[tuple[str, str], Any] = {}
 _outer: dict[tuple[FunctionType, str], Any] = {}
 
 
 def jit_disabled() -> bool:
     """Whether ``NUMBA_DISABLE_JIT`` asks for plain Python."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+def apart() -> bool:
+    """Whether units have machine code of their own: not where code leaves the process, nor by numba's own pipeline."""
+    return not PLAIN and os.environ.get("GRAZING_UNITS", "1") != "0"
 
 
 def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce: str = "") -> Callable[..., Any]:
@@ -79,7 +74,7 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce:
     with _lock:
         key = (function, arithmetic)
         if key not in _outer:
-            _outer[key] = _jit(function, arithmetic, entry=True, announce=announce)
+            _outer[key] = _jit(function, arithmetic, "entry", {}, announce)
         return _outer[key]  # type: ignore[no-any-return]
 
 
@@ -93,9 +88,10 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     ----------
     function : callable
         A plain Python function, see :func:`compiled`.
-    signature : {"value", "sweep"}
-        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, tables, room, runs, count)``. All but ``v`` and the
-        integers ``room`` and ``count`` are addresses: of numbers, ``runs`` of integers.
+    signature : {"value", "sweep", "block", "derivative"}
+        ``value``: ``f(v, row) -> float``; ``sweep``: ``f(work, tables, room, runs, count)``; ``block``:
+        ``f(x, said, width, steps)``; ``derivative``: ``f(state, row, found, said)``. All but ``v`` and the integers
+        ``room``, ``count``, ``width`` and ``steps`` are addresses: of numbers, ``runs`` and ``said`` of integers.
     arithmetic : {"strict", "fast"}
     who : str
         Who is to blame if it does not compile.
@@ -111,7 +107,13 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     from numba import types
 
     number, count, numbers = types.float64, types.int64, types.CPointer(types.float64)
-    kinds = {"value": (number, numbers), "sweep": (numbers, numbers, count, types.CPointer(count), count)}
+    integers = types.CPointer(count)
+    kinds = {
+        "value": (number, numbers),
+        "sweep": (numbers, numbers, count, integers, count),
+        "block": (numbers, integers, count, count),
+        "derivative": (numbers, numbers, numbers, integers),
+    }
     wanted = kinds[signature]
     entry: Any = compiled(function, arithmetic)
     with _lock:
@@ -126,7 +128,7 @@ def compiler_time() -> Iterator[Callable[[], float]]:
     if jit_disabled():
         yield lambda: 0.0
         return
-    from numba.core import event
+    from grazing.kernel.private import event
 
     with event.install_listener("numba:compile", event.TimingListener()) as clock:
         yield lambda: float(clock.duration) if clock.done else 0.0
@@ -154,211 +156,106 @@ def _first_sentence(error: Exception) -> str:
     return "; ".join(said + where) + ". Use arithmetic on floats, math functions and plain tuples only"
 
 
-def _jit(function: FunctionType, arithmetic: str, entry: bool, announce: str = "") -> Any:
+def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, announce: str = "") -> Any:
     import numba
 
-    from grazing.kernel.pipeline import pipeline
-
-    content = digest(function)
-    resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic))
+    content = digest(function, known)
+    resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic, known))
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
     # kernels must never share a name, whatever process compiled them.
     resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
-    inlined = getattr(function, "inlined", False)
-    if not entry:  # no Python ever calls it: skipping the wrappers halves the compile time
+    if role != "entry":  # no Python ever calls it: skipping the wrappers halves the compile time
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    if inlined:
+    if getattr(function, "inlined", False):
         options["forceinline"] = True
-    own = function.__module__.partition(".")[0] == "grazing"
-    dispatcher = numba.njit(**options, pipeline_class=pipeline(not entry, own))(resolved)
-    if entry:
-        _attach_cache(dispatcher, resolved, content + repr(options), announce)
+    way: dict[str, Any] = {}
+    if not PLAIN:
+        from grazing.kernel.pipeline import pipeline
+
+        way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
+    dispatcher = numba.njit(**options, **way)(resolved)
+    if role != "part":
+        try:
+            from grazing.kernel.cache import KernelCache
+        except (ImportError, AttributeError):  # another numba keeps its kernels in another way: they are not kept
+            return dispatcher
+        units = [_inner_jit(unit, arithmetic, known) for unit in _units(function)] if apart() else []
+        dispatcher._cache = KernelCache(resolved, f"{content} {options} {apart()}", units, announce)
     return dispatcher
 
 
-def _inner_jit(function: FunctionType, arithmetic: str) -> Any:
-    key = (function, arithmetic)
+def _inner_jit(function: FunctionType, arithmetic: str, known: Known) -> Any:
+    key = (digest(function, known), arithmetic)
     if key not in _inner:
+        role = "unit" if getattr(function, "unit", False) and apart() else "part"
         _inner[key] = None
-        _inner[key] = _jit(function, arithmetic, entry=False)
+        _inner[key] = _jit(function, arithmetic, role, known)
     if _inner[key] is None:
         raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
     return _inner[key]
 
 
-def _is_kernel(value: object) -> bool:
-    return isinstance(value, FunctionType) and value.__module__ not in PRIMITIVES
+def _units(function: FunctionType) -> list[FunctionType]:
+    """Return the units that a kernel's code may call: those on the way down to other units."""
+    found: dict[FunctionType, bool] = {}
+    left = below(function)
+    while left:
+        each = left.pop()
+        if each not in found:
+            found[each] = getattr(each, "unit", False)
+            left += [] if found[each] else below(each)
+    return [each for each, unit in found.items() if unit]
 
 
-@lru_cache(maxsize=4096)
-def _names(code: CodeType) -> frozenset[str]:
-    """Return the global names of a function; not those behind a dot, which may only look like one."""
-    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
-    return frozenset(own.union(*(_names(const) for const in inner)))
+def seen(value: Any) -> Any:
+    """Return a value as the compiler is to see it.
+
+    A record of whole numbers becomes a module: what stands behind the dot of a module is a constant, as if it had a
+    name of its own, while that of a tuple is taken out of all of it at each place.
+    """
+    if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
+        return value
+    module = ModuleType(type(value).__name__)
+    vars(module).update(value._asdict())
+    return module
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
     """Return a copy of the function in which every kernel it names is replaced."""
-    names = {"__name__": function.__module__, "__builtins__": function.__globals__.get("__builtins__")}
-    for name in _names(function.__code__) & function.__globals__.keys():
-        value = function.__globals__[name]
-        names[name] = replace(value) if _is_kernel(value) else forms.get(value, value) if callable(value) else value
+    # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
+    # notebook, of a file of one's own
+    names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
+    for name, value in named(function).items():
+        known = forms.get(value, value) if callable(value) else seen(value)
+        names[name] = replace(value) if is_kernel(value) else known
     cells = []
     for cell in function.__closure__ or ():
         value = cell.cell_contents
-        cells.append(CellType(replace(value) if _is_kernel(value) else value))
+        cells.append(CellType(replace(value) if is_kernel(value) else value))
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, tuple(cells))
     copy.__kwdefaults__ = function.__kwdefaults__
+    copy.__wrapped__ = function  # type: ignore[attr-defined]
     return copy
-
-
-# ---- the hash of everything a kernel is made of
 
 
 @cache
 def processor() -> str:
-    """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ."""
-    from llvmlite import binding
+    """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ.
 
-    features = hashlib.sha256(binding.get_host_cpu_features().flatten().encode()).hexdigest()
-    return f"{binding.get_host_cpu_name()} {features[:8]}"
+    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that all forms are.
+    """
+    _system, name, features = own()
+    forms = "plain" if PLAIN else family(name, features)
+    return f"{forms} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]}".strip()
 
 
 @cache
 def width() -> int:
-    """Return how many numbers compiled code may take side by side; 1 in plain Python."""
-    if jit_disabled():
+    """Return how many numbers compiled code may take side by side; 1 in plain forms."""
+    if PLAIN:
         return 1
-    from numba.core.registry import cpu_target
-
-    from grazing.kernel.simd import width_for
+    from grazing.kernel.private import cpu_target
+    from grazing.kernel.wide.simd import width_for
 
     return width_for(cpu_target.target_context)
-
-
-def digest(function: Callable[..., Any]) -> str:
-    """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
-
-    Parameters
-    ----------
-    function : callable
-        A plain Python function.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits; equal for equal code, whatever file or line it stands in.
-    """
-    return hashlib.sha256(repr(_content(function, ())).encode()).hexdigest()
-
-
-def _content(value: Any, above: tuple[Any, ...]) -> Any:
-    """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
-    if isinstance(value, FunctionType) and value.__module__ in PRIMITIVES:
-        return ("primitive", value.__name__, _text(value.__module__), _text("grazing.kernel.simd"))  # both its forms
-    if isinstance(value, FunctionType):
-        if value in above:
-            return value.__name__
-        below = (*above, value)
-        code = value.__code__
-        names = sorted(_names(code) & value.__globals__.keys())
-        return (
-            getattr(value, "inlined", False),
-            _code_content(code),
-            [(name, _content(value.__globals__[name], below)) for name in names],
-            [_content(cell.cell_contents, below) for cell in value.__closure__ or ()],
-            [_content(default, below) for default in value.__defaults__ or ()],
-            sorted((name, _content(default, below)) for name, default in (value.__kwdefaults__ or {}).items()),
-        )
-    if isinstance(value, tuple):
-        kind = (type(value).__name__, getattr(value, "_fields", ()))
-        return (kind, [_content(item, above) for item in value])
-    if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
-        return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
-    if isinstance(value, float):
-        return value.hex() if math.isfinite(value) else repr(value)
-    if isinstance(value, np.ndarray):
-        return (
-            "array",
-            value.dtype.str,
-            value.shape,
-            hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest(),
-        )
-    if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
-        return (type(value).__name__, repr(value))
-    return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
-
-
-@cache
-def _text(module: str) -> str:
-    """Hash the text of a module of this folder."""
-    name = module.rpartition(".")[2]
-    return hashlib.sha256(Path(__file__).with_name(f"{name}.py").read_bytes()).hexdigest()
-
-
-@lru_cache(maxsize=4096)
-def _code_content(code: CodeType) -> Any:
-    consts = [_code_content(c) if isinstance(c, CodeType) else (type(c).__name__, repr(c)) for c in code.co_consts]
-    return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)
-
-
-# ---- the disk cache
-
-
-def _attach_cache(dispatcher: Any, function: FunctionType, content: str, announce: str) -> None:
-    """Give a dispatcher a disk cache whose file name is the hash of its content.
-
-    numba's own cache looks at one file's time stamp and so serves stale code after an edit in a callee.
-    """
-    import llvmlite
-    import numba
-    from numba.core.caching import CompileResultCacheImpl, FunctionCache
-
-    ways = _text("grazing.kernel.pipeline") + _text("grazing.kernel.simd")
-    versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__}"
-    stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
-
-    class Implementation(CompileResultCacheImpl):  # type: ignore[misc]
-        def __init__(self, py_func: FunctionType) -> None:
-            self._filename_base = f"{py_func.__name__.split('_')[0]}-{stamp[:40]}"
-
-        @property
-        def locator(self) -> Any:
-            return self
-
-        def ensure_cache_path(self) -> None:
-            cache_folder()
-
-        def check_cachable(self, result: Any) -> bool:
-            return not (result.lifted or result.library.has_dynamic_globals)
-
-    class ContentCache(FunctionCache):  # type: ignore[misc]
-        def __init__(self, py_func: FunctionType) -> None:
-            self._name = repr(py_func)
-            self._py_func = py_func
-            self._impl = Implementation(py_func)
-            self._cache_path = os.fspath(cache_folder())
-            self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base)
-            self.enable()
-
-        def _index_key(self, sig: Any, codegen: Any) -> Any:
-            return (sig, codegen.magic_tuple(), stamp)
-
-        def _load_overload(self, sig: Any, target_context: Any) -> Any:
-            try:
-                found = super()._load_overload(sig, target_context)
-            except Exception:  # what the linker does not take is as good as none: compile again
-                found = None
-            if found is None and announce:
-                print(f"grazing: {announce}", file=sys.stderr, flush=True)
-            return found
-
-        def _save_overload(self, sig: Any, data: Any) -> None:
-            try:
-                super()._save_overload(sig, data)
-            except OSError as error:  # a full disk must not stop a computation that has its code already
-                warnings.warn(f"a compiled kernel could not be kept: {error}", RuntimeWarning, stacklevel=2)
-
-    dispatcher._cache = ContentCache(function)

@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from grazing.kernel.prepared import folder, used
+
 #: What a file begins with; its SHA-256 follows.
 MAGIC = b"grazing kernel\n"
 
@@ -26,9 +28,14 @@ MAGIC = b"grazing kernel\n"
 @cache
 def cache_folder() -> Path:
     """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one."""
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
+    home = os.environ.get("XDG_CACHE_HOME", "")
+    if not os.path.isabs(home):  # which means nothing, says the standard
+        home = os.path.join(os.path.expanduser("~"), ".cache")
+    # whole, so that it stays this folder when the process goes elsewhere
+    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing")).absolute()
     try:
+        if not os.environ.get("GRAZING_CACHE") and not os.path.isabs(home):
+            raise OSError("this user has no home")
         wanted.parent.mkdir(parents=True, exist_ok=True)
         wanted.mkdir(mode=0o700, exist_ok=True)
         reason = others_can_write(wanted)
@@ -107,24 +114,31 @@ class KernelFiles:
         """Return what was kept; None if nothing was, or if the file is not to be trusted, which is said."""
         file = self.file(key)
         try:
-            content = _read(file)
-            if content is None:
-                return None
-            return pickle.loads(_opened(content, file.name))
+            return _opened(_read(file, None), file.name)
+        except FileNotFoundError:
+            return None
         except Exception as error:  # of whatever kind: a damaged file is as good as none
-            said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-            warnings.warn(
-                f"the compiled kernel {file} cannot be used ({said}); it is compiled again",
-                RuntimeWarning,
-                stacklevel=2,
-            )
+            _refused("compiled", file, error)
             with suppress(OSError):
                 file.rmdir() if file.is_dir() and not file.is_symlink() else file.unlink()
             return None
 
+    def load_prepared(self, key: Any) -> Any:
+        """Return what came with the package, which is trusted as far as the source of this function is."""
+        file = folder() / self.file(key).name
+        try:
+            found = _opened(_read(file, os.stat(__file__)), file.name)
+            used.add(file.name)
+            return found
+        except FileNotFoundError:
+            return None
+        except Exception as error:
+            _refused("prepared", file, error)
+            return None
+
     def save(self, key: Any, data: Any) -> None:
         """Keep a compiled kernel, whole or not at all."""
-        from numba.core.serialize import dumps
+        from grazing.kernel.private import dumps
 
         file, content = self.file(key), dumps(data)
         new = file.with_name(f".{file.name}-{uuid4().hex[:16]}")
@@ -145,28 +159,32 @@ def _checksum(content: bytes, name: str) -> bytes:
     return hashlib.sha256(name.encode() + b"\0" + content).digest()
 
 
-def _opened(content: bytes, name: str) -> bytes:
+def _refused(kind: str, file: Path, error: Exception) -> None:
+    said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    warnings.warn(
+        f"the {kind} kernel {file} cannot be used ({said}); it is compiled again", RuntimeWarning, stacklevel=3
+    )
+
+
+def _opened(content: bytes, name: str) -> Any:
     """Return what a file keeps, once it is known to be what was written under this name."""
     head = len(MAGIC) + hashlib.sha256().digest_size
     if content[: len(MAGIC)] != MAGIC or content[len(MAGIC) : head] != _checksum(content[head:], name):
         raise ValueError("it is damaged")
-    return content[head:]
+    return pickle.loads(content[head:])
 
 
-def _read(file: Path) -> bytes | None:
-    """Return the bytes of a file that only this user can have written; None if there is no file."""
+def _read(file: Path, source: os.stat_result | None) -> bytes:
+    """Return the bytes of a file that only this user can have written, or who could write our source as well."""
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    try:
-        opened = os.open(file, flags)
-    except FileNotFoundError:
-        return None
+    opened = os.open(file, flags)
     try:
         found = os.fstat(opened)
         if not stat.S_ISREG(found.st_mode):
             raise ValueError("it is no file")
-        if not _ours(found):
+        if not _ours(found) and not (source is not None and found.st_uid == source.st_uid):
             raise ValueError(f"it belongs to user {found.st_uid}")
-        if hasattr(os, "getuid") and found.st_mode & 0o022:
+        if hasattr(os, "getuid") and found.st_mode & 0o022 & ~(source.st_mode if source is not None else 0):
             raise ValueError("others can write to it")
         with open(opened, "rb", closefd=False) as stream:
             return stream.read()

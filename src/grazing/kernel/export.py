@@ -34,6 +34,7 @@ ENVIRONMENT = {
     "NUMBA_SLP_VECTORIZE": "0",
     "NUMBA_CPU_NAME": "generic",
     "NUMBA_CPU_FEATURES": "",
+    "GRAZING_UNITS": "0",
 }
 #: Machine, its layout of memory as LLVM spells it, and the instructions that every browser has since 2023.
 TRIPLE = "wasm32-unknown-unknown"

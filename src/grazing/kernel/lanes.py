@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import at, built, inlined, replaced
+from grazing.kernel.primitives import advanced_at, at, built, inlined, numbers, replaced
 
 #: Lanes advanced together; large enough to hide the latency of a square root, small enough to stay in cache.
 BLOCK = 64
@@ -78,18 +78,97 @@ def loop_of(
         iterates, with records = keep they are kept apart. Where the parameters are used as they are, a block holds
         lanes of several columns, so that few starts a column are no slower than many.
     """
-    unpack = unpacker(kind)
-    zero = (0.0,) * dimension
-    fields = len(kind._fields)  # type: ignore[attr-defined]
-    blank = (0.0,) * fields
-    constants = prepare if prepare is not None else _same
-    packed = prepare is None
+    unpack, packed = unpacker(kind), prepare is None
+
+    def constants(_step: float, row: Any) -> Any:
+        return prepare(unpack(row)) if prepare is not None else 0.0
+
+    drive = driver(advancer(step, kind, dimension, packed), constants, dimension, packed)
+
+    def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
+        drive(0.0, rows, lanes, transient, points, letters, outcomes)
+
+    return run
+
+
+@lru_cache(maxsize=16)
+def runner_at(dimension: int, arithmetic: str) -> Callable[..., None]:
+    """Compile the loop around a block that is advanced by an address, for every packed step of a dimension.
+
+    Returns
+    -------
+    callable
+        ``run(step, rows, ...)`` as in :func:`loop_of`; ``step`` is where an :func:`advancer` lies.
+    """
+    return compiled(driver(_advance_at, _place, dimension, packed=True), arithmetic)
+
+
+def _place(step: float, _row: Any) -> float:
+    return step
+
+
+def _advance_at(step: float, x: Any, said: Any, width: int, steps: int) -> None:
+    advanced_at(step, x, said, width, steps)
+
+
+@lru_cache(maxsize=256)
+def advancer(step: Callable[..., Any], kind: type, dimension: int, packed: bool) -> Callable[..., None]:
+    """Return ``advance(c, x, said, width, steps)``, which takes a block of lanes some steps further.
+
+    x are the numbers of (dimension + fields, BLOCK), states above parameters, and said those of (2, BLOCK), letters
+    above outcomes; the last letters are left there, outcomes are added. A packed step gets the parameters of its lane,
+    any other c.
+    """
+    zero, blank = (0.0,) * dimension, (0.0,) * len(kind._fields)  # type: ignore[attr-defined]
 
     @inlined
-    def own(c: Any, x: Any, j: int) -> Any:
-        return built(kind, column(x, j, blank, dimension))
+    def own(_c: Any, x: Any, j: int) -> Any:
+        return built(kind, entry(x, j, blank, dimension))
 
     at_lane = own if packed else _shared
+
+    def advance(c: Any, x: Any, said: Any, width: int, steps: int) -> None:
+        for _ in range(steps):
+            for j in range(width):
+                state, letter, outcome = step(entry(x, j, zero), at_lane(c, x, j))
+                for i in range(dimension):
+                    x[i * BLOCK + j] = state[i]
+                said[j] = letter
+                said[BLOCK + j] |= outcome
+
+    return advance
+
+
+@inlined
+def entry(x: Any, j: int, zero: tuple[float, ...], first: int = 0) -> tuple[float, ...]:
+    """Return the numbers of lane j of a block, from row ``first`` on, as a tuple as long as ``zero``."""
+    state = zero
+    for i in range(len(zero)):
+        state = replaced(state, i, x[(first + i) * BLOCK + j])
+    return state
+
+
+@lru_cache(maxsize=256)
+def driver(
+    advance: Callable[..., None], constants: Callable[..., Any], dimension: int, packed: bool
+) -> Callable[..., None]:
+    """Return the loop that fills blocks, has them advanced, and keeps what it is asked to, see :func:`loop_of`.
+
+    Parameters
+    ----------
+    advance : callable
+        See :func:`advancer`.
+    constants : callable
+        ``constants(step, row) -> c``.
+    dimension : int
+    packed : bool
+        Whether a block holds lanes of several columns.
+
+    Returns
+    -------
+    callable
+        ``run(step, rows, lanes, transient, points, letters, outcomes)``; ``step`` is for ``constants``.
+    """
 
     @inlined
     def kept(x: Any, said: Any, which: Any, lane: Any, width: int, i: int, points: Any, letters: Any) -> None:
@@ -110,8 +189,8 @@ def loop_of(
                 letters[at(q), at(i), at(first + h)] = said[0, at(j + h)]
             j += wide
 
-    def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
-        columns, n = lanes.shape[0], lanes.shape[2]
+    def run(step: float, rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
+        columns, n, fields = lanes.shape[0], lanes.shape[2], rows.shape[1]
         keep = points.shape[1]
         last = outcomes.shape[1] - 1
         # a block of its own, states above parameters: in one piece, so the loops below vectorise without a question
@@ -120,37 +199,31 @@ def loop_of(
         which, lane = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
         size = columns * n if packed else n
         for top in range(0, columns * n, size):
-            c = constants(unpack(rows[top // n]))
+            c = constants(step, rows[top // n])
             for start in range(top, top + size, BLOCK):
                 width = min(BLOCK, top + size - start)
                 q, i = start // n, start % n
                 for j in range(width):
                     which[j], lane[j] = q, i
-                    put(x, j, column(lanes[at(q)], at(i), zero))
+                    for k in range(dimension):
+                        x[k, j] = lanes[at(q), k, at(i)]
                     for k in range(fields):
                         x[dimension + k, j] = rows[at(q), k]
                     said[1, j] = 0
                     i += 1
                     if i == n:
                         q, i = q + 1, 0
-                for _ in range(transient):
-                    for j in range(width):
-                        state, _letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
-                        put(x, j, state)
-                        said[1, j] |= outcome
+                advance(c, numbers(x), numbers(said), width, transient)
                 noted(said, which, lane, width, 0, outcomes)
                 for i in range(keep):
-                    for j in range(width):
-                        state, letter, outcome = step(column(x, j, zero), at_lane(c, x, j))
-                        put(x, j, state)
-                        said[0, j] = letter
-                        said[1, j] |= outcome
+                    advance(c, numbers(x), numbers(said), width, 1)
                     kept(x, said, which, lane, width, i, points, letters)
                     if last > 0:
                         noted(said, which, lane, width, i, outcomes)
                 noted(said, which, lane, width, last, outcomes)
                 for j in range(width):
-                    put(lanes[at(which[j])], at(lane[j]), column(x, j, zero))
+                    for k in range(dimension):
+                        lanes[at(which[j]), k, at(lane[j])] = x[k, j]
 
     return run
 

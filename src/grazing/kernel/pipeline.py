@@ -4,7 +4,7 @@ numba turns each function into machine code of its own as soon as it is compiled
 is linked into. Of a kernel only the outermost function is ever called, so the others are left as they are. It also
 asks of each operation anew which of a dozen templates it fits: here the answers are remembered. And passes that look
 for what no kernel has, closures or expressions of whole arrays, are left out for kernels of the library. Two things are
-added: what :mod:`grazing.kernel.turns` asks of loops, and a stack on which registers lie in one line of the cache.
+added: what :mod:`grazing.kernel.wide.turns` asks of loops, and a stack on which registers lie in one line of the cache.
 """
 
 from __future__ import annotations
@@ -16,16 +16,20 @@ from functools import cache
 from operator import ipow, pow
 from typing import Any
 
-from llvmlite import ir
-from numba.core import lowering
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
-from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.controlflow import CFGraph
-from numba.core.typed_passes import NativeLowering
-from numba.core.types import Function
+from llvmlite import binding
 
-from grazing.kernel.simd import register_bytes
+from grazing.kernel.cache import mark
+from grazing.kernel.private import (
+    Compiler,
+    Function,
+    JITCodeLibrary,
+    NativeLowering,
+    PassManager,
+    lowering,
+    register_pass,
+)
+from grazing.kernel.wide.simd import register_bytes
+from grazing.kernel.wide.turns import take_at_once
 
 #: Passes of numba that find nothing to do in a kernel of the library.
 IDLE = frozenset(
@@ -40,17 +44,18 @@ _resolved: dict[tuple[Any, tuple[Any, ...]], Any] = {}
 
 
 @cache
-def pipeline(linked: bool, own: bool) -> Any:
+def pipeline(role: str, own: bool) -> Any:
     """Return the compiler for a function.
 
     Parameters
     ----------
-    linked : bool
-        Whether the function is only ever linked into others: it is optimised with them, not by itself.
+    role : {"entry", "unit", "part"}
+        An entry is called by Python. A unit has machine code of its own, which kernels call. A part is only ever linked
+        into others: it is optimised with them, not by itself.
     own : bool
         Whether it is one of the library's: what others wrote may need every pass.
     """
-    return type("Pipeline", (Pipeline,), {"linked": linked, "own": own})
+    return type("Pipeline", (Pipeline,), {"library": LIBRARIES[role], "own": own})
 
 
 @contextmanager
@@ -65,36 +70,6 @@ def uncollected() -> Iterator[None]:
             gc.enable()
 
 
-def take_at_once(function: Any, entry: Any) -> None:
-    """Tell the compiler, at the loops of a function in its intermediate form, what :func:`eights` asked for."""
-    marked = [block for block in function.blocks if hasattr(block, "vectors")]
-    if not marked:
-        return
-    graph, ends = CFGraph(), {block: block.terminator for block in function.blocks if block.terminator is not None}
-    for block in function.blocks:
-        graph.add_node(block)
-    for block, end in ends.items():
-        for target in end.operands:
-            if isinstance(target, ir.Block):
-                graph.add_edge(block, target)
-    graph.set_entry_point(entry)
-    graph.process()
-    for block in marked:
-        around = [loop for loop in graph.loops().values() if block in loop.body]
-        if not around:
-            continue
-        loop = min(around, key=lambda each: len(each.body))
-        said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
-        wishes = (
-            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
-            ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
-        )
-        said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))
-        for latch in loop.body & ends.keys():
-            if loop.header in ends[latch].operands:
-                ends[latch].set_metadata("llvm.loop", said)
-
-
 class Unnamed:
     """What stands for the code generator where an environment is to be entered: there is no code to enter it in."""
 
@@ -102,7 +77,7 @@ class Unnamed:
         """Do nothing."""
 
 
-class Linked(JITCodeLibrary):  # type: ignore[misc]
+class Part(JITCodeLibrary):  # type: ignore[misc]
     """Code to be linked into other code."""
 
     @property
@@ -122,6 +97,21 @@ class Linked(JITCodeLibrary):  # type: ignore[misc]
         """Return no address: there is no machine code."""
         self._ensure_finalized()
         return 0
+
+
+class Unit(JITCodeLibrary):  # type: ignore[misc]
+    """Code of its own: its callers know its name only, and the linker finds it when they are loaded."""
+
+    @property
+    def codegen(self) -> Any:
+        """Return what takes no environment."""
+        return Unnamed()
+
+    def _get_module_for_linking(self) -> Any:
+        return binding.parse_assembly("")
+
+
+LIBRARIES = {"entry": None, "unit": Unit, "part": Part}
 
 
 class Remembering:
@@ -185,7 +175,7 @@ class Lowering(NativeLowering):  # type: ignore[misc]
 class Pipeline(Compiler):  # type: ignore[misc]
     """The usual passes, or those that are needed."""
 
-    linked: bool
+    library: Any
     own: bool
 
     def _compile_core(self) -> Any:
@@ -195,9 +185,13 @@ class Pipeline(Compiler):  # type: ignore[misc]
     def define_pipelines(self) -> Any:
         """Return the passes."""
         self.state.typingctx = Remembering(self.state.typingctx)
-        if self.linked and self.state.library is None:
+        if self.library is not None and self.state.library is None:
             generator = self.state.targetctx.codegen()
-            self.state.library = Linked(generator, self.state.func_id.func_qualname)
+            self.state.library = self.library(generator, self.state.func_id.func_qualname)
+        if self.library is Unit:
+            self.state.library.enable_object_caching()
+            # callers on the disk know it by its name, in which numba counts what it has compiled so far
+            self.state.func_id.unique_id = mark(self.state.args)
         usual = super().define_pipelines()
         if not self.own:
             return usual

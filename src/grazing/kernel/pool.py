@@ -44,7 +44,7 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
         For threads that are not a whole number >= 1.
     """
     workers = workers_of(threads)
-    order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64)))
+    order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64))) if len(tasks) > 1 else range(len(tasks))
     if workers == 1 or len(tasks) <= 1:
         for done, i in enumerate(order, start=1):
             for _tile in tasks[i]():

@@ -17,6 +17,12 @@ def inlined(function: Kernel) -> Kernel:
     return function
 
 
+def unit(function: Kernel) -> Kernel:
+    """Mark a large kernel to be compiled once: others call its machine code, and do not become longer by it."""
+    function.unit = True  # type: ignore[attr-defined]
+    return function
+
+
 def replaced(items: tuple[float, ...], index: int, value: float) -> tuple[float, ...]:
     """Return the tuple with one item replaced; compiled code keeps it in registers."""
     return (*items[:index], value, *items[index + 1 :])
@@ -64,6 +70,24 @@ def called_for_all(function: float, work: Any, tables: Any, room: int, runs: Any
     pointed[int(function)](work, tables, room, runs, count)
 
 
+def advanced_at(function: float, x: Any, said: Any, width: int, steps: int) -> None:
+    """Call a compiled ``f(x, said, width, steps)`` by its address: a block of orbits, some steps further.
+
+    ``x`` and ``said`` are addresses, of numbers and of integers, see :func:`grazing.kernel.lanes.advancer`.
+    """
+    pointed[int(function)](x, said, width, steps)
+
+
+def derived_at(function: float, state: tuple[float, ...], row: float, blank: tuple[float, ...]) -> Any:
+    """Call a compiled ``f(state, row, found, said)`` by its address; return what it finds, as long as ``blank``.
+
+    All four are addresses, of numbers and of two integers; so a step of any map is called.
+    """
+    found, said = list(blank), [0, 0]
+    pointed[int(function)](state, numbers_at(row), found, said)
+    return tuple(found), tuple(said)
+
+
 #: Plain Python has no addresses of functions: there a function goes by its place in this list.
 pointed: list[Callable[..., Any]] = []
 
@@ -97,10 +121,18 @@ def compiled_form(primitive: Callable[..., Any]) -> Callable[[Callable[..., Any]
 def _register() -> None:
     """Write down the compiled form of each primitive; importing numba here is the reason to be lazy."""
     from llvmlite import ir
-    from numba.core import types
-    from numba.cpython.unsafe.tuple import tuple_setitem
+    from numba import types
 
-    forms[replaced] = tuple_setitem
+    @compiled_form(replaced)
+    def with_item(_context: Any, items: Any, index: Any, value: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            with builder.goto_entry_block():
+                slot = builder.alloca(args[0].type)
+            builder.store(args[0], slot)
+            builder.store(args[2], builder.gep(slot, [args[1].type(0), args[1]], inbounds=True))
+            return builder.load(slot)
+
+        return items(items, index, items.dtype), code
 
     @compiled_form(power_of_two)
     def shifted_exponent(_context: Any, exponent: Any) -> Any:
@@ -139,6 +171,32 @@ def _register() -> None:
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, tables, types.int64, runs, types.int64), code
+
+    @compiled_form(advanced_at)
+    def call_block(_context: Any, function: Any, x: Any, said: Any, width: Any, steps: Any) -> Any:
+        def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            kind = ir.FunctionType(ir.VoidType(), [pointer, count.as_pointer(), count, count]).as_pointer()
+            builder.call(code_at(builder, args[0], kind), args[1:])
+            return ctx.get_dummy_value()
+
+        return types.void(types.float64, x, said, types.int64, types.int64), code
+
+    @compiled_form(derived_at)
+    def call_step(_context: Any, function: Any, state: Any, row: Any, blank: Any) -> Any:
+        pair = types.UniTuple(types.int64, 2)
+
+        def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+            void = ir.FunctionType(ir.VoidType(), [pointer, pointer, pointer, count.as_pointer()])
+            kinds = ir.ArrayType(number, state.count), ir.ArrayType(number, blank.count), ir.ArrayType(count, 2)
+            with builder.goto_entry_block():
+                before, found, said = (builder.alloca(kind) for kind in kinds)
+            builder.store(args[1], before)
+            heads = [builder.bitcast(each, pointer) for each in (before, found)]
+            given = heads[0], code_at(builder, args[2], pointer), heads[1], builder.bitcast(said, count.as_pointer())
+            builder.call(code_at(builder, args[0], void.as_pointer()), given)
+            return ctx.make_tuple(builder, signature.return_type, [builder.load(found), builder.load(said)])
+
+        return types.Tuple((blank, pair))(types.float64, state, types.float64, blank), code
 
     @compiled_form(numbers_at)
     def pointer_to(_context: Any, row: Any) -> Any:

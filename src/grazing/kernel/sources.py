@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.compile import PRIMITIVES, _names
+from grazing.kernel.content import PRIMITIVES, global_names
 from grazing.kernel.primitives import forms
 
 
@@ -50,7 +50,7 @@ def _without_docstrings(tree: ast.AST) -> ast.AST:
 
 
 def _described(value: Any, seen: dict[str, str]) -> str:
-    value = getattr(value, "py_func", value)
+    value = getattr(getattr(value, "py_func", None), "__wrapped__", value)
     value = next((primitive for primitive, form in forms.items() if form is value), value)
     if not isinstance(value, FunctionType):
         if isinstance(value, float):
@@ -64,12 +64,12 @@ def _described(value: Any, seen: dict[str, str]) -> str:
     where = f"{value.__module__}:{value.__code__.co_qualname}"
     cells = [(name, cell) for name, cell in zip(value.__code__.co_freevars, value.__closure__ or (), strict=True)]
     mark = f"{where} {[name for name, _cell in cells]}"
-    if value.__module__ in PRIMITIVES:
+    if value.__module__ == PRIMITIVES:
         seen[where] = "primitive"
         return where
     if where not in seen:
         seen[where] = _source(value)
-        for name in sorted(_names(value.__code__) & value.__globals__.keys()):
+        for name in sorted(global_names(value.__code__) & value.__globals__.keys()):
             seen[f"{where}.{name}"] = _described(value.__globals__[name], seen)
     return f"{mark}{[_cell(cell, seen) for _name, cell in cells]}"
 

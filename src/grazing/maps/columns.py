@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
-from grazing.kernel.lanes import runner
 from grazing.kernel.pool import Progress, Task, run_tasks
 from grazing.outcome import DIVERGED, FATAL
 
@@ -72,22 +71,20 @@ def run_columns(
 
 
 def step_tasks(
-    step: Callable[..., Any],
-    prepare: Callable[..., Any] | None,
-    kind: type,
+    loop: Callable[..., Any],
     rows: Floats,
     lanes: Floats,
     transient: int,
     found: Columns,
-    arithmetic: str,
     who: str,
+    source: Floats | None = None,
 ) -> list[Task]:
     """Return tasks that drive a step through the columns, tile by tile.
 
     Parameters
     ----------
-    step, prepare, kind, arithmetic
-        See :func:`grazing.kernel.lanes.runner`.
+    loop : callable
+        Of :func:`grazing.kernel.lanes.runner`.
     rows : ndarray, shape (columns, parameters)
     lanes : ndarray, shape (columns, dim, starts)
         The starts; overwritten with the last states.
@@ -96,12 +93,13 @@ def step_tasks(
         To be filled.
     who : str
         Who is to blame if the step does not compile.
+    source : ndarray, optional
+        What rows point to: it must live as long as the tasks.
     """
-    entry = runner(step, prepare, kind, lanes.shape[1], arithmetic)
     starts, keep, records = lanes.shape[2], found.points.shape[1], found.outcomes.shape[1]
     total = transient + keep
 
-    def some(first: int, last: int) -> Iterator[None]:
+    def some(first: int, last: int, _held: Floats | None = source) -> Iterator[None]:
         n, stride, q = 0, max(1, TILE // (starts * (last - first))), slice(first, last)
         while n < total:
             end = min(n + stride, total)
@@ -109,7 +107,7 @@ def step_tasks(
             outcomes = found.outcomes[q, part] if records > 1 and end > transient else found.outcomes[q, :1]
             before = perf_counter()
             kept = found.points[q, part], found.letters[q, part], outcomes
-            call(entry, rows[q], lanes[q], max(0, min(end, transient) - n), *kept, who=who)
+            call(loop, rows[q], lanes[q], max(0, min(end, transient) - n), *kept, who=who)
             if perf_counter() - before < 0.25 * LONGEST:  # long tiles cost less; the bits do not depend on them
                 stride *= 2
             n = end

@@ -67,3 +67,14 @@ def extended(tangent: Callable[..., Any]) -> Callable[..., Any]:
         return new, letter, outcome, (*J, NAN)
 
     return derived
+
+
+@lru_cache(maxsize=256)
+def stepping(tangent: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the step of a tangent."""
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J = tangent(state, c)
+        return new, letter, outcome
+
+    return step

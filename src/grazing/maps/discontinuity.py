@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.maps.derivative import extended
 from grazing.maps.map import Map
 from grazing.maps.period import product
 from grazing.maps.starting import boxes_at, local_box
@@ -21,9 +22,10 @@ from grazing.maps.stroboscopic import above_wall, periods_passed
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
+from grazing.oscillator.pointed import pointed_derivative, pointed_law, pointed_slope
 from grazing.oscillator.trajectory import checked_state
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm, shown
-from grazing.parameter import parameters
+from grazing.parameter import parameter_tuple, parameters
 
 ORDERS = ("lowest", "full", "corrected")
 
@@ -170,8 +172,9 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         raise InputError(
             f"order is {shown(order)}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'"
         )
-    law = model.reset
+    law, prepare = model.reset, constants_of(model.harmonics, section_phase)
     step, tangent = local_map_of(law.law, law.slope, order, flown)
+    _step, by_address = local_map_of(pointed_law, pointed_slope, order, flown)
 
     return Map(
         step,
@@ -179,8 +182,16 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         coordinates=("u", "v"),
         box=local_box(model.reach, model.paper),
         boxes=partial(boxes_at, model, local_box),
-        prepare=constants_of(model.harmonics, section_phase),
+        prepare=prepare,
         tangent=tangent,
+        pointed=partial(
+            pointed_derivative,
+            model.harmonics,
+            law,
+            extended(by_address),
+            prepare,
+            parameter_tuple((*model.params, "phase")),
+        ),
         name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",
         check=above_wall if not flown else None,
         exact=law.exact_slope,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import lru_cache, partial
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +17,6 @@ from grazing.kernel.primitives import behind, called_for_all, inlined, numbers
 from grazing.kernel.vectors import combined, made_whole, repeated
 from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
-from grazing.maps.pointed import (
-    flight_fields,
-    law_addresses,
-    pointed_contraction,
-    pointed_law,
-    pointed_rows,
-    pointed_slope,
-)
 from grazing.oscillator.block import (
     dip,
     hand_back,
@@ -69,54 +61,41 @@ from grazing.oscillator.certificate import (
     runs_of,
 )  # fmt: skip
 from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.pointed import POINTED, flight_fields, flight_kind, law_addresses, pointed_rows
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.still import LONGEST as LONGEST_CYCLE
 from grazing.oscillator.still import SELDOM, find_cycles, remember, stand_still
-from grazing.oscillator.workspace import (
-    AFTER,
-    C1,
-    C2,
-    COLUMN,
-    DOUBT,
-    EVENT,
-    HIGH,
-    HITS,
-    INSIDE,
-    LANES,
-    MET,
-    NAN,
-    NEAR,
-    NEED,
-    ORBIT,
-    PROVEN,
-    PULL,
-    REST,
-    SLOW,
-    WANTED,
-    WHEN,
-    WHERE,
-    WIDER,
-    X1,
-    X2,
-    Y0,
-    Z1,
-    Z2,
-    U,
-    V,
-    workspace,
-)  # fmt: skip
+from grazing.oscillator.workspace import HIGH, LANES, NAN, W, workspace
 from grazing.outcome import AMBIGUOUS
-from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")
-ANNOUNCEMENT = "compiling the oscillator's kernel, ten to fifteen seconds, once on this machine"
+ANNOUNCEMENT = "compiling the oscillator's kernel, some ten seconds, once on this machine"
 #: Columns of a block at most: the tables of more no longer stay near.
 COLUMNS = 28
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
 #: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
 FLOWN, FRESH, HELD = 0.0, 1.0, 2.0
+
+
+class Box(NamedTuple):
+    """The orbits of a block."""
+
+    top: int  # the first of its columns
+    columns: int  # how many there are
+    stride: int  # the room of each in the workspace
+    left: int  # the first of the starts
+    starts: int  # how many there are
+
+
+class Found(NamedTuple):
+    """What is written of the periods that are kept, see :class:`grazing.maps.columns.Columns`."""
+
+    points: Any
+    letters: Any
+    outcomes: Any
+    undecided: Any
 
 
 @lru_cache(maxsize=128)
@@ -139,94 +118,88 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         (columns, 2, starts) hold the states. Results are as in :class:`grazing.maps.columns.Columns`.
     """
     fields = len(flight_fields(harmonics))
-    unpack = unpacker(parameter_tuple(flight_fields(harmonics)))
+    unpack = unpacker(flight_kind(harmonics))
     prepare = constants_of(harmonics, section_phase)
-    period = period_of(pointed_law, pointed_slope, pointed_contraction, False)
+    period = period_of(*POINTED, False)
     solve = solve_of(harmonics)
     room = table_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
         return prepare(unpack(rows, q * fields))
 
-    def begin(
-        w: Any, tables: Any, rows: Any, blocks: int, top: int, columns: int, stride: int, left: int, starts: int,
-        lanes: Any,
-    ) -> None:  # fmt: skip
+    def begin(w: Any, tables: Any, rows: Any, blocks: int, box: Box, lanes: Any) -> None:
         """Fill the tables of a block's columns, and take the states."""
+        top, columns, stride, left, starts = box
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
             t[LAW], t[HOLDING], t[NEEDY] = c.p.row, 1.0, 0.0
             t[LOOKED_AT], t[CYCLE], t[WAKE] = 0.0, 0.0, 0.0
-            t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, Y0), c, c.p.ratio) else 0.0
+            t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, W.Y0), c, c.p.ratio) else 0.0
             t[WHICH] = float(q)
             for j in range(stride):
                 i = q * stride + j
-                w[C1 + i], w[C2 + i], w[WANTED + i] = 0.0, 0.0, 0.0
-                w[NEAR + i], w[SLOW + i] = INFINITY, INFINITY
+                w[W.C1 + i], w[W.C2 + i], w[W.WANTED + i] = 0.0, 0.0, 0.0
+                w[W.NEAR + i], w[W.SLOW + i] = INFINITY, INFINITY
                 if j < starts:
-                    w[U + i], w[V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
-                    w[WHERE + i] = held_back(w, i, t)
+                    w[W.U + i], w[W.V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
+                    w[W.WHERE + i] = held_back(w, i, t)
 
-    def end(
-        w: Any, tables: Any, top: int, columns: int, stride: int, left: int, starts: int, lanes: Any, near: Any,
-        slow: Any,
-    ) -> None:  # fmt: skip
+    def end(w: Any, tables: Any, box: Box, lanes: Any, near: Any, slow: Any) -> None:
         """Give back the states of a block, and how near its orbits came to being others."""
+        top, columns, stride, left, starts = box
         for q in range(columns):
             t = behind(tables, q * room)
             measured = t[BAND] if t[TABLED] > 0.0 else INFINITY
             for j in range(starts):
                 i = q * stride + j
-                if w[WHERE + i] == FLOWN:
-                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
-                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[U + i], w[V + i]
-                near[top + q, left + j] = min(near[top + q, left + j], w[NEAR + i], measured)
-                slow[top + q, left + j] = min(slow[top + q, left + j], w[SLOW + i])
+                if w[W.WHERE + i] == FLOWN:
+                    w[W.U + i], w[W.V + i] = state_of(w[W.C1 + i], w[W.C2 + i], t)
+                lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[W.U + i], w[W.V + i]
+                near[top + q, left + j] = min(near[top + q, left + j], w[W.NEAR + i], measured)
+                slow[top + q, left + j] = min(slow[top + q, left + j], w[W.SLOW + i])
 
     @inlined
-    def want_all(w: Any, tables: Any, columns: int, stride: int, starts: int) -> None:
+    def want_all(w: Any, tables: Any, box: Box) -> None:
         """Give the orbits of columns without a table to the scalar routine."""
-        for q in range(columns):
-            t, first = behind(tables, q * room), q * stride
+        for q in range(box.columns):
+            t, first = behind(tables, q * room), q * box.stride
             if t[TABLED] == 0.0:
-                t[NEEDY] = float(starts)
-                for i in range(first, first + starts):
-                    w[WANTED + i] = 1.0
+                t[NEEDY] = float(box.starts)
+                for i in range(first, first + box.starts):
+                    w[W.WANTED + i] = 1.0
 
     @inlined
-    def back_to_states(w: Any, tables: Any, columns: int, stride: int, starts: int) -> None:
+    def back_to_states(w: Any, tables: Any, box: Box) -> None:
         """Find the states of the orbits that the scalar routine gets from the block."""
-        for q in range(columns):
-            t, first = behind(tables, q * room), q * stride
-            for i in range(first, first + starts if t[NEEDY] > 0.0 else first):
-                if w[WANTED + i] > 0.0 and w[WHERE + i] == FLOWN:
-                    w[U + i], w[V + i] = state_of(w[C1 + i], w[C2 + i], t)
+        for q in range(box.columns):
+            t, first = behind(tables, q * room), q * box.stride
+            for i in range(first, first + box.starts if t[NEEDY] > 0.0 else first):
+                if w[W.WANTED + i] > 0.0 and w[W.WHERE + i] == FLOWN:
+                    w[W.U + i], w[W.V + i] = state_of(w[W.C1 + i], w[W.C2 + i], t)
 
-    def fly(
-        w: Any, tables: Any, rows: Any, top: int, columns: int, stride: int, starts: int, record: int, left: int,
-        outcomes: Any, undecided: Any,
-    ) -> int:  # fmt: skip
+    def fly(w: Any, tables: Any, rows: Any, box: Box, record: int, found: Found) -> int:
         """Take the wanted orbits through one period by the scalar routine; return how many columns now hold states."""
+        top, columns, stride, left, starts = box
         holding = 0
         for q in range(columns):
             t, first = behind(tables, q * room), q * stride
             if t[HOLDING] > 0.0:
                 for i in range(first, first + starts):
-                    w[WHERE + i] = w[WHERE + i] if w[WANTED + i] > 0.0 else FLOWN
+                    w[W.WHERE + i] = w[W.WHERE + i] if w[W.WANTED + i] > 0.0 else FLOWN
                 t[HOLDING] = 0.0
             if t[NEEDY] == 0.0:
                 continue
             c = constants_at(rows, top + q)
             for i in range(first, first + starts):
-                if w[WANTED + i] > 0.0:
-                    state, letter, outcome, _J, near, slow = period((w[U + i], w[V + i]), c)
-                    w[U + i], w[V + i] = state
-                    w[NEAR + i], w[SLOW + i] = min(w[NEAR + i], near), min(w[SLOW + i], slow)
-                    w[HITS + i] = float(letter)
-                    outcomes[top + q, record, left + i - first] |= outcome
-                    undecided[top + q, left + i - first] += 1 if outcome & AMBIGUOUS else 0
-                    w[WHERE + i], w[WANTED + i] = held_back(w, i, t), 0.0
-                t[HOLDING] += w[WHERE + i]
+                if w[W.WANTED + i] > 0.0:
+                    state, letter, outcome, _J, near, slow = period((w[W.U + i], w[W.V + i]), c)
+                    w[W.U + i], w[W.V + i] = state
+                    w[W.NEAR + i], w[W.SLOW + i] = min(w[W.NEAR + i], near), min(w[W.SLOW + i], slow)
+                    w[W.HITS + i] = float(letter)
+                    found.outcomes[top + q, record, left + i - first] |= outcome
+                    found.undecided[top + q, left + i - first] += 1 if outcome & AMBIGUOUS else 0
+                    w[W.WHERE + i], w[W.WANTED + i] = held_back(w, i, t), 0.0
+                t[HOLDING] += w[W.WHERE + i]
             t[NEEDY] = 0.0
             holding += 1 if t[HOLDING] > 0.0 else 0
         return holding
@@ -257,33 +230,33 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             dip(w, dips)
             places, dips = int(0.0), 0  # of a literal 0 the compiler would make versions of their own
             for n in range(left):
-                k = int(w[REST + n])
-                i, q, cell = int(w[ORBIT + k]), int(w[COLUMN + k]), int(w[INSIDE + k])
-                met, t = w[MET + k], behind(tables, q * room)
-                if w[WIDER + k] < HIGH:
-                    x, y, doubt, when = w[Z1 + k], w[Z2 + k], w[WIDER + k], w[WHEN + k]
+                k = int(w[W.REST + n])
+                i, q, cell = int(w[W.ORBIT + k]), int(w[W.COLUMN + k]), int(w[W.INSIDE + k])
+                met, t = w[W.MET + k], behind(tables, q * room)
+                if w[W.WIDER + k] < HIGH:
+                    x, y, doubt, when = w[W.Z1 + k], w[W.Z2 + k], w[W.WIDER + k], w[W.WHEN + k]
                     event = next_event(t, t[GO_ON + cell], x, y, doubt)
                     placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0)
                     places += 1
                     continue
                 clear = False
-                if is_chord(w[EVENT + k]):
-                    clear = w[PROVEN + dips] > 0.0
-                    if clear and w[PULL + dips] > 0.0:
-                        w[NEAR + i] = min(w[NEAR + i], w[AFTER + dips])
+                if is_chord(w[W.EVENT + k]):
+                    clear = w[W.PROVEN + dips] > 0.0
+                    if clear and w[W.PULL + dips] > 0.0:
+                        w[W.NEAR + i] = min(w[W.NEAR + i], w[W.AFTER + dips])
                     dips += 1
                 if not clear:
-                    w[WANTED + i] = 1.0
+                    w[W.WANTED + i] = 1.0
                     t[NEEDY] += 1.0
                     needy += 1
                     continue
-                x, y, doubt = w[X1 + k], w[X2 + k], w[DOUBT + k]
-                event = next_event(t, w[EVENT + k] + 1.0, x, y, doubt)
+                x, y, doubt = w[W.X1 + k], w[W.X2 + k], w[W.DOUBT + k]
+                event = next_event(t, w[W.EVENT + k] + 1.0, x, y, doubt)
                 if event > 0.0:
                     placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met)
                     places += 1
                 else:
-                    w[C1 + i], w[C2 + i], w[HITS + i] = x, y, met
+                    w[W.C1 + i], w[W.C2 + i], w[W.HITS + i] = x, y, met
             several = runs_of(w, places, runs)
             describe(w, tables, room, runs, several)
         return needy
@@ -292,9 +265,9 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
         """Write the states of a column's pairs, and how often each hit the wall."""
         u, v, hits = written_at(points, row, n, left)
-        combined(numbers(points), u, starts, w, C1 + first, C2 + first, t, STATE, t[SIGMA])
-        combined(numbers(points), v, starts, w, C1 + first, C2 + first, t, STATE + 3, 0.0)
-        made_whole(numbers(letters), hits, starts, w, HITS + first)
+        combined(numbers(points), u, starts, w, W.C1 + first, W.C2 + first, t, STATE, t[SIGMA])
+        combined(numbers(points), v, starts, w, W.C1 + first, W.C2 + first, t, STATE + 3, 0.0)
+        made_whole(numbers(letters), hits, starts, w, W.HITS + first)
 
     @inlined
     def repeat(points: Any, letters: Any, row: int, n: int, before: int, left: int, starts: int) -> None:
@@ -305,10 +278,12 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         repeated(numbers(letters), here[2], starts, there[2])
 
     def advance(
-        w: Any, tables: Any, runs: Any, rows: Any, strike: float, top: int, columns: int, stride: int, left: int,
-        starts: int, transient: int, start: int, stop: int, points: Any, letters: Any, outcomes: Any, undecided: Any,
-    ) -> None:  # fmt: skip
+        w: Any, tables: Any, runs: Any, rows: Any, strike: float, box: Box, span: tuple[int, int, int], found: Found
+    ) -> None:
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
+        top, columns, stride, left, starts = box
+        transient, start, stop = span
+        points, letters, outcomes, _undecided = found
         last, bare, holding, awake, again = outcomes.shape[1] - 1, 0, columns, columns, 0
         for q in range(columns):
             bare += 1 if tables[q * room + TABLED] == 0.0 else 0
@@ -322,13 +297,13 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 remember(w, tables, room, runs, awake, stride)
             certify(w, tables, room, runs, awake, stride, starts)
             if bare > 0:
-                want_all(w, tables, columns, stride, starts)
+                want_all(w, tables, box)
             needy = bare + impacts(w, tables, runs, awake, stride, strike, kept >= 0)
             if needy > 0:
-                back_to_states(w, tables, columns, stride, starts)
+                back_to_states(w, tables, box)
             onward(w, tables, room, runs, awake, stride)
             if needy + holding > 0:  # in most periods nobody needs the scalar routine
-                holding = fly(w, tables, rows, top, columns, stride, starts, record, left, outcomes, undecided)
+                holding = fly(w, tables, rows, box, record, found)
             length = n % SELDOM + 1
             if length <= LONGEST_CYCLE and find_cycles(w, tables, room, runs, awake, stride, starts, length) > 0:
                 again = n + 1
@@ -339,9 +314,9 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     continue
                 keep(w, t, first, starts, points, letters, top + q, kept, left)
                 for j in range(starts if t[HOLDING] > 0.0 else 0):
-                    if w[WHERE + first + j] != FLOWN:
-                        points[top + q, kept, 0, left + j] = w[U + first + j]
-                        points[top + q, kept, 1, left + j] = w[V + first + j]
+                    if w[W.WHERE + first + j] != FLOWN:
+                        points[top + q, kept, 0, left + j] = w[W.U + first + j]
+                        points[top + q, kept, 1, left + j] = w[W.V + first + j]
 
     def run(
         rows: Any, strike: float, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
@@ -350,13 +325,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         top, bottom, several, stride, left, right, blocks, transient, start, stop = job
         w, t, ends = numbers(work), numbers(tables), numbers(runs)
         for first in range(top, bottom, several):
-            columns = min(several, bottom - first)
-            begin(w, t, numbers(rows), blocks, first, columns, stride, left, right - left, lanes)
-            advance(
-                w, t, ends, numbers(rows), strike, first, columns, stride, left, right - left, transient, start, stop,
-                points, letters, outcomes, undecided,
-            )  # fmt: skip
-            end(w, t, first, columns, stride, left, right - left, lanes, near, slow)
+            box = Box(first, min(several, bottom - first), stride, left, right - left)
+            begin(w, t, numbers(rows), blocks, box, lanes)
+            found = Found(points, letters, outcomes, undecided)
+            advance(w, t, ends, numbers(rows), strike, box, (transient, start, stop), found)
+            end(w, t, box, lanes, near, slow)
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
 
@@ -373,14 +346,14 @@ def held_back(w: Any, i: int, t: Any) -> float:
     gets if it must fly the next period: the way to a pair and back would cost a rounding.
     """
     if t[TABLED] > 0.0:
-        y, v = (w[U + i] - t[SIGMA]) - t[STATE], w[V + i] - t[STATE + 3]
+        y, v = (w[W.U + i] - t[SIGMA]) - t[STATE], w[W.V + i] - t[STATE + 3]
         x, y = t[PAIR] * y + t[PAIR + 1] * v, t[PAIR + 2] * y + t[PAIR + 3] * v
         margin = t[MARGIN] + (t[MARGIN + 1] * abs(x) + t[MARGIN + 2] * abs(y))
         height = t[CERTIFICATE] * x + (t[CERTIFICATE + MAX_ROWS] * y + t[CERTIFICATE + 2 * MAX_ROWS])
         if height > 2.0 * margin:
-            w[C1 + i], w[C2 + i], w[NEED + i] = x, y, margin - t[UPRIGHT] * x
+            w[W.C1 + i], w[W.C2 + i], w[W.NEED + i] = x, y, margin - t[UPRIGHT] * x
             return FRESH
-    w[C1 + i], w[C2 + i], w[NEED + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
+    w[W.C1 + i], w[W.C2 + i], w[W.NEED + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
     return HELD
 
 
@@ -432,7 +405,7 @@ def ensemble_tasks(
     starts, keep = lanes.shape[2], found.points.shape[1]
     wide = min(starts, LANES)
     stride = padded(wide)
-    several = min(LANES // stride, COLUMNS)
+    several = min(LANES // stride, COLUMNS, len(rows))
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
     spare: list[tuple[Any, ...]] = []  # workspaces that no task is using

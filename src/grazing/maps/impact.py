@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from grazing.maps.map import Map
 from grazing.maps.period import log_size
-from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.maps.starting import boxes_at, impact_box
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import (
@@ -27,6 +26,7 @@ from grazing.oscillator.contact import (
 )
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.pointed import POINTED, pointed_derivative
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 from grazing.parameter import parameter_tuple
 
@@ -216,7 +216,7 @@ def impact_map(model: Oscillator) -> Map:
             pointed_derivative,
             model.harmonics,
             law,
-            return_of(pointed_law, pointed_slope, pointed_contraction),
+            return_of(*POINTED),
             constants_of(model.harmonics),
             parameter_tuple(tuple(model.params)),
         ),

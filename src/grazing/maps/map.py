@@ -13,15 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.copies import ByValue, Code, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
-from grazing.kernel.lanes import tangent_runner
+from grazing.kernel.lanes import runner, tangent_runner
 from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
-from grazing.maps.derivative import differences_of, extended, units_of
-from grazing.maps.pointed import Derived
+from grazing.maps.derivative import differences_of, extended, stepping, units_of
+from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import Derived
 from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, shown, told
 from grazing.parameter import (
     Parameter,
@@ -107,7 +108,8 @@ class Map(ByValue):
     explain : callable, optional
         ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
     pointed : callable, optional
-        ``pointed(rows)``: the tangent with its reset law by address, see :mod:`grazing.maps.pointed`.
+        ``pointed(rows, arithmetic="strict")``: the tangent with its reset law by address, see
+        :mod:`grazing.oscillator.pointed`.
     describe : callable, optional
         ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
     model : Oscillator, optional
@@ -155,7 +157,7 @@ class Map(ByValue):
     source: Callable[..., Map] | None = None
     settle: Settle | None = None
     explain: Explain | None = None
-    pointed: Callable[[Floats], Derived] | None = None
+    pointed: Callable[..., Derived] | None = None
     describe: Callable[[str], Parameter] | None = None
     model: Oscillator | None = None
     section: str | None = None
@@ -187,6 +189,11 @@ class Map(ByValue):
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
         return f"<Map {self.name}: ({', '.join(self.coordinates)}); {values}>"
+
+    @property
+    def _linked(self) -> bool:
+        """Whether kernels get the step by its address: of a map of one's own no more is compiled."""
+        return self.source is None and self.prepare is None
 
     @property
     def dimension(self) -> int:
@@ -369,8 +376,16 @@ class Map(ByValue):
         kind = parameter_tuple(tuple(self.params))
         if self.block is not None:
             return self.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
-        steps = self._full_step, self.prepare, kind
-        return step_tasks(*steps, rows, lanes, transient, found, arithmetic, f"the step of {self.name}")
+        who = f"the step of {self.name}"
+        if self.pointed is not None:  # compiled once, whatever the law; the same bits as the map's own step
+            given, who = self.pointed(rows, arithmetic), f"the reset law of {self.name}"
+            loop = runner(stepping(given.tangent), given.prepare, given.kind, self.dimension, arithmetic)
+            return step_tasks(loop, given.rows, lanes, transient, found, who, given.source)
+        if self._linked:
+            loop = pointed_loop(self._full_step, kind, self.dimension, arithmetic, who)
+        else:
+            loop = runner(self._full_step, self.prepare, kind, self.dimension, arithmetic)
+        return step_tasks(loop, rows, lanes, transient, found, who)
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:
         """Return the Jacobian of one step, shape (dim, dim).
@@ -396,7 +411,10 @@ class Map(ByValue):
         if known is None:
             known = differences_of(self._full_step, self.dimension, units_of(self.box))
         flat = np.ascontiguousarray(rows)
-        return Derived(extended(known), self.prepare, self.packed()[0], flat, flat)
+        kind, found = self.packed()[0], extended(known)
+        if self._linked:
+            return pointed_derivative(found, kind, self.dimension, flat, f"the step of {self.name}")
+        return Derived(found, self.prepare, kind, flat, flat)
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:

@@ -7,6 +7,7 @@ from functools import lru_cache
 from math import log
 from typing import Any
 
+from grazing.kernel.primitives import unit
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import Constants, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
@@ -71,6 +72,7 @@ def period_of(
     """
     departure = departure_of(law, slope, contraction)
 
+    @unit
     def period(state: Any, c: Any) -> Any:
         u, v = state
         J, area, lost = (1.0, 0.0, 0.0, 1.0), 0.0, (NAN, NAN, NAN, NAN, NAN)

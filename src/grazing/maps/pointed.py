@@ -1,121 +1,98 @@
-"""Reset laws by address: a kernel that gets its law so is compiled once for every law, the user's own included."""
+"""Steps by address: kernels that get a step so, or its derivative, are compiled once for every map of one's own."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import address
-from grazing.kernel.lanes import unpacker
-from grazing.kernel.primitives import called
-from grazing.oscillator.block import strike_of
-from grazing.oscillator.constants import HEAD
-from grazing.oscillator.reset import Reset
-from grazing.parameter import parameter_tuple
+from grazing.kernel.lanes import advancer, runner_at, unpacker
+from grazing.kernel.primitives import derived_at, replaced
+from grazing.oscillator.pointed import Derived
 
 Floats = NDArray[np.float64]
 
-#: What a kernel needs of a reset law: contraction near zero speed, the addresses, and where its numbers lie.
-LAW = ("ratio", "speed", "law", "slope", "row")
+
+@lru_cache(maxsize=256)
+def pointed_loop(
+    step: Callable[..., Any], kind: type, dimension: int, arithmetic: str, who: str
+) -> Callable[..., None]:
+    """Return the loop around a step, as :func:`grazing.kernel.lanes.runner` does; only the step is compiled for it."""
+    advance = advancer(step, kind, dimension, packed=True)
+
+    def block(x: Any, said: Any, width: int, steps: int) -> None:
+        advance(0.0, x, said, width, steps)
+
+    return partial(runner_at(dimension, arithmetic), address(block, "block", arithmetic, who))
 
 
-class Derived(NamedTuple):
-    """The derivative of a map's step in the form in which it is compiled.
+class Place(NamedTuple):
+    """What a kernel needs of a map: the address of the derivative of its step, and where its parameters lie."""
 
-    ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
-    is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
-    ``source`` are the rows that these may point to: they must live as long as they are used.
+    step: float
+    row: float
+
+
+@lru_cache(maxsize=16)
+def pointed_tangent(dimension: int) -> Callable[..., Any]:
+    """Return ``tangent(state, place) -> (state, letter, outcome, J)``, which calls what lies at a place.
+
+    J is as :class:`grazing.oscillator.pointed.Derived` says.
     """
+    blank, zero = (0.0,) * (dimension + dimension * dimension + 1), (0.0,) * dimension
+    slopes = blank[dimension:]
 
-    tangent: Callable[..., Any]
-    prepare: Callable[..., Any] | None
-    kind: type
-    rows: Floats
-    source: Floats
+    def tangent(state: Any, place: Any) -> Any:
+        found, (letter, outcome) = derived_at(place.step, state, place.row, blank)
+        new, J = zero, slopes
+        for i in range(dimension):
+            new = replaced(new, i, found[i])
+        for i in range(len(slopes)):
+            J = replaced(J, i, found[dimension + i])
+        return new, letter, outcome, J
 
-
-def pointed_law(v: float, p: Any) -> float:
-    """Call the reset law by its address."""
-    return called(p.law, v, p.row)
-
-
-def pointed_slope(v: float, p: Any) -> float:
-    """Call the slope of the reset law by its address."""
-    return called(p.slope, v, p.row)
-
-
-def pointed_contraction(p: Any) -> tuple[float, float]:
-    """Return what is known of the law near zero speed."""
-    return p.ratio, p.speed
-
-
-@lru_cache(maxsize=64)
-def flight_fields(harmonics: int) -> tuple[str, ...]:
-    """Return the names of the numbers that a flight needs, without those of a reset law."""
-    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
-    return (*HEAD, *waves, "sigma", "phase", *LAW)
+    return tangent
 
 
 @lru_cache(maxsize=256)
-def law_addresses(
-    law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
-) -> tuple[float, float, float]:
-    """Compile a reset law, its slope and its loop; return where their code lies."""
-    unpack = unpacker(kind)
+def tangent_address(tangent: Callable[..., Any], kind: type, dimension: int, who: str) -> float:
+    """Compile the derivative of a step, in strict arithmetic; return where its code lies."""
+    unpack, zero = unpacker(kind), (0.0,) * dimension
 
-    def law_at(v: float, row: Any) -> float:
-        return law(v, unpack(row))
+    def derive(before: Any, row: Any, found: Any, said: Any) -> None:
+        state = zero
+        for i in range(dimension):
+            state = replaced(state, i, before[i])
+        new, letter, outcome, J = tangent(state, unpack(row))
+        for i in range(dimension):
+            found[i] = new[i]
+        for i in range(len(J)):
+            found[dimension + i] = J[i]
+        said[0], said[1] = letter, outcome
 
-    def slope_at(v: float, row: Any) -> float:
-        return slope(v, unpack(row))
-
-    strike = strike_of(law, unpack)
-    who = f"the reset law {name}"
-    return (
-        address(law_at, "value", arithmetic, who),
-        address(slope_at, "value", arithmetic, who),
-        address(strike, "sweep", arithmetic, who),
-    )
+    return address(derive, "derivative", "strict", who)
 
 
-@lru_cache(maxsize=64)
-def contractions(contraction: Callable[..., Any], kind: type, rows: bytes) -> Floats:
-    """Return what a law says of its contraction, (columns, 2), at rows of parameters: pieces of a run ask again."""
-    table = np.frombuffer(rows).reshape(-1, len(kind._fields))  # type: ignore[attr-defined]
-    return np.array([contraction(kind(*row)) for row in table.tolist()], np.float64).reshape(-1, 2)
-
-
-def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> Floats:
-    """Return the numbers of :func:`flight_fields` for rows of a map's parameters.
+def pointed_derivative(tangent: Callable[..., Any], kind: type, dimension: int, rows: Floats, who: str) -> Derived:
+    """Return the derivative of a step at rows of parameters, for kernels that know no more of it than its address.
 
     Parameters
     ----------
-    harmonics : int
-    law : Reset
+    tangent : callable
+        ``tangent(state, p) -> (state, letter, outcome, J)``, J as :class:`grazing.oscillator.pointed.Derived` says.
     kind : type
-        The named tuple of the map's parameters: those of the flight, of the law, and for a map with a section its
-        phase, which is 0 for others.
+        The named tuple of the parameters p.
+    dimension : int
     rows : ndarray, shape (columns, parameters)
         In one piece; must live as long as the result is used.
-    arithmetic : {"strict", "fast"}
+    who : str
+        Who is to blame if it does not compile.
     """
-    law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
-    flight = len(HEAD) + 2 * harmonics + 1
-    known = contractions(law.contraction, kind, rows.tobytes())
+    code = tangent_address(tangent, kind, dimension, who)
     where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
-    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
-    phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]
-    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here]))
-
-
-def pointed_derivative(
-    harmonics: int, law: Reset, tangent: Callable[..., Any], prepare: Callable[..., Any], kind: type, rows: Floats
-) -> Derived:
-    """Return the derivative of a map of an oscillator, whose ``tangent`` calls the law by its address."""
-    source = np.ascontiguousarray(rows)
-    flat = pointed_rows(harmonics, law, kind, source, "strict")
-    return Derived(tangent, prepare, parameter_tuple(flight_fields(harmonics)), flat, source)
+    places = np.column_stack([np.full(len(rows), code), where])
+    return Derived(pointed_tangent(dimension), None, Place, np.ascontiguousarray(places), rows)

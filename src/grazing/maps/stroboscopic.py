@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.period import period_of
-from grazing.maps.pointed import pointed_contraction, pointed_derivative, pointed_law, pointed_slope
 from grazing.maps.settle import Settled
 from grazing.maps.starting import boxes_at, strobe_box
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
+from grazing.oscillator.pointed import POINTED, pointed_derivative
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
 
@@ -158,7 +158,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
             pointed_derivative,
             model.harmonics,
             law,
-            derived_of(pointed_law, pointed_slope, pointed_contraction),
+            derived_of(*POINTED),
             constants_of(model.harmonics, section_phase),
             parameter_tuple((*model.params, "phase")),
         ),

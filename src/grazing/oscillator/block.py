@@ -19,74 +19,7 @@ from grazing.kernel.turns import abreast, eights
 from grazing.kernel.vectors import WHOLE, handed_back, transposed
 from grazing.oscillator.cells import CELLS, FORCE, LAW, RATE, cell_size
 from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, value
-from grazing.oscillator.workspace import (
-    AFTER,
-    B1,
-    B2,
-    BACK,
-    BEFORE,
-    C1,
-    C2,
-    CLEARANCE,
-    COLUMN,
-    D1,
-    D2,
-    DOUBT,
-    EVENT,
-    FREE,
-    GAP,
-    HIGH,
-    HITS,
-    INSIDE,
-    INVERSE,
-    MET,
-    NAN,
-    ORBIT,
-    PROVEN,
-    PULL,
-    PUSH,
-    RECORD,
-    REST,
-    ROOM,
-    SINCE,
-    SLOW,
-    SLOWEST_ALLOWED,
-    SOME,
-    SPEED,
-    STEEP,
-    UNMIX,
-    UNTIL,
-    VM,
-    W2,
-    WAVES,
-    WHEN,
-    WHOSE,
-    WIDER,
-    WIDTH,
-    WORSE,
-    X1,
-    X2,
-    Y0,
-    Y1,
-    Y2,
-    Y3,
-    Y4,
-    Y5,
-    Y6,
-    Y7,
-    Y8,
-    Y9,
-    Y10,
-    Y11,
-    Y12,
-    Y13,
-    YM,
-    Z1,
-    Z2,
-    A,
-    F,
-    K,
-)  # fmt: skip
+from grazing.oscillator.workspace import HIGH, NAN, SOME, WHOSE, WIDTH, W
 
 INFINITY = float("inf")
 
@@ -97,9 +30,9 @@ def placed(
     met: float,
 ) -> None:  # fmt: skip
     """Put a flight that has an event ahead to the impacts at hand."""
-    w[COLUMN + to], w[ORBIT + to], w[MET + to] = float(q), float(orbit), met
-    w[X1 + to], w[X2 + to], w[DOUBT + to] = x, y, doubt
-    w[EVENT + to], w[BACK + to], w[WHEN + to] = event, back, when
+    w[W.COLUMN + to], w[W.ORBIT + to], w[W.MET + to] = float(q), float(orbit), met
+    w[W.X1 + to], w[W.X2 + to], w[W.DOUBT + to] = x, y, doubt
+    w[W.EVENT + to], w[W.BACK + to], w[W.WHEN + to] = event, back, when
 
 
 @inlined
@@ -113,18 +46,18 @@ def look_up(w: Any, tables: Any, room: int, places: int, harmonics: int) -> None
     for base in range(0, places, 32):
         for k in range(32):
             i = base + k
-            cell = max(0.0, (0.5 * w[EVENT + i] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
-            w[INSIDE + i] = cell
-            w[RECORD + i] = w[COLUMN + i] * float(room) + (CELLS + cell * size) + WHOLE
+            cell = max(0.0, (0.5 * w[W.EVENT + i] - 0.75 + WHOLE) - WHOLE)  # (place - 1) // 2
+            w[W.INSIDE + i] = cell
+            w[W.RECORD + i] = w[W.COLUMN + i] * float(room) + (CELLS + cell * size) + WHOLE
     for base in range(0, places, 8):
         for h in range(0, size, 4):
-            transposed(w, YM + h * WIDTH + base, WIDTH, tables, RECORD + base, h)
+            transposed(w, W.YM + h * WIDTH + base, WIDTH, tables, W.RECORD + base, h)
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            when, until = w[WHEN + i], w[UNTIL + i]
-            low = when if w[INSIDE + i] == w[BACK + i] else -until
-            w[SINCE + i] = low if w[EVENT + i] > 0.0 else HIGH
+            when, until = w[W.WHEN + i], w[W.UNTIL + i]
+            low = when if w[W.INSIDE + i] == w[W.BACK + i] else -until
+            w[W.SINCE + i] = low if w[W.EVENT + i] > 0.0 else HIGH
 
 
 @inlined
@@ -144,16 +77,16 @@ def clamped(s: float, low: float, high: float) -> float:
 @inlined
 def derivatives(w: Any, i: int, harmonics: int) -> Any:
     """Return the derivatives 0 to 11 of the force at the middle of the cell at place i."""
-    g, d = w[WAVES + i], w[WAVES + WIDTH + i]
-    n = -w[W2 + i]
-    f0, f1, f2, f3 = w[F + i] + g, d, g * n, d * n
+    g, d = w[W.WAVES + i], w[W.WAVES + WIDTH + i]
+    n = -w[W.W2 + i]
+    f0, f1, f2, f3 = w[W.F + i] + g, d, g * n, d * n
     f4, f5 = f2 * n, f3 * n
     f6, f7 = f4 * n, f5 * n
     f8, f9 = f6 * n, f7 * n
     f10, f11 = f8 * n, f9 * n
     for h in range(1, harmonics):
-        n = -(h + 1.0) * (h + 1.0) * w[W2 + i]
-        g, d = w[WAVES + 2 * h * WIDTH + i], w[WAVES + (2 * h + 1) * WIDTH + i]
+        n = -(h + 1.0) * (h + 1.0) * w[W.W2 + i]
+        g, d = w[W.WAVES + 2 * h * WIDTH + i], w[W.WAVES + (2 * h + 1) * WIDTH + i]
         f0, f1 = f0 + g, f1 + d
         g, d = g * n, d * n
         f2, f3 = f2 + g, f3 + d
@@ -170,19 +103,19 @@ def derivatives(w: Any, i: int, harmonics: int) -> Any:
 @inlined
 def series_at(w: Any, i: int, harmonics: int) -> Any:
     """Return the derivatives of the flight at place i, in the middle of its cell."""
-    x, y = w[X1 + i], w[X2 + i]
-    position = w[YM + i] + (x * w[B1 + i] + y * w[B2 + i])
-    velocity = w[VM + i] + (x * w[D1 + i] + y * w[D2 + i])
-    return expand(position, velocity, w[A + i], w[K + i], derivatives(w, i, harmonics))
+    x, y = w[W.X1 + i], w[W.X2 + i]
+    position = w[W.YM + i] + (x * w[W.B1 + i] + y * w[W.B2 + i])
+    velocity = w[W.VM + i] + (x * w[W.D1 + i] + y * w[W.D2 + i])
+    return expand(position, velocity, w[W.A + i], w[W.K + i], derivatives(w, i, harmonics))
 
 
 @inlined
 def unfolded(w: Any, i: int) -> Any:
     """Return the derivatives of the flight at place i, as the solver left them."""
     return (
-        w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i], w[Y4 + i], w[Y5 + i], w[Y6 + i],
-        w[Y7 + i], w[Y8 + i], w[Y9 + i], w[Y10 + i], w[Y11 + i], w[Y12 + i],
-        w[Y13 + i],
+        w[W.Y0 + i], w[W.Y1 + i], w[W.Y2 + i], w[W.Y3 + i], w[W.Y4 + i], w[W.Y5 + i], w[W.Y6 + i],
+        w[W.Y7 + i], w[W.Y8 + i], w[W.Y9 + i], w[W.Y10 + i], w[W.Y11 + i], w[W.Y12 + i],
+        w[W.Y13 + i],
     )  # fmt: skip
 
 
@@ -200,11 +133,11 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         for base in range(start, end, 8):
             for k in range(8):
                 i, y = base + k, series_at(w, base + k, harmonics)
-                w[Y0 + i], w[Y1 + i], w[Y2 + i], w[Y3 + i] = y[0], y[1], y[2], y[3]
-                w[Y4 + i], w[Y5 + i], w[Y6 + i], w[Y7 + i] = y[4], y[5], y[6], y[7]
-                w[Y8 + i], w[Y9 + i], w[Y10 + i] = y[8], y[9], y[10]
-                w[Y11 + i], w[Y12 + i], w[Y13 + i] = y[11], y[12], y[13]
-                w[WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[SINCE + i], w[UNTIL + i])
+                w[W.Y0 + i], w[W.Y1 + i], w[W.Y2 + i], w[W.Y3 + i] = y[0], y[1], y[2], y[3]
+                w[W.Y4 + i], w[W.Y5 + i], w[W.Y6 + i], w[W.Y7 + i] = y[4], y[5], y[6], y[7]
+                w[W.Y8 + i], w[W.Y9 + i], w[W.Y10 + i] = y[8], y[9], y[10]
+                w[W.Y11 + i], w[W.Y12 + i], w[W.Y13 + i] = y[11], y[12], y[13]
+                w[W.WHEN + i] = clamped(descending(y[0], y[1], y[2]), w[W.SINCE + i], w[W.UNTIL + i])
 
     @inlined
     def improve(w: Any, start: int, end: int) -> None:
@@ -212,11 +145,11 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         for base in range(start, end, 8):
             for k in range(8):
                 i = base + eights(k)
-                s = w[WHEN + i]
+                s = w[W.WHEN + i]
                 y, v = coarse(unfolded(w, i), s)
                 inverse = 1.0 / v
-                w[INVERSE + i] = inverse
-                w[WHEN + i] = clamped(s - y * inverse, w[SINCE + i], w[UNTIL + i])
+                w[W.INVERSE + i] = inverse
+                w[W.WHEN + i] = clamped(s - y * inverse, w[W.SINCE + i], w[W.UNTIL + i])
 
     @inlined
     def improve_again(w: Any, start: int, end: int) -> None:
@@ -224,11 +157,11 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         for base in range(start, end, 8):
             for k in range(8):
                 i = base + eights(k)
-                s, inverse = w[WHEN + i], w[INVERSE + i]
+                s, inverse = w[W.WHEN + i], w[W.INVERSE + i]
                 y, v = rough(unfolded(w, i), s)
                 inverse = inverse * (2.0 - v * inverse)
-                w[INVERSE + i] = inverse
-                w[WHEN + i] = s - y * inverse
+                w[W.INVERSE + i] = inverse
+                w[W.WHEN + i] = s - y * inverse
 
     @inlined
     def arrive(w: Any, start: int, end: int) -> None:
@@ -236,9 +169,9 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         for base in range(start, end, 8):
             for k in range(8):
                 i, y = base + k, unfolded(w, base + k)
-                s = w[WHEN + i]
-                w[AFTER + i], w[BEFORE + i] = value(y, s)
-                w[PULL + i], w[STEEP + i] = bends(y, s)
+                s = w[W.WHEN + i]
+                w[W.AFTER + i], w[W.BEFORE + i] = value(y, s)
+                w[W.PULL + i], w[W.STEEP + i] = bends(y, s)
 
     @inlined
     def accept(w: Any, start: int, end: int) -> None:
@@ -250,9 +183,9 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
         for base in range(start, end, 8):
             for k in range(8):
                 i = base + eights(k)
-                y, v, acceleration, jerk = w[AFTER + i], w[BEFORE + i], w[PULL + i], w[STEEP + i]
-                s, inverse = w[WHEN + i], w[INVERSE + i]
-                low, high = w[SINCE + i], w[UNTIL + i]
+                y, v, acceleration, jerk = w[W.AFTER + i], w[W.BEFORE + i], w[W.PULL + i], w[W.STEEP + i]
+                s, inverse = w[W.WHEN + i], w[W.INVERSE + i]
+                low, high = w[W.SINCE + i], w[W.UNTIL + i]
                 inverse = inverse * (2.0 - v * inverse)
                 wrong = 1.0 - v * inverse
                 inverse = inverse + inverse * wrong
@@ -261,18 +194,18 @@ def solve_of(harmonics: int) -> Callable[[Any, int], None]:
                 step = step * (1.0 - 0.5 * bent)
                 v = v + step * (acceleration + 0.5 * step * jerk)
                 s = s + step
-                w[WHEN + i] = s
+                w[W.WHEN + i] = s
                 sure = (
                     (s > low)
                     & (s < high * (1.0 - 1e-7))
-                    & (v < -w[SLOWEST_ALLOWED + i])
+                    & (v < -w[W.SLOWEST_ALLOWED + i])
                     & (abs(bent) < 1e-5)
                     & (abs(step) < 1e-5 * high)
                     & (abs(wrong) < 1e-5)
                 )
-                w[BEFORE + i] = v if sure else -1.0  # no law is asked about nonsense
-                w[INVERSE + i] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
-                w[PROVEN + i] = 1.0 if sure else 0.0
+                w[W.BEFORE + i] = v if sure else -1.0  # no law is asked about nonsense
+                w[W.INVERSE + i] = inverse * 1.0001 if sure else -1.0  # of a v that the step changed by 1e-5 at most
+                w[W.PROVEN + i] = 1.0 if sure else 0.0
 
     @inlined
     def solve(w: Any, count: int) -> None:
@@ -293,24 +226,24 @@ def kick(w: Any, count: int) -> None:
     for base in range(0, count, 8):
         for k in range(8):
             i = base + eights(k)
-            v, u, alpha = w[BEFORE + i], w[AFTER + i], w[A + i]
-            s, room = w[WHEN + i], w[ROOM + i]
+            v, u, alpha = w[W.BEFORE + i], w[W.AFTER + i], w[W.A + i]
+            s, room = w[W.WHEN + i], w[W.ROOM + i]
             # F where the ball leaves is its acceleration plus alpha v; chatter only completes if this much room is left
-            press = -(w[PULL + i] + alpha * v)
-            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[GAP + i])
-            y, d = impulse(s, alpha, 0.25 * (alpha * alpha) - w[K + i])
+            press = -(w[W.PULL + i] + alpha * v)
+            ends = (room > 0.0) & (3.9 * u <= (room - s) * press * w[W.GAP + i])
+            y, d = impulse(s, alpha, 0.25 * (alpha * alpha) - w[W.K + i])
             change = u - v
-            scale = change * w[UNMIX + i]
-            z1 = w[X1 + i] + (w[D2 + i] * y - w[B2 + i] * d) * scale
-            z2 = w[X2 + i] + (w[B1 + i] * d - w[D1 + i] * y) * scale
-            w[Z1 + i], w[Z2 + i] = z1, z2
-            flies = (w[PROVEN + i] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
+            scale = change * w[W.UNMIX + i]
+            z1 = w[W.X1 + i] + (w[W.D2 + i] * y - w[W.B2 + i] * d) * scale
+            z2 = w[W.X2 + i] + (w[W.B1 + i] * d - w[W.D1 + i] * y) * scale
+            w[W.Z1 + i], w[W.Z2 + i] = z1, z2
+            flies = (w[W.PROVEN + i] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
             # what an impact makes of the errors before it, see next_launch in contact.py
-            worse, steep = w[WORSE + i], 1.0 + w[STEEP + i]
-            carried = worse * u + (w[PUSH + i] + change) * steep
-            inverse = w[INVERSE + i] if flies else -INFINITY  # a NaN would make the compiler skip what leads to it
-            w[WIDER + i] = w[DOUBT + i] * (worse * steep - carried * inverse)
-            w[SPEED + i] = -v if flies else INFINITY
+            worse, steep = w[W.WORSE + i], 1.0 + w[W.STEEP + i]
+            carried = worse * u + (w[W.PUSH + i] + change) * steep
+            inverse = w[W.INVERSE + i] if flies else -INFINITY  # a NaN would make the compiler skip what leads to it
+            w[W.WIDER + i] = w[W.DOUBT + i] * (worse * steep - carried * inverse)
+            w[W.SPEED + i] = -v if flies else INFINITY
 
 
 @inlined
@@ -318,11 +251,11 @@ def hand_back(w: Any, runs: Any, count: int, stride: int, left: int) -> None:
     """Give the orbits their pairs after one impact each, but for those in REST."""
     for n in range(count):
         first = runs[WHOSE + n] * stride
-        handed_back(w, first, first + stride, FREE, (Z1, Z2), (C1, C2), SPEED, SLOW, runs[n])
+        handed_back(w, first, first + stride, W.FREE, (W.Z1, W.Z2), (W.C1, W.C2), W.SPEED, W.SLOW, runs[n])
     for n in range(left):
-        k = int(w[REST + n])
-        i = int(w[ORBIT + k])
-        w[C1 + i], w[C2 + i] = w[X1 + k], w[X2 + k]
+        k = int(w[W.REST + n])
+        i = int(w[W.ORBIT + k])
+        w[W.C1 + i], w[W.C2 + i] = w[W.X1 + k], w[W.X2 + k]
 
 
 @inlined
@@ -330,12 +263,12 @@ def hand_on(w: Any, count: int, left: int) -> None:
     """Give the orbits that hit again and then fly free their pairs; those in REST keep what the period began with."""
     n = 0
     for k in range(count):
-        i = int(w[ORBIT + k])
-        w[SLOW + i] = min(w[SLOW + i], w[SPEED + k])
-        if n < left and int(w[REST + n]) == k:
+        i = int(w[W.ORBIT + k])
+        w[W.SLOW + i] = min(w[W.SLOW + i], w[W.SPEED + k])
+        if n < left and int(w[W.REST + n]) == k:
             n += 1
         else:
-            w[C1 + i], w[C2 + i], w[HITS + i] = w[Z1 + k], w[Z2 + k], w[MET + k] + 1.0
+            w[W.C1 + i], w[W.C2 + i], w[W.HITS + i] = w[W.Z1 + k], w[W.Z2 + k], w[W.MET + k] + 1.0
 
 
 @inlined
@@ -349,11 +282,11 @@ def set_apart(w: Any, left: int) -> int:
     """Put flights of REST that may pass the wall without an impact side by side; return how many there are."""
     dips = 0
     for n in range(left):
-        k = int(w[REST + n])
-        if not w[WIDER + k] < HIGH and is_chord(w[EVENT + k]):
-            w[CLEARANCE + dips] = w[DOUBT + k]
-            w[SINCE + dips], w[UNTIL + dips] = w[SINCE + k], w[UNTIL + k]
-            for y in range(Y0, Y13 + 1, WIDTH):
+        k = int(w[W.REST + n])
+        if not w[W.WIDER + k] < HIGH and is_chord(w[W.EVENT + k]):
+            w[W.CLEARANCE + dips] = w[W.DOUBT + k]
+            w[W.SINCE + dips], w[W.UNTIL + dips] = w[W.SINCE + k], w[W.UNTIL + k]
+            for y in range(W.Y0, W.Y13 + 1, WIDTH):
                 w[y + dips] = w[y + k]
             dips += 1
     return dips
@@ -370,7 +303,7 @@ def dip(w: Any, count: int) -> None:
         for k in range(8):
             i = base + k
             a = unfolded(w, i)
-            low, high = w[SINCE + i], w[UNTIL + i]
+            low, high = w[W.SINCE + i], w[W.UNTIL + i]
             s = clamped(-a[1] / a[2] if a[2] > 0.0 else 0.0, low, high)
             _y, v = rough(a, s)
             acceleration, _jerk = bends(a, s)
@@ -382,9 +315,9 @@ def dip(w: Any, count: int) -> None:
             # what is left of v after the last step lowers y by less than this
             y = y - abs(v * step) - v * v / acceleration if (s + step > low) & (s + step < high) else y
             settled = (acceleration > 0.0) & (abs(step) < 1e-4 * high)
-            w[AFTER + i] = y
-            w[PULL + i] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
-            w[PROVEN + i] = 1.0 if settled & (0.4 * y > w[CLEARANCE + i]) else 0.0
+            w[W.AFTER + i] = y
+            w[W.PULL + i] = 1.0 if (s + step > low) & (s + step < high) else 0.0  # a lowest point, not an end
+            w[W.PROVEN + i] = 1.0 if settled & (0.4 * y > w[W.CLEARANCE + i]) else 0.0
 
 
 @lru_cache(maxsize=256)
@@ -402,12 +335,12 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable
             for base in range(runs[n], runs[n + 1], 4):  # what runs over the end is for the next column
                 for k in range(4):
                     j = base + abreast(k)
-                    v = w[BEFORE + j]
+                    v = w[W.BEFORE + j]
                     # 1/64 of the margin, which is 4096 roundings wide, is error enough; see the budget in docs/proof.md
-                    error = w[DOUBT + j] * (rate - force * w[INVERSE + j]) * 0.015625
+                    error = w[W.DOUBT + j] * (rate - force * w[W.INVERSE + j]) * 0.015625
                     h = min(max(1e-8 * -v, error), -v)
                     u, less, more = law(v, p), law(v - h, p), law(v + h, p)
-                    w[STEEP + j] = abs(less - more) / h
-                    w[AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
+                    w[W.STEEP + j] = abs(less - more) / h
+                    w[W.AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
 
     return strike

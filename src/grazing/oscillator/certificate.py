@@ -26,32 +26,7 @@ from grazing.oscillator.cells import (
     UPRIGHT,
     row_from,
 )  # fmt: skip
-from grazing.oscillator.workspace import (
-    AWAKE,
-    BACK,
-    C1,
-    C2,
-    COLUMN,
-    DOUBT,
-    EVENT,
-    FREE,
-    HIGH,
-    HITS,
-    MET,
-    NEED,
-    NUMBER,
-    ORBIT,
-    REST,
-    THEN,
-    WHOSE,
-    WIDER,
-    WIDTH,
-    X1,
-    X2,
-    Z1,
-    Z2,
-    A,
-)  # fmt: skip
+from grazing.oscillator.workspace import AWAKE, HIGH, WHOSE, WIDTH, W
 
 
 @inlined
@@ -63,7 +38,7 @@ def onward(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int) -
     for n in range(awake):
         q = runs[AWAKE + n]
         t = behind(tables, q * room)
-        carried(w, q * stride, (q + 1) * stride, C1, C2, NEED, t, ONWARD, MARGIN, HIGH, UPRIGHT)
+        carried(w, q * stride, (q + 1) * stride, W.C1, W.C2, W.NEED, t, ONWARD, MARGIN, HIGH, UPRIGHT)
 
 
 @inlined
@@ -76,9 +51,9 @@ def certify(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int, 
         q = runs[AWAKE + n]
         t, first = behind(tables, q * room), q * stride
         rows, upright = int(t[COUNT]), int(t[UPRIGHT])
-        all_passed(w, first, first + stride, C1, C2, NEED, FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
+        all_passed(w, first, first + stride, W.C1, W.C2, W.NEED, W.FREE, t, CERTIFICATE, MAX_ROWS, rows, upright)
         for i in range(first + starts if t[TABLED] > 0.0 else first, first + stride):
-            w[FREE + i] = 1.0
+            w[W.FREE + i] = 1.0
 
 
 @inlined
@@ -91,8 +66,10 @@ def locate(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
     for n in range(count):
         t = behind(tables, runs[WHOSE + n] * room)
         rows, upright = int(t[ROW_COUNT]), int(t[UPRIGHT])
-        first_failed(w, runs[n], runs[n + 1], X1, X2, DOUBT, EVENT, t, MARGIN, HIGH, ROWS, MAX_ROWS, rows, upright)
-        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)
+        first_failed(
+            w, runs[n], runs[n + 1], W.X1, W.X2, W.DOUBT, W.EVENT, t, MARGIN, HIGH, ROWS, MAX_ROWS, rows, upright
+        )
+        spread(w, runs[n], runs[n + 1], W.A, WIDTH, t, ALPHA, CONSTANTS)
 
 
 @inlined
@@ -100,7 +77,7 @@ def describe(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
     """Write the constants of its column to each place."""
     for n in range(count):
         t = behind(tables, runs[WHOSE + n] * room)
-        spread(w, runs[n], runs[n + 1], A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
+        spread(w, runs[n], runs[n + 1], W.A, WIDTH, t, ALPHA, CONSTANTS)  # what runs over the end is for the next run
 
 
 @inlined
@@ -129,9 +106,9 @@ def certify_rest(w: Any, tables: Any, room: int, runs: Any, count: int) -> int:
         t = behind(tables, runs[WHOSE + n] * room)
         rows = int(t[COUNT])
         for i in range(runs[n], runs[n + 1]):
-            since, margin = int(w[THEN + i]), w[WIDER + i]
-            passes = passing(t, CERTIFICATE + since, MAX_ROWS, rows - since, w[Z1 + i], w[Z2 + i], margin)
-            w[REST + left] = float(i)
+            since, margin = int(w[W.THEN + i]), w[W.WIDER + i]
+            passes = passing(t, CERTIFICATE + since, MAX_ROWS, rows - since, w[W.Z1 + i], w[W.Z2 + i], margin)
+            w[W.REST + left] = float(i)
             left += 0 if passes & (margin < HIGH) else 1
     return left
 
@@ -143,13 +120,15 @@ def candidates(w: Any, runs: Any, awake: int, stride: int) -> tuple[int, int]:
     for n in range(awake):
         q = runs[AWAKE + n]
         runs[count], runs[WHOSE + count] = places, q
-        places = appended(w, q * stride, (q + 1) * stride, FREE, (C1, C2, NUMBER), (X1, X2, ORBIT), places)
+        places = appended(
+            w, q * stride, (q + 1) * stride, W.FREE, (W.C1, W.C2, W.NUMBER), (W.X1, W.X2, W.ORBIT), places
+        )
         count += 1 if places > runs[count] else 0
     runs[count] = places
     for base in range(0, places, 64):
         for k in range(64):
             i = base + k
-            w[BACK + i], w[MET + i] = -1.0, 0.0
+            w[W.BACK + i], w[W.MET + i] = -1.0, 0.0
     return places, count
 
 
@@ -159,7 +138,7 @@ def count_hits(w: Any, runs: Any, awake: int, stride: int) -> None:
     for n in range(awake):
         first = runs[AWAKE + n] * stride
         for i in range(first, first + stride):
-            w[HITS + i] = 0.0 if w[FREE + i] > 0.0 else 1.0
+            w[W.HITS + i] = 0.0 if w[W.FREE + i] > 0.0 else 1.0
 
 
 @inlined
@@ -167,8 +146,8 @@ def runs_of(w: Any, places: int, runs: Any) -> int:
     """Find the runs of equal columns among the impacts at hand: where each begins, and which; return their number."""
     count, last = 0, -1.0
     for k in range(places):
-        runs[count], runs[WHOSE + count] = k, int(w[COLUMN + k])
-        count += 1 if w[COLUMN + k] != last else 0
-        last = w[COLUMN + k]
+        runs[count], runs[WHOSE + count] = k, int(w[W.COLUMN + k])
+        count += 1 if w[W.COLUMN + k] != last else 0
+        last = w[W.COLUMN + k]
     runs[count] = places
     return count

@@ -7,7 +7,7 @@ from functools import lru_cache
 from math import floor, pi, sqrt
 from typing import Any, NamedTuple
 
-from grazing.kernel.primitives import replaced
+from grazing.kernel.primitives import replaced, unit
 from grazing.oscillator.windows import series, window_edges
 
 TWO_PI = 2.0 * pi
@@ -126,6 +126,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
     no_edges = (0.0,) * (2 * harmonics + 2)
     head = len(HEAD)
 
+    @unit
     def prepare(p: Any) -> Any:
         k2 = p.k * p.k
         q2, spread, l1, l2 = roots(p.alpha, p.k)

@@ -15,6 +15,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import sincos
+from grazing.kernel.primitives import unit
 from grazing.oscillator.constants import Constants, forcing, steady_response
 from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise, stiff
 from grazing.oscillator.windows import free_distance
@@ -117,6 +118,9 @@ def descent(a: Anchor, lo: float, hi: float, s: float, c: Constants) -> tuple[fl
     settled = noise(hi, a, c)[0] / 64.0
     if a.y == 0.0:  # a hop from the wall: settle relative to its own height
         settled = min(settled, 2e-16 * abs(a.v) * s)
+    elif a.y <= 64.0 * settled:  # so near the wall: relative to the way that is left
+        s = fall_time(a, hi, c)
+        settled = min(settled, 2e-16 * max(a.y, a.v * s))
     for _ in range(100):
         y, v = flight(s, a, c)
         if y >= 0.0:
@@ -137,6 +141,20 @@ def descent(a: Anchor, lo: float, hi: float, s: float, c: Constants) -> tuple[fl
     return s, min(v, 0.0)
 
 
+def fall_time(a: Anchor, hi: float, c: Constants) -> float:
+    """Return the time of a fall from the anchor under the force that acts there, half of ``hi`` if it takes longer."""
+    F, _dF = forcing(a.t, c)
+    pull = c.alpha * a.v + c.k2 * a.y - F
+    room = a.v * a.v + 2.0 * pull * a.y
+    root = sqrt(room) if room > 0.0 else 0.0
+    s = hi
+    if a.v <= 0.0 and root > a.v:
+        s = 2.0 * a.y / (root - a.v)
+    elif pull > 0.0:
+        s = (a.v + root) / pull
+    return s if 0.0 < s < 0.5 * hi else 0.5 * hi
+
+
 def slope_of_phi(s: float, length: float, c: Constants) -> float:
     """Return phi'/phi of the comparison solution on a piece of this length, s from its start."""
     if c.q2 >= 0.0:
@@ -145,14 +163,15 @@ def slope_of_phi(s: float, length: float, c: Constants) -> float:
     return c.l2 - c.spread * sine / cosine
 
 
-def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
-    """Return where y/phi is lowest on a piece with F > 0 that starts falling and ends rising, and y there.
+def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float, float]:
+    """Return where y/phi is lowest on a piece with F > 0 that starts falling and ends rising, y there, and its error.
 
-    The zero of g = v - (phi'/phi) y, where g' = F - (alpha + phi'/phi) g; stops at the first point below the wall.
+    The zero of g = v - (phi'/phi) y, where g' = F - (alpha + phi'/phi) g; stops at the first point below the wall. The
+    error is what the search has left; 0 where the ball is higher than that.
     """
     lo, hi = 0.0, length
-    s, y = 0.5 * length, 0.0
-    for _ in range(100):
+    s, y, left = 0.5 * length, 0.0, 0.0
+    for _ in range(1000):
         y, v = flight(s, a, c)
         if y < 0.0:
             break
@@ -167,11 +186,12 @@ def lowest(a: Anchor, length: float, c: Constants) -> tuple[float, float]:
         new = s - g / rise if rise > 0.0 else lo
         if not lo < new < hi:
             new = 0.5 * (lo + hi)
-        # an error of 1e-9 in the time is one of 1e-18 in the height
-        if abs(new - s) <= 1e-9 * length or new == lo or new == hi:
+        # an error of 1e-9 in the time is one of 1e-18 in the height: too much for a ball as near the wall as that
+        left = 2.0 * abs(g * (new - s))
+        if (abs(new - s) <= 1e-9 * length and y > left) or new == lo or new == hi or new == s:
             break
         s = new
-    return s, y
+    return s, y, (0.0 if y < 0.0 or y > left else left)
 
 
 def piece_hit(
@@ -212,8 +232,8 @@ def piece_hit(
         return True, s, 0.0, v, flags, INFINITY
     if vb - slope_of_phi(length, length, c) * yb < 0.0:
         return False, length, yb, vb, flags, INFINITY
-    low, y_low = lowest(a, length, c)
-    close = abs(y_low) <= noise(low, a, c)[0] + carried(a.t + low, launch, c)
+    low, y_low, left = lowest(a, length, c)
+    close = abs(y_low) <= noise(low, a, c)[0] + carried(a.t + low, launch, c) + left
     flags = (AMBIGUOUS | GRAZE) if close else OK
     if y_low >= 0.0:
         return False, length, yb, vb, flags, y_low
@@ -249,6 +269,7 @@ def aloft(a: Anchor, launch: Launch, c: Constants) -> tuple[float, float, float]
     return far, max(0.5 * clear, clear - (max(0.0, -dY) + 0.5 * bend * far) * far), phase
 
 
+@unit
 def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     """Fly to the first impact, or to the end of the period.
 
@@ -303,7 +324,7 @@ def chatter_completes(
         m = min(-F, -Fe) - slack
         M = max(-F, -Fe) + slack
         if m > 0.0:
-            grown = sqrt(M / m)
+            grown = sqrt(max(M, 0.0) / m)  # of a force as weak as its rounding nothing is left
             if ratio * grown < 1.0 and grown * w <= speed and 2.0 * w <= e * m * (1.0 - ratio * grown):
                 return True
         e *= 2.0
@@ -332,6 +353,7 @@ def departure_of(
         impact's velocity makes the step ambiguous, and so does a rest that a doubtful zero of F may end.
     """
 
+    @unit
     def departure(ball: Ball, patience: float, c: Constants) -> tuple[int, Ball, int]:
         t, v = ball.t, ball.v
         i = window_of(t, ball.i, c)

@@ -27,6 +27,8 @@ PARAMETERS = {
     )
 }
 
+#: Harmonics of a forcing: each is two parameters of the model and of every map that is made of it.
+MOST_HARMONICS = 1000
 #: Angles beyond which a double is too coarse for a phase.
 LATEST = 1e15
 _TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
@@ -65,7 +67,7 @@ class Forcing:
     offset : float
         Constant part.
     cos, sin : sequence of float
-        Amplitudes of harmonics 1, 2, ...; the shorter one is filled up with zeros.
+        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros.
 
     Examples
     --------
@@ -87,6 +89,9 @@ class Forcing:
             raise InputError(f"omega = {self.omega:g}; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow")
         if abs(self.t0) * self.omega > LATEST:
             raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {_TOO_LATE}")
+        for name, values in (("cos", self.cos), ("sin", self.sin)):
+            if hasattr(values, "__len__") and len(values) > MOST_HARMONICS:
+                raise InputError(f"{name} has {len(values)} amplitudes; allowed are at most {MOST_HARMONICS}")
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))

@@ -14,7 +14,7 @@ from typing import Any
 
 from grazing.kernel.primitives import behind, inlined
 from grazing.oscillator.cells import CYCLE, HOLDING, K2, LOOKED_AT, ONWARD, STATE, WAKE
-from grazing.oscillator.workspace import AWAKE, C1, C2, FREE, OLD1, OLD2
+from grazing.oscillator.workspace import AWAKE, W
 
 #: Cycles of at most so many periods are looked for, from one period in so many on.
 LONGEST, SELDOM = 2, 8
@@ -30,7 +30,7 @@ def remember(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int)
         t, first = behind(tables, q * room), q * stride
         t[LOOKED_AT] = 1.0
         for i in range(first, first + stride):
-            w[OLD1 + i], w[OLD2 + i] = w[C1 + i], w[C2 + i]
+            w[W.OLD1 + i], w[W.OLD2 + i] = w[W.C1 + i], w[W.C2 + i]
 
 
 @inlined
@@ -43,10 +43,10 @@ def come_back(w: Any, t: Any, start: int, end: int) -> bool:
     u, v, u1, u2, v1, v2 = t[STATE], t[STATE + 3], t[STATE + 1], t[STATE + 2], t[STATE + 4], t[STATE + 5]
     unseen = UNSEEN * UNSEEN * min(t[K2] * (u * u), v * v) if steady else 0.0
     for i in range(start, end):
-        x, y = w[OLD1 + i], w[OLD2 + i]
+        x, y = w[W.OLD1 + i], w[W.OLD2 + i]
         height, speed = u1 * x + u2 * y, v1 * x + v2 * y
-        fades = (w[FREE + i] > 0.0) & (t[K2] * (height * height) + speed * speed < unseen)
-        if not fades and not (w[C1 + i] == x and w[C2 + i] == y):
+        fades = (w[W.FREE + i] > 0.0) & (t[K2] * (height * height) + speed * speed < unseen)
+        if not fades and not (w[W.C1 + i] == x and w[W.C2 + i] == y):
             return False
     return True
 

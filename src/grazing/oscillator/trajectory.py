@@ -17,6 +17,7 @@ from grazing.oscillator.constants import constants_of, piece_of, roots, section_
 from grazing.oscillator.contact import FLIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
 from grazing.outcome import (
     AMBIGUOUS,
@@ -30,10 +31,12 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import parameter_tuple, parameters, real, whole
+from grazing.parameter import parameters, real, whole
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Floats = NDArray[np.float64]
 
 #: Chatter is followed impact by impact down to this fraction of its first speed, then completed in closed form.
 PATIENCE = 1e-6
@@ -107,39 +110,35 @@ def recorder_of(
 
 @lru_cache(maxsize=64)
 def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
-    """Compile ``sample(row, leg, s, u, v)``: position and velocity at times s after the start of a flight."""
+    """Compile ``sample(row, t, y, v, s, u, w)``: position u and velocity w at times s after flights began at (t, y, v).
+
+    Numbers of one flight stand together: what it needs is computed once.
+    """
     unpack = unpacker(kind)
 
-    def sample(row: Any, leg: Any, s: Any, u: Any, v: Any) -> None:
+    def sample(row: Any, t: Any, y: Any, v: Any, s: Any, u: Any, w: Any) -> None:
         c = prepare(unpack(row))
-        a = anchored(leg[1], leg[2], leg[3], c)
+        a = anchored(t[0], y[0], v[0], c)
         for j in range(s.shape[0]):
-            y, w = flight(s[j], a, c)
-            u[j], v[j] = max(y, 0.0) + c.sigma, w
+            if j > 0 and not (t[j] == t[j - 1] and y[j] == y[j - 1] and v[j] == v[j - 1]):
+                a = anchored(t[j], y[j], v[j], c)
+            height, w[j] = flight(s[j], a, c)
+            u[j] = max(height, 0.0) + c.sigma
 
     return compiled(sample)
 
 
-def parameters_of(model: Oscillator, phase: float) -> tuple[type, NDArray[np.float64]]:
-    """Return the named tuple type and the row of a model's parameters with the section's phase appended."""
-    params = {**model.params, "phase": phase}
-    return parameter_tuple(tuple(params)), np.array(list(params.values()), dtype=np.float64)
-
-
-def flown_legs(
-    model: Oscillator, state: tuple[float, float], start: float, until: float, limit: int
-) -> NDArray[np.float64]:
+def flown_legs(model: Oscillator, state: tuple[float, float], start: float, until: float, limit: int) -> Floats:
     """Return all legs of a trajectory, shape (legs, 9), columns as named at the top of this file."""
     law = model.reset
-    kind, row = parameters_of(model, start)
-    prepare = constants_of(model.harmonics, section_phase)
-    record = recorder_of(law.law, law.slope, law.contraction, prepare, kind)
+    numbers, prepare = pointed_model(model, start), constants_of(model.harmonics, section_phase)
+    record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
     now = np.array([0.0, 0.0, state[0] - model.sigma, state[1], 0.0, 0.0, 0.0])
     tables = []
     impacts = 0
     while now[0] * model.period + now[1] < until - start:
         legs = np.zeros((CAPACITY, 9))
-        count = call(record, row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
+        count = call(record, numbers.row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
         tables.append(legs[:count])
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
@@ -266,34 +265,53 @@ def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
     return u, v
 
 
-def _instants(leg: NDArray[np.float64], start: float, period: float) -> tuple[float, float]:
+def _instants(leg: Floats, start: float, period: float) -> tuple[float, float]:
     """Return the times at which a leg begins and ends; the end of a period is the beginning of the next."""
     origin, following = start + leg[PERIOD] * period, start + (leg[PERIOD] + 1.0) * period
     return min(origin + leg[START], following), following if leg[END] >= period else min(origin + leg[END], following)
 
 
+def flown(model: Oscillator, start: float, t: Floats, y: Floats, v: Floats, s: Floats) -> tuple[Floats, Floats]:
+    """Return positions and velocities at times ``s`` after flights began at ``t``, counted from the section ``start``.
+
+    ``y`` are heights above the wall. Where the ball rests, is for the caller to say.
+    """
+    numbers = pointed_model(model, start)
+    sample = sampler_of(constants_of(model.harmonics, section_phase), flight_kind(model.harmonics))
+    u, w = np.empty_like(s), np.empty_like(s)
+    if s.size:
+        sample(numbers.row, t, y, v, s, u, w)
+    return u, w
+
+
 def _sampled(
-    model: Oscillator, legs: NDArray[np.float64], start: float, until: float, samples: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    model: Oscillator, legs: Floats, start: float, until: float, samples: int
+) -> tuple[Floats, Floats, Floats]:
     """Return times, positions and velocities along the legs, both ends of every leg included."""
-    kind, row = parameters_of(model, start)
-    sample = sampler_of(constants_of(model.harmonics, section_phase), kind)
-    times, us, vs = [], [], []
-    for leg in legs:
+    times, ways, which, last = [], [], [], []
+    for number, leg in enumerate(legs):
         begins, ends = _instants(leg, start, model.period)
         ends = min(ends, until)
         if begins > ends:
             continue
         length = leg[END] - leg[START] if ends < until else min(until - begins, leg[END] - leg[START])
         s = np.linspace(0.0, length, max(2, ceil(samples * length / model.period) + 1))
-        u, v = np.full_like(s, model.sigma), np.zeros_like(s)
-        if leg[LEG] == 0.0:
-            sample(row, leg, s, u, v)
-            u[0], v[0] = leg[Y] + model.sigma, leg[V]
-            if not np.isnan(leg[V_MINUS]) and length == leg[END] - leg[START]:
-                u[-1], v[-1] = model.sigma, leg[V_MINUS]
         times.append(np.minimum(begins + s, ends))
         times[-1][-1] = ends
-        us.append(u)
-        vs.append(v)
-    return np.concatenate(times), np.concatenate(us), np.concatenate(vs)
+        ways.append(s)
+        which.append(number)
+        last.append(length == leg[END] - leg[START])
+    counts = np.array([len(s) for s in ways])
+    begun = legs[np.repeat(which, counts)]
+    t, y, w = np.ascontiguousarray(begun[:, [START, Y, V]].T)
+    u, v = flown(model, start, t, y, w, np.concatenate(ways))
+    rest = begun[:, LEG] != 0.0
+    u[rest], v[rest] = model.sigma, 0.0
+    # the ends of a flight are known better than by a formula
+    flew = legs[which, LEG] == 0.0
+    after = np.cumsum(counts)
+    first = (after - counts)[flew]
+    u[first], v[first] = legs[which, Y][flew] + model.sigma, legs[which, V][flew]
+    hit = flew & np.array(last) & ~np.isnan(legs[which, V_MINUS])
+    u[after[hit] - 1], v[after[hit] - 1] = model.sigma, legs[which, V_MINUS][hit]
+    return np.concatenate(times), u, v

@@ -1,9 +1,11 @@
-"""The workspace of a block: arrays one behind the other, named by where they begin.
+"""The workspace of a block: rows one behind the other, a record that names where each of them begins.
 
 One array for all of them lets the compiler see that they do not overlap, so that loops over them vectorise.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,27 +20,92 @@ WIDTH = LANES + 72
 #: Impacts that are solved together, step by step.
 SOME = 48
 
-# Arrays over the orbits of a block: the pair (c1, c2), what all rows must reach, 1 where they do and -1 where not, the
-# narrowest miss, the slowest impact, the state where the scalar routine is needed, the number of the orbit, how often
-# it hit the wall, where its state is, 1 where the scalar routine is wanted, the pair of a period ago.
-C1, C2, NEED, FREE, NEAR, SLOW, U, V, NUMBER, HITS, WHERE, WANTED, OLD1, OLD2 = (i * WIDTH for i in range(14))
-# Arrays over the impacts at hand: pair, margin, which orbit, how many impacts it had in this period, the place of what
-# comes next, its cell, where the cell begins in the tables, the cell of the impact before;
-X1, X2, DOUBT, ORBIT, MET, EVENT, INSIDE, RECORD, BACK = (i * WIDTH for i in range(14, 23))
-# constants of the column in the order of the table: alpha, k^2, F0, omega^2, what the force can do to a velocity, the
-# slowest impact allowed, the growth of errors there, 1 less the contraction of the law, which column it is;
-A, K, F, W2, PUSH, SLOWEST_ALLOWED, WORSE, GAP, COLUMN = (i * WIDTH for i in range(23, 32))
-# where to look from, time of the impact, velocity before and after, the inverse of that before, slope of the law,
-# acceleration, 1 where proven,
-SINCE, WHEN, BEFORE, AFTER, INVERSE, STEEP, PULL, PROVEN = (i * WIDTH for i in range(32, 40))
-# after the impact: pair, margin (not finite where the ball does not fly), the speed of the impact; the list of those
-# that do not fly free to the end of the period, and the margins of those that may pass the wall without an impact;
-Z1, Z2, WIDER, SPEED, REST, CLEARANCE = (i * WIDTH for i in range(40, 46))
-# derivatives 0 to 13 of the flight at the middle of the cell;
-Y0, Y1, Y2, Y3, Y4, Y5, Y6, Y7, Y8, Y9, Y10, Y11, Y12, Y13 = (i * WIDTH for i in range(46, 60))
-# the cell as it stands in the table: Y, Y', b1, b1', b2, b2' at its middle, where it ends, time left in the window,
-# the inverse of the Wronskian, the row of the certificate to go on with; the harmonics.
-YM, VM, B1, D1, B2, D2, UNTIL, ROOM, UNMIX, THEN, WAVES = (i * WIDTH for i in range(60, 71))
+
+class Rows(NamedTuple):
+    """Where the rows of a workspace begin, each of :data:`WIDTH` numbers."""
+
+    # over the orbits of a block
+    C1: int  # the pair (c1, c2)
+    C2: int
+    NEED: int  # what all rows of the certificate must reach
+    FREE: int  # 1 where they do, -1 where not
+    NEAR: int  # the narrowest miss
+    SLOW: int  # the slowest impact
+    U: int  # the state, where the scalar routine is needed
+    V: int
+    NUMBER: int  # of the orbit
+    HITS: int  # how often it hit the wall
+    WHERE: int  # where its state is
+    WANTED: int  # 1 where the scalar routine is wanted
+    OLD1: int  # the pair of a period ago
+    OLD2: int
+    # over the impacts at hand
+    X1: int  # the pair
+    X2: int
+    DOUBT: int  # its margin
+    ORBIT: int  # which orbit
+    MET: int  # how many impacts it had in this period
+    EVENT: int  # the place of what comes next
+    INSIDE: int  # the cell of that
+    RECORD: int  # where the cell begins in the tables
+    BACK: int  # the cell of the impact before
+    # constants of the column, in the order of the table
+    A: int  # alpha
+    K: int  # k^2
+    F: int  # F0
+    W2: int  # omega^2
+    PUSH: int  # what the force can do to a velocity
+    SLOWEST_ALLOWED: int  # of the impacts that are solved here
+    WORSE: int  # the growth of errors there
+    GAP: int  # 1 less the contraction of the law
+    COLUMN: int  # which column it is
+    # the impact
+    SINCE: int  # where to look from
+    WHEN: int  # its time
+    BEFORE: int  # the velocity before
+    AFTER: int  # and after
+    INVERSE: int  # of the velocity before
+    STEEP: int  # the slope of the law
+    PULL: int  # the acceleration
+    PROVEN: int  # 1 where it is
+    # after the impact
+    Z1: int  # the pair
+    Z2: int
+    WIDER: int  # the margin, not finite where the ball does not fly
+    SPEED: int  # of the impact
+    REST: int  # the list of those that do not fly free to the end of the period
+    CLEARANCE: int  # the margins of those that may pass the wall without an impact
+    # derivatives of the flight at the middle of the cell
+    Y0: int
+    Y1: int
+    Y2: int
+    Y3: int
+    Y4: int
+    Y5: int
+    Y6: int
+    Y7: int
+    Y8: int
+    Y9: int
+    Y10: int
+    Y11: int
+    Y12: int
+    Y13: int
+    # the cell as it stands in the table: at its middle
+    YM: int  # Y
+    VM: int  # Y'
+    B1: int  # b1
+    D1: int  # b1'
+    B2: int  # b2
+    D2: int  # b2'
+    UNTIL: int  # where it ends
+    ROOM: int  # the time left in the window
+    UNMIX: int  # the inverse of the Wronskian
+    THEN: int  # the row of the certificate to go on with
+    WAVES: int  # the harmonics: two rows each
+
+
+#: The workspace as kernels name it: number i of row C1 is ``w[W.C1 + i]``.
+W = Rows(*(i * WIDTH for i in range(len(Rows._fields))))
 
 # Lists of columns: where the runs of equal ones begin among the impacts at hand, which these are, and which columns are
 # flown in this period.
@@ -51,13 +118,14 @@ HIGH = 1e280
 
 def workspace_size(harmonics: int) -> int:
     """Return how many numbers the arrays of a block have."""
-    return YM + cell_size(harmonics) * WIDTH
+    return W.YM + cell_size(harmonics) * WIDTH
 
 
 def workspace(harmonics: int, columns: int) -> tuple[Floats, Floats, NDArray[np.int64]]:
     """Return the arrays of a block, the tables of its columns, and room for lists of them."""
     w, tables = aligned(workspace_size(harmonics)), aligned(columns * table_size(harmonics))
-    w[NUMBER : NUMBER + LANES], w[BEFORE : BEFORE + LANES] = np.arange(LANES), -1.0  # no law is asked about nonsense
+    w[W.NUMBER : W.NUMBER + LANES] = np.arange(LANES)
+    w[W.BEFORE : W.BEFORE + LANES] = -1.0  # no law is asked about nonsense
     return w, tables, np.zeros(3 * WIDTH, np.int64)
 
 

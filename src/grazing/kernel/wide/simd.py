@@ -1,7 +1,4 @@
-"""What the compiled forms of vector operations are written with: numbers side by side, as wide as the processor takes.
-
-It imports numba: those who need it import it late.
-"""
+"""What the wide forms are written with: numbers side by side, as wide as the processor takes."""
 
 from __future__ import annotations
 
@@ -10,7 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils
+
+from grazing.kernel.private import cgutils
 
 number, whole, short = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 
@@ -60,10 +58,6 @@ class Lanes:
         """Return the numbers where the mask is true, those of ``other`` elsewhere."""
         return Lanes(self.builder, self.builder.select(mask, self.value, other.value))
 
-    def below(self, other: Lanes) -> Any:
-        """Return where the numbers are lower, or either is not a number."""
-        return self.builder.fcmp_unordered("ult", self.value, other.value)
-
 
 class Memory:
     """Numbers from an address on, in vectors of ``width``."""
@@ -102,11 +96,6 @@ def constant(builder: Any, value: float, width: int) -> Lanes:
     return Lanes(builder, ir.Constant(ir.VectorType(number, width), [value] * width))
 
 
-def bits_of(builder: Any, mask: Any) -> Any:
-    """Return truths side by side as the bits of a number."""
-    return builder.zext(builder.bitcast(mask, ir.IntType(mask.type.count)), whole)
-
-
 class Held:
     """Lanes that a loop changes."""
 
@@ -127,21 +116,6 @@ def counted(builder: Any, start: Any, end: Any, step: int) -> Iterator[Any]:
     """Count from ``start`` on in steps, as long as a whole number is below ``end``."""
     with cgutils.for_range_slice(builder, start, end, whole(step), intp=whole) as (n, _count):
         yield n
-
-
-def in_all(builder: Any, count: Any, width: int, body: Any) -> None:
-    """Call ``body(place, width)`` for all places below a count, and none beyond.
-
-    The last vector overlaps the one before. Where there are fewer than a vector they are taken one by one.
-    """
-    with builder.if_else(builder.icmp_signed(">=", count, whole(width))) as (many, few):
-        with many:
-            last = builder.sub(count, whole(width))
-            with counted(builder, whole(0), last, width) as n:
-                body(n, width)
-            body(last, width)
-        with few, counted(builder, whole(0), count, 1) as n:
-            body(n, 1)
 
 
 def in_groups(builder: Any, start: Any, end: Any, width: int, size: int, body: Any) -> None:

@@ -1,0 +1,121 @@
+"""The content of a kernel as a hash: what two kernels share exactly if they are compiled to the same code."""
+
+from __future__ import annotations
+
+import dis
+import hashlib
+import math
+import os
+from collections.abc import Callable
+from functools import cache, lru_cache
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from grazing.kernel.primitives import forms
+from grazing.kernel.wide import PLAIN as PLAIN  # which enters the wide ones in them
+
+#: The functions of this module have a compiled form of their own always, those that are wide where it is taken.
+PRIMITIVES = "grazing.kernel.primitives"
+
+#: Hashes of functions, for as long as nothing can change what they name: during one compilation.
+Known = dict[FunctionType, str]
+
+
+def digest(function: Callable[..., Any], known: Known | None = None) -> str:
+    """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function.
+    known : dict, optional
+        Hashes of functions met before; those met now are added.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; equal for equal code, whatever file or line it stands in.
+    """
+    return hashlib.sha256(repr(_content(function, (), {} if known is None else known)).encode()).hexdigest()
+
+
+def is_kernel(value: object) -> bool:
+    """Say whether a value is a function that is compiled from its source."""
+    return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES and value not in forms
+
+
+def named(function: FunctionType) -> dict[str, Any]:
+    """Return the global values that a function names, by name."""
+    return {
+        name: function.__globals__[name]
+        for name in sorted(global_names(function.__code__) & function.__globals__.keys())
+    }
+
+
+def below(function: FunctionType) -> list[FunctionType]:
+    """Return the kernels that a function names, globally or in its closure."""
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    return [value for value in (*named(function).values(), *cells) if is_kernel(value)]
+
+
+@lru_cache(maxsize=4096)
+def global_names(code: CodeType) -> frozenset[str]:
+    """Return the global names of a function; not those behind a dot, which may only look like one."""
+    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
+    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    return frozenset(own.union(*(global_names(const) for const in inner)))
+
+
+def _content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
+    """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
+    if isinstance(value, FunctionType):
+        if value in above:
+            return value.__name__
+        if value not in known:
+            known[value] = hashlib.sha256(repr(_function(value, (*above, value), known)).encode()).hexdigest()
+        return known[value]
+    if isinstance(value, tuple):
+        kind = (type(value).__name__, getattr(value, "_fields", ()))
+        return (kind, [_content(item, above, known) for item in value])
+    if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
+        return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
+    if isinstance(value, float):
+        return value.hex() if math.isfinite(value) else repr(value)
+    if isinstance(value, np.ndarray):
+        numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return ("array", value.dtype.str, value.shape, numbers)
+    if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
+        return (type(value).__name__, repr(value))
+    return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
+
+
+def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
+    if value.__module__ == PRIMITIVES:
+        return ("primitive", value.__name__, text(PRIMITIVES))  # both its forms
+    if value in forms:
+        return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
+    return (
+        [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
+        _code(value.__code__),
+        [(name, _content(item, above, known)) for name, item in named(value).items()],
+        [_content(cell.cell_contents, above, known) for cell in value.__closure__ or ()],
+        [_content(default, above, known) for default in value.__defaults__ or ()],
+        sorted((name, _content(default, above, known)) for name, default in (value.__kwdefaults__ or {}).items()),
+    )
+
+
+@cache
+def text(module: str) -> str:
+    """Hash the text of a module of this folder, or of all that are in a folder in it."""
+    place = Path(__file__).with_name(module.rpartition(".")[2])
+    files = sorted(place.glob("*.py")) or [place.with_suffix(".py")]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+@lru_cache(maxsize=4096)
+def _code(code: CodeType) -> Any:
+    consts = [_code(c) if isinstance(c, CodeType) else (type(c).__name__, repr(c)) for c in code.co_consts]
+    return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)

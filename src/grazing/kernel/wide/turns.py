@@ -1,0 +1,58 @@
+"""Marks on loops, and what they ask of the compiler: so many vectors side by side, operation by operation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+
+from grazing.kernel.primitives import compiled_form
+from grazing.kernel.private import CFGraph
+from grazing.kernel.turns import abreast, eights
+from grazing.kernel.wide.simd import width_for
+
+
+def _marking(turns: int) -> Any:
+    def mark(_context: Any, index: Any) -> Any:
+        def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            builder.block.vectors = max(turns // width_for(context), 1)
+            return args[0]
+
+        return types.int64(types.int64), code
+
+    return mark
+
+
+compiled_form(abreast)(_marking(1))
+compiled_form(eights)(_marking(8))
+
+
+def take_at_once(function: Any, entry: Any) -> None:
+    """Tell the compiler, at the loops of a function in its intermediate form, what the marks in it ask for."""
+    marked = [block for block in function.blocks if hasattr(block, "vectors")]
+    if not marked:
+        return
+    graph, ends = CFGraph(), {block: block.terminator for block in function.blocks if block.terminator is not None}
+    for block in function.blocks:
+        graph.add_node(block)
+    for block, end in ends.items():
+        for target in end.operands:
+            if isinstance(target, ir.Block):
+                graph.add_edge(block, target)
+    graph.set_entry_point(entry)
+    graph.process()
+    for block in marked:
+        around = [loop for loop in graph.loops().values() if block in loop.body]
+        if not around:
+            continue
+        loop = min(around, key=lambda each: len(each.body))
+        said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
+        wishes = (
+            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
+            ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
+        )
+        said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))
+        for latch in loop.body & ends.keys():
+            if loop.header in ends[latch].operands:
+                ends[latch].set_metadata("llvm.loop", said)

@@ -1,0 +1,154 @@
+"""Reset laws by address: a kernel that gets its law so is compiled once for every law, the user's own included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import address
+from grazing.kernel.lanes import unpacker
+from grazing.kernel.primitives import called
+from grazing.oscillator.block import strike_of
+from grazing.oscillator.constants import HEAD
+from grazing.oscillator.reset import Reset
+from grazing.parameter import parameter_tuple
+
+if TYPE_CHECKING:
+    from grazing.oscillator.model import Oscillator
+
+Floats = NDArray[np.float64]
+
+#: What a kernel needs of a reset law: contraction near zero speed, the addresses, and where its numbers lie.
+LAW = ("ratio", "speed", "law", "slope", "row")
+
+
+class Derived(NamedTuple):
+    """The derivative of a map's step in the form in which it is compiled.
+
+    ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
+    is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
+    ``source`` are the rows that these may point to: they must live as long as they are used.
+    """
+
+    tangent: Callable[..., Any]
+    prepare: Callable[..., Any] | None
+    kind: type
+    rows: Floats
+    source: Floats
+
+
+def pointed_law(v: float, p: Any) -> float:
+    """Call the reset law by its address."""
+    return called(p.law, v, p.row)
+
+
+def pointed_slope(v: float, p: Any) -> float:
+    """Call the slope of the reset law by its address."""
+    return called(p.slope, v, p.row)
+
+
+def pointed_contraction(p: Any) -> tuple[float, float]:
+    """Return what is known of the law near zero speed."""
+    return p.ratio, p.speed
+
+
+@lru_cache(maxsize=64)
+def flight_fields(harmonics: int) -> tuple[str, ...]:
+    """Return the names of the numbers that a flight needs, without those of a reset law."""
+    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
+    return (*HEAD, *waves, "sigma", "phase", *LAW)
+
+
+#: The law, its slope and what is known of it near zero speed, for a kernel that gets them by address.
+POINTED = pointed_law, pointed_slope, pointed_contraction
+
+
+@lru_cache(maxsize=64)
+def flight_kind(harmonics: int) -> type:
+    """Return the named tuple of :func:`flight_fields`."""
+    return parameter_tuple(flight_fields(harmonics))
+
+
+@lru_cache(maxsize=256)
+def law_addresses(
+    law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
+) -> tuple[float, float, float]:
+    """Compile a reset law, its slope and its loop; return where their code lies."""
+    unpack = unpacker(kind)
+
+    def law_at(v: float, row: Any) -> float:
+        return law(v, unpack(row))
+
+    def slope_at(v: float, row: Any) -> float:
+        return slope(v, unpack(row))
+
+    strike = strike_of(law, unpack)
+    who = f"the reset law {name}"
+    return (
+        address(law_at, "value", arithmetic, who),
+        address(slope_at, "value", arithmetic, who),
+        address(strike, "sweep", arithmetic, who),
+    )
+
+
+@lru_cache(maxsize=64)
+def contractions(contraction: Callable[..., Any], kind: type, rows: bytes) -> Floats:
+    """Return what a law says of its contraction, (columns, 2), at rows of parameters: pieces of a run ask again."""
+    table = np.frombuffer(rows).reshape(-1, len(kind._fields))  # type: ignore[attr-defined]
+    return np.array([contraction(kind(*row)) for row in table.tolist()], np.float64).reshape(-1, 2)
+
+
+def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmetic: str) -> Floats:
+    """Return the numbers of :func:`flight_fields` for rows of a map's parameters.
+
+    Parameters
+    ----------
+    harmonics : int
+    law : Reset
+    kind : type
+        The named tuple of the map's parameters: those of the flight, of the law, and for a map with a section its
+        phase, which is 0 for others.
+    rows : ndarray, shape (columns, parameters)
+        In one piece; must live as long as the result is used.
+    arithmetic : {"strict", "fast"}
+    """
+    law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
+    flight = len(HEAD) + 2 * harmonics + 1
+    known = contractions(law.contraction, kind, rows.tobytes())
+    where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
+    phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]
+    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here]))
+
+
+class Pointed(NamedTuple):
+    """The numbers of a model as a kernel gets them, ``row``; it points into ``source``, which must live as long."""
+
+    row: Floats
+    source: Floats
+
+
+def pointed_model(model: Oscillator, phase: float = 0.0) -> Pointed:
+    """Return the numbers of :func:`flight_fields` for a model seen at a phase, in strict arithmetic."""
+    source = np.array([[*model.params.values(), phase]], np.float64)
+    kind = parameter_tuple((*model.params, "phase"))
+    return Pointed(pointed_rows(model.harmonics, model.reset, kind, source, "strict")[0], source)
+
+
+def pointed_derivative(
+    harmonics: int,
+    law: Reset,
+    tangent: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
+    rows: Floats,
+    arithmetic: str = "strict",
+) -> Derived:
+    """Return the derivative of a map of an oscillator, whose ``tangent`` calls the law by its address."""
+    source = np.ascontiguousarray(rows)
+    flat = pointed_rows(harmonics, law, kind, source, arithmetic)
+    return Derived(tangent, prepare, flight_kind(harmonics), flat, source)

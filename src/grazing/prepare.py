@@ -1,0 +1,192 @@
+"""Compile the kernels of this package before the first call: ``python -m grazing.prepare``.
+
+Every study is run once, on very little, in processes whose kernels go to the folder of prepared kernels. What is there
+already and still right is kept; what belongs to older sources is removed.
+
+Usage: python -m grazing.prepare [--family NAME] [--part NAME]
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from grazing.kernel.disk import others_can_write
+from grazing.kernel.prepared import FAMILIES, folder, machines, own, stamp, used
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from grazing.maps.map import Map
+    from grazing.oscillator.model import Oscillator
+
+    Floats = NDArray[np.float64]
+
+#: The parts of the package that kernels come from.
+SOURCES = ("kernel", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
+
+
+def one_wave() -> None:
+    """Compile for forces of one harmonic: the pinball's kernels and those of all studies of them."""
+    import grazing as gz
+
+    _studies(gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4), "d")
+
+
+def two_waves() -> None:
+    """Compile for forces of two harmonics."""
+    import grazing as gz
+
+    forcing = gz.Forcing(omega=2.2, offset=0.12, cos=(1.0, 0.1))
+    _studies(gz.Oscillator(alpha=3, k=1, forcing=forcing, reset=gz.newton(0.8)), "offset")
+
+
+def formulas() -> None:
+    """Compile what is needed for maps that are formulas: the gap map of the paper, and maps of one's own."""
+    import numpy as np
+
+    import grazing as gz
+
+    def in_one(x: Any, p: Any) -> Any:
+        return (p.a - x[0] * x[0] + p.b,)
+
+    def in_two(x: Any, p: Any) -> Any:
+        return p.a - x[0] * x[0] + p.b * x[1], x[0]
+
+    _formula(gz.gap_map(lam=0.8, mu=0.5, l=1.0), "mu", np.linspace(0.1, 0.5, 4))
+    for names, step in (("x", in_one), ("xy", in_two)):
+        P = gz.Map(step, {"a": 0.5, "b": 0.3}, tuple(names), box=((-1.0, 1.0),) * len(names), escape=10.0)
+        _formula(P, "a", np.linspace(0.1, 1.4, 4))  # at the last one chaotic
+
+
+def _formula(P: Map, name: str, values: Floats) -> None:
+    """Run each study of a map that is a formula once."""
+    import grazing as gz
+
+    last = list(P.params)[-1]
+    P.orbit(0.1 * values[: P.dimension], 60)
+    P.jacobian(0.1 * values[: P.dimension])
+    for arithmetic in ("fast", "strict"):
+        gz.orbit_diagram(P, name, values, transient=10, arithmetic=arithmetic)
+    gz.coexistence(P, name, values, starts=20, transient=10)
+    gz.density(P, name, values, starts=4, coordinate=P.coordinates[0])
+    gz.chart(P, {name: values, last: [0.1, 0.2]}, transient=50)
+    gz.lyapunov(P, name, values, transient=5)  # so short that some have no period: their exponents are measured
+    for orbit in gz.periodic_orbits(P, range(1, 4))[:1]:
+        gz.continuation(P, orbit, name, (values[0], values[-1]))
+    if P.dimension == 2:
+        gz.basins(P, transient=50)
+
+
+def _studies(m: Oscillator, name: str) -> None:
+    """Run each study once."""
+    import numpy as np
+
+    import grazing as gz
+
+    P, values = gz.stroboscopic_map(m), np.linspace(0.05, 0.16, 4)
+    P.orbit((0.1, 0.0), 60)
+    for arithmetic in ("fast", "strict"):  # so short that some orbits have not settled
+        gz.orbit_diagram(P, name, np.linspace(0.05, 0.16, 30), starts=20, transient=10, arithmetic=arithmetic)
+    gz.windows(m, name, N=range(2, 4))
+    gz.normal_form(m, name)
+    gz.chart(P, {name: values, "alpha": [2.9, 3.0]}, transient=50)
+    gz.lyapunov(P.replace(**{name: 0.05}))
+    gz.basins(P, transient=50)
+    orbits = gz.periodic_orbits(P, range(1, 4), starts=200)
+    gz.continuation(P, orbits[0], name, (0.0, 0.16))
+    gz.trajectory(m, (0.1, 0.0))
+    Q = gz.impact_map(m)
+    Q.orbit((0.0, 0.5), 20)
+    gz.orbit_diagram(Q, name, values, starts=4)
+    gz.density(P, name, values, starts=4)
+    gz.coexistence(P, name, values[:2], starts=20)
+
+
+PARTS: dict[str, Callable[[], None]] = {"one wave": one_wave, "two waves": two_waves, "formulas": formulas}
+
+
+def prepared(family: str = "") -> int:
+    """Fill the folder of prepared kernels; return how many there are.
+
+    Parameters
+    ----------
+    family : str
+        One of :data:`grazing.kernel.prepared.FAMILIES`, which this processor must belong to; empty for this processor.
+    """
+    made_from, known = _made_from(family), stamp(family)
+    if known.exists() and known.read_text(encoding="ascii") == made_from:
+        return len(list(folder().glob("*.nbc")))
+    folder().mkdir(exist_ok=True)
+    print("grazing: compiling kernels (once; about a minute)", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory(prefix="grazing-") as scratch:
+        environment = {**os.environ, "GRAZING_CACHE": scratch, "MPLBACKEND": "Agg"}
+        if family:
+            environment |= {"NUMBA_CPU_NAME": family, "NUMBA_CPU_FEATURES": FAMILIES[family]}
+        commands = [[sys.executable, "-m", "grazing.prepare", "--part", part] for part in PARTS]
+        pipe = subprocess.PIPE
+        running = [subprocess.Popen(each, env=environment, stdout=pipe, stderr=pipe, text=True) for each in commands]
+        said = [each.communicate() for each in running]
+        failed = [error.strip() for each, (_names, error) in zip(running, said, strict=True) if each.returncode]
+        if failed:
+            raise SystemExit(f"grazing: the kernels could not be compiled beforehand:\n{failed[0]}")
+        kept = {name for names, _error in said for name in names.split()}
+        for file in sorted(Path(scratch).glob("*.nbc")):
+            kept.add(file.name)
+            new = folder() / f".{file.name}"
+            shutil.copyfile(file, new)
+            new.chmod(0o644)
+            new.replace(folder() / file.name)
+    if not family:  # a wheel holds several families, a checkout what is right for it
+        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*")):
+            if file.name not in kept:
+                file.unlink()
+    known.write_text(made_from, encoding="ascii")
+    return len(list(folder().glob("*.nbc")))
+
+
+def _made_from(family: str) -> str:
+    """Return a hash of all that the kernels depend on: sources, versions, processor."""
+    found = hashlib.sha256(f"{sys.version} {version('numba')} {version('llvmlite')} {family} {own()}".encode())
+    root = Path(__file__).parent
+    files = [file for part in SOURCES for file in (root / part, *(root / part).rglob("*")) if file.suffix == ".py"]
+    for file in sorted(files):
+        found.update(file.relative_to(root).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return found.hexdigest()
+
+
+def main() -> None:
+    """Prepare kernels, or one part of them in a process of its own."""
+    options = argparse.ArgumentParser(prog="python -m grazing.prepare", description=__doc__.splitlines()[0])
+    options.add_argument("--family", choices=list(FAMILIES), default="", help="for a family of processors (wheels)")
+    options.add_argument("--part", choices=list(PARTS), help=argparse.SUPPRESS)
+    given = options.parse_args()
+    if given.part:
+        warnings.simplefilter("ignore")
+        PARTS[given.part]()
+        print("\n".join(sorted(used)))
+        return
+    if given.family and given.family not in [name for _system, name, _features in machines(own())]:
+        raise SystemExit(f"grazing: this processor does not run code for {given.family}")
+    if others_can_write(folder().parent):
+        raise SystemExit(f"grazing: {folder().parent}: {others_can_write(folder().parent)}")
+    try:
+        count = prepared(given.family)
+    except OSError as error:  # a folder that is only read, a full disk
+        raise SystemExit(f"grazing: kernels cannot be kept in {folder()}: {error.strerror or error}") from None
+    print(f"grazing: {count} kernels are prepared", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

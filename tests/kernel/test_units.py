@@ -1,0 +1,141 @@
+"""Units: machine code of their own that kernels call by name, in this process and out of files of another."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba.core import event
+
+import grazing
+from grazing.kernel import cache
+from grazing.kernel.compile import compiled
+from grazing.kernel.content import digest
+from grazing.kernel.primitives import unit
+from grazing.kernel.wide import PLAIN
+from grazing.parameter import parameter_tuple
+
+pytestmark = pytest.mark.skipif(bool(PLAIN), reason=f"numba's own pipeline knows no units: {PLAIN}")
+
+
+def made(factor, sign="+"):
+    """Two callers of one unit, and the unit, as new functions: only the disk knows them from before."""
+
+    @unit
+    def middle(x, c):
+        return (factor * x[0] * c[1], x[1]), 3
+
+    def first(x):
+        y, n = middle((x, 2.0), (1.0, 2.0, 3.0))
+        return y[0] + n
+
+    def second(x):
+        y, n = middle((x, 2.0), (1.0, 2.0, 3.0))
+        return y[0] - n
+
+    return first, second, middle
+
+
+class Heard(event.Listener):
+    """The names of what is compiled, not of what is in it."""
+
+    def __init__(self):
+        self.names = []
+
+    def on_start(self, said):
+        self.names.append(said.data["dispatcher"].py_func.__name__.partition("_")[0])
+
+    def on_end(self, _said):
+        pass
+
+
+def test_a_unit_is_compiled_once_and_its_callers_only_name_it(folder):
+    factor = float.fromhex(f"0x1.{os.urandom(5).hex()}p0")
+    first, second, _middle = made(factor)
+    with event.install_listener("numba:compile", Heard()) as heard:
+        assert compiled(first)(2.0) == 4.0 * factor + 3.0
+        assert compiled(second)(2.0) == 4.0 * factor - 3.0
+    assert heard.names.count("middle") == 1
+    (code,) = compiled(second).overloads.values()
+    text = code.library.get_llvm_str()
+    assert "declare" in text and "fmul" not in text
+    assert sorted(file.name.partition("-")[0] for file in folder.iterdir()) == ["first", "middle", "second"]
+
+
+def test_an_edited_unit_is_another_one(folder):
+    first, _second, middle = made(1.5)
+    other, _second, changed = made(2.5)
+    assert digest(middle) != digest(changed) and digest(first) != digest(other)
+    assert compiled(first)(2.0) == 9.0 and compiled(other)(2.0) == 13.0
+
+
+def test_types_of_one_length_are_told_apart(folder):
+    """The linker knows a name; that of numba for a named tuple says how long it is, not what its fields are."""
+
+    @unit
+    def weighed(p):
+        return 2.0 * p.a + p.b
+
+    ab, ba = parameter_tuple(("a", "b")), parameter_tuple(("b", "a"))
+
+    def one(x):
+        return weighed(ab(x, 1.0))
+
+    def two(x):
+        return weighed(ba(x, 1.0))
+
+    assert compiled(one)(10.0) == 21.0
+    assert compiled(two)(10.0) == 12.0
+
+
+PROGRAM = """
+import json, sys
+sys.path[:0] = [{source!r}, {root!r}]
+from numba.core import event
+from grazing.kernel.compile import compiled
+from tests.kernel.test_units import Heard, made
+with event.install_listener("numba:compile", Heard()) as heard:
+    first, second, _middle = made(1.5)
+    found = [compiled(each)(2.0) for each in (first, second)]
+print(json.dumps([found, sorted({{n for n in heard.names if n in ("first", "second", "middle")}})]))
+"""
+
+
+def in_a_process(folder):
+    source, root = (str(Path(grazing.__file__).parents[1]), str(Path(__file__).parents[2]))
+    program = PROGRAM.format(source=source, root=root)
+    env = {**os.environ, "GRAZING_CACHE": str(folder)}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), done.stderr
+
+
+def test_files_of_a_unit_may_be_missing_or_damaged(tmp_path):
+    """A caller whose unit is not there would end the process: it is made again, with the same numbers."""
+    folder, right = tmp_path / "kept", [9.0, 3.0]
+    assert in_a_process(folder)[0] == [right, ["first", "middle", "second"]]
+    assert in_a_process(folder)[0] == [right, []]
+    (file,) = folder.glob("middle-*")
+    file.unlink()
+    assert in_a_process(folder)[0] == [right, ["middle"]]
+    (file,) = folder.glob("middle-*")
+    file.write_bytes(file.read_bytes()[:-1])
+    found, said = in_a_process(folder)
+    assert found == [right, ["middle"]] and "it is damaged" in said
+    for file in folder.glob("first-*"):
+        file.unlink()
+    assert in_a_process(folder)[0] == [right, ["first"]]
+    assert in_a_process(folder)[0] == [right, []]
+
+
+def test_a_caller_that_names_a_unit_nobody_has_is_compiled_again(folder, monkeypatch):
+    first, _second, _middle = made(1.5)
+    assert compiled(first)(2.0) == 9.0
+    monkeypatch.setattr(cache, "_there", {})  # as if this process had none, and none could be entered
+    monkeypatch.setattr(cache.KernelCache, "_enter", lambda self, result: None)
+    again, _second, _middle = made(1.5)
+    with event.install_listener("numba:compile", Heard()) as heard:
+        assert compiled(again)(2.0) == 9.0
+    assert "first" in heard.names

@@ -1,0 +1,94 @@
+"""What is prepared is all that the first hour needs: the ten lines of the README and each study compile nothing."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import grazing
+from grazing import prepare
+from grazing.kernel.prepared import stamp
+from grazing.kernel.wide import PLAIN
+
+ROOT = Path(__file__).parents[1]
+SOURCE = str(Path(grazing.__file__).parents[1])
+TEN_LINES = re.search(r"## Ten lines to paste\n\n```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+STUDIES = """
+import numpy as np
+import grazing as gz
+
+m = gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4)
+P = gz.stroboscopic_map(m)
+gz.chart(P, {"d": np.linspace(0.05, 0.16, 10), "V": np.linspace(0.1, 0.4, 10)})
+gz.lyapunov(P.replace(d=0.05))
+gz.basins(P)
+orbits = gz.periodic_orbits(P, range(1, 5))
+gz.continuation(P, orbits[0], "d", (0.0, 0.16))
+gz.trajectory(m, (0.1, 0.0))
+gz.impact_map(m).orbit((0.0, 0.5), 50)
+"""
+OWN = """
+import numpy as np
+import grazing as gz
+
+def step(x, p):
+    return p.a - 1.0009765625 * x[0] * x[0] + p.b * x[1], x[0]
+
+P = gz.Map(step, {"a": 1.2, "b": 0.3}, ("x", "y"), box=((-1.0, 1.0), (-1.0, 1.0)), escape=10.0)
+values = np.linspace(1.0, 1.4, 5)
+gz.orbit_diagram(P, "a", values)
+gz.chart(P, {"a": values, "b": [0.2, 0.3]})
+gz.lyapunov(P, "a", values)
+gz.basins(P)
+gz.bifurcation_diagram(P, "a", np.linspace(0.2, 0.8, 4))
+gz.continuation(P, gz.periodic_orbits(P, 1)[0], "a", (1.0, 1.3))
+"""
+PROGRAM = """
+import json, sys
+sys.path.insert(0, {source!r})
+from numba.core import event
+
+class Heard(event.Listener):
+    def on_start(self, said):
+        heard.append(said.data["dispatcher"].py_func.__name__.rpartition("_")[0])
+    def on_end(self, said):
+        pass
+
+heard = []
+event.register("numba:compile", Heard())
+exec({text!r}, {{}})
+print(json.dumps(heard))
+"""
+
+
+def compiled_by(text, folder):
+    """Return what is compiled while a program runs with a new cache."""
+    if PLAIN or not stamp().exists() or stamp().read_text() != prepare._made_from(""):
+        pytest.skip("no kernels are prepared from these sources: make prepared")
+    program = PROGRAM.format(source=SOURCE, text=text)
+    env = {**os.environ, "GRAZING_CACHE": str(folder)}
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    assert done.returncode == 0 and "compiling" not in done.stderr, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.mark.parametrize("text", [TEN_LINES, STUDIES], ids=["the ten lines", "the studies"])
+def test_the_first_calls_wait_for_no_compiler(tmp_path, text):
+    assert compiled_by(text, tmp_path) == [] and not list(tmp_path.iterdir())
+
+
+def test_of_a_map_of_ones_own_nothing_but_the_step_is_compiled(tmp_path):
+    assert compiled_by(OWN, tmp_path)
+    kept = {file.name.partition("-")[0] for file in tmp_path.iterdir()}
+    assert kept == {"block", "derive"}  # a step, and its derivative
+
+
+def test_a_family_that_this_processor_does_not_run_is_refused(monkeypatch):
+    monkeypatch.setattr(prepare, "machines", lambda own: [own])
+    monkeypatch.setattr(sys, "argv", ["prepare", "--family", "x86-64-v2"])
+    with pytest.raises(SystemExit, match="this processor does not run code for x86-64-v2"):
+        prepare.main()
