@@ -347,3 +347,63 @@ def test_a_range_too_narrow_for_double_precision():
     orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
     with pytest.raises(gz.InputError, match="double precision"):
         continuation(orbit.map, orbit, "d", (0.11, np.nextafter(0.11, 1.0)))
+
+
+def test_the_table_of_a_branch_has_every_impact():
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[-1]
+    branch = continuation(orbit.map, orbit, "omega", (2.0, 2.4))
+    table = branch.dataset
+    orbits = list(branch)
+    at = table.impact_point.values
+    assert np.array_equal(np.bincount(at, minlength=len(orbits)), table.impacts.values) and table.sizes["impact"] > 20
+    for i, orbit in enumerate(orbits):
+        np.testing.assert_array_equal(table.v_minus.values[at == i], orbit.incoming)
+        np.testing.assert_array_equal(table.v_plus.values[at == i], orbit.outgoing)
+        # flown from the row's own first point, the ball meets the wall at these times
+        state = float(table.u[i, 0]), float(table.v[i, 0])
+        T = orbit.model.period
+        if orbit.admissible and orbit.clearance > 1e-6:
+            path = gz.trajectory(orbit.model, state, until=3.0 * T, samples=2)
+            times = np.mod(table.impact_time.values[at == i], 3.0 * T)
+            np.testing.assert_allclose(path.impact_time.values, np.sort(times), atol=1e-9)
+    for k in range(len(branch.pieces)):
+        mine = (table.piece.values[at] == k).nonzero()[0]
+        assert np.abs(np.diff(table.impact_time.values[mine])).max(initial=0.0) < 0.3 * model.period
+
+
+def test_a_branch_of_the_impact_map_has_the_points_of_the_strobe():
+    P = gz.impact_map(gz.pinball(d=0.12, V=0.4))
+    [orbit] = gz.periodic_orbits(P, 1)
+    branch = continuation(P, orbit, "d", (0.11, 0.13))
+    table = branch.dataset
+    np.testing.assert_array_equal(table.u.values[5], list(branch)[5].points[:, 0])
+    assert table.v_plus.dims == ("impact",) and "tau" not in table
+    gz.plot.branch(table, coordinate="v")
+
+
+def test_loops_in_the_frequency_are_followed_once():
+    """Where the frequency varies the period does: two solutions are compared in the period that they have.
+
+    The rig of the docs (0.8 kg, 2.4 N s/m, 3200 N/m, 2.5 N, a stop at 1.2 mm), whose orbits of one impact are a loop
+    that closes, with grazes where the closed form of the response without impacts reaches the stop.
+    """
+    m, c, k, F, gap = 0.8, 2.4, 3200.0, 2.5, 1.2e-3
+    low, high = 2.0 * np.pi * 4.0, 2.0 * np.pi * 20.0
+    law, forcing = gz.newton(0.7), gz.Forcing(omega=high, cos=(-F / m,))
+    model = gz.Oscillator(alpha=c / m, k=np.sqrt(k / m), forcing=forcing, sigma=-gap, reset=law)
+    orbit = free_orbit(model)
+    branch = continuation(orbit.map, orbit, "omega", (low, high))
+    assert len(branch.pieces) == 3 and [max(o.impacts for o in piece.orbits) for piece in branch.pieces] == [0, 1, 2]
+    # |k - m w^2 + i c w| = F/gap, a quadratic in w^2
+    half = k / m - 0.5 * (c / m) ** 2
+    edges = np.sqrt(half + np.array([-1.0, 1.0]) * np.sqrt(half**2 - (k / m) ** 2 + (F / m / gap) ** 2))
+    grazes = sorted(one.value for one in admissible(branch, "gr") if one.orbit.impacts == 0)
+    np.testing.assert_allclose(grazes, edges, rtol=1e-13)
+    assert not any(one.type == "v0" for one in branch.special)  # nothing kicks: an impact of no speed is a graze
+    doubles = [one for one in branch.special if one.type == "pd" and one.admissible]
+    assert doubles and all(abs(one.orbit.multipliers[0] + 1.0) < 1e-9 for one in doubles)
+    # what begins at a period doubling far from the frequency at which the branch was begun goes round twice there
+    other = continuation(branch.map, doubles[0], "omega", (low, high), limit=40)
+    begun = other.pieces[0].orbits[0]
+    np.testing.assert_allclose(begun.times[2:] - begun.times[:2], begun.model.period, rtol=1e-9)

@@ -11,6 +11,7 @@ from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.survey import DET, SLOPE, TRACE, V_MINUS, families, survey
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight
+from tests.examples import examples
 from tests.models import MODELS
 
 THREE = {"cos": (1.0, 0.3, -0.2), "sin": (0.1, 0.0, 0.25)}
@@ -137,7 +138,7 @@ def orbits_of(model, N):
         return ()
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(models, st.integers(1, 5))
 def test_every_orbit_closes_has_its_word_and_knows_whether_it_is_admissible(model, N):
     for orbit in orbits_of(model, N):
@@ -156,7 +157,7 @@ class P:
         self.__dict__.update(params)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(models, st.integers(1, 4))
 def test_multipliers_and_points_are_those_of_the_stroboscopic_map(model, N):
     for orbit in orbits_of(model, N):
@@ -191,7 +192,7 @@ def test_multipliers_are_those_of_finite_differences_of_the_map(d, N):
     assert sorted(np.linalg.eigvals(J)) == pytest.approx(sorted(orbit.multipliers.real), abs=1e-7)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(models, st.integers(1, 5))
 def test_a_multiplier_1_is_a_double_zero_of_the_closing_equation(model, N):
     """G'(phi) omega = v (1 - tr J + det J): the orbit is lost where the closing equation is tangent to 0."""
@@ -204,7 +205,7 @@ def test_a_multiplier_1_is_a_double_zero_of_the_closing_equation(model, N):
             assert row[SLOPE] * model.forcing.omega == pytest.approx(expected, rel=1e-6, abs=1e-9 * (1 + abs(v * tr)))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(models, st.integers(1, 3))
 def test_clearance_is_the_lowest_dip_that_dense_samples_see(model, N):
     for orbit in orbits_of(model, N):

@@ -244,3 +244,25 @@ def test_differences_know_their_error():
         h = distances(1.0, m)
         found = slope(np.array(m), np.abs(m - h), m + h, h, h)
         assert found.value == pytest.approx(1.0, abs=1e-10) or found.error > 1.0
+
+
+def uneven(state, p):
+    (x,) = state
+    if x <= p.c:
+        return (p.a * x - p.mu,), 0
+    return (p.b * x - p.mu + p.h,), 1
+
+
+@pytest.mark.parametrize("a", [0.5, 1.0, -0.25])
+def test_a_kink_that_the_branch_does_not_feel_is_a_border_collision(a):
+    """For b = -1 the orbit LR has x = h/(1 + a): at its collision the map is continuous, and along the branch smooth.
+
+    Across the border its slope jumps from a to -1.
+    """
+    T = gz.Map(uneven, params={"a": a, "b": -1.0, "mu": -0.6, "h": 0.0, "c": 0.05}, box=((-3.0, 3.0),), letters="LR")
+    (orbit,) = [one for one in gz.periodic_orbits(T, 2) if one.word == "LR"]
+    branch = gz.continuation(T, orbit, "h", (-0.5, 0.5))
+    (point,) = [one for one in branch.special if one.type not in ("pd", "lp")]
+    assert (point.type, point.converged) == ("bcb", True)
+    assert point.low <= 0.05 * (1.0 + a) <= point.high
+    assert branch.relabellings == ()

@@ -11,6 +11,7 @@ import grazing as gz
 from grazing.config.orbits import window_table
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.windows import EDGES, windows
+from tests.examples import examples
 
 # The windows of the standard set in d, V = 0.4: lower edge (graze of the last dip), upper edge (period doubling).
 STANDARD = {
@@ -215,7 +216,7 @@ models = st.builds(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(
     models,
     st.sampled_from(["offset", "omega", "r", "V", "alpha", "k", "sigma", "cos1"]),

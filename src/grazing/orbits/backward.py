@@ -23,8 +23,9 @@ from grazing.oscillator.constants import Constants, constants_of, forcing, secti
 from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import POINTED, flight_kind, pointed_law, pointed_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
-from grazing.parameter import parameter_tuple, parameters
+from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -61,12 +62,12 @@ def reversed_constants(c: Constants) -> Constants:
 
 
 @lru_cache(maxsize=64)
-def flyer_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
+def flyer(harmonics: int) -> Callable[..., None]:
     """Compile ``fly(row, lines)``: each ball back to the contact before, or to the beginning of the period.
 
     A line, see the columns above, is the time T - t, the height y, the velocity -v; then whether there was a contact.
     """
-    unpack = unpacker(kind)
+    unpack, prepare = unpacker(flight_kind(harmonics)), constants_of(harmonics, section_phase)
 
     def fly(row: Any, lines: Any) -> None:
         back = reversed_constants(prepare(unpack(row)))
@@ -78,29 +79,29 @@ def flyer_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
 
 
 @lru_cache(maxsize=64)
-def climber_of(law: Callable[..., float], kind: type) -> Callable[..., None]:
+def climber(harmonics: int) -> Callable[..., None]:
     """Compile ``climb(row, w, speeds)``: every speed of impact found from which a law makes the departures w."""
-    unpack = unpacker(kind)
+    unpack = unpacker(flight_kind(harmonics))
 
     def climb(row: Any, departures: Any, speeds: Any) -> None:
         p = unpack(row)
         for i in range(len(departures)):
             w, found = departures[i], 0
             slow, fast = 0.0, w * 2.0**-LADDER
-            low = law(-slow, p) - w
+            low = pointed_law(-slow, p) - w
             for _rung in range(2 * LADDER * RUNGS + 1):
-                high = law(-fast, p) - w
+                high = pointed_law(-fast, p) - w
                 if (low < 0.0) != (high < 0.0) and found < speeds.shape[1]:
                     a, b = slow, fast
                     for _ in range(200):
                         middle = 0.5 * (a + b)
                         if not a < middle < b:
                             break
-                        if ((law(-middle, p) - w) < 0.0) == (low < 0.0):
+                        if ((pointed_law(-middle, p) - w) < 0.0) == (low < 0.0):
                             a = middle
                         else:
                             b = middle
-                    if abs(law(-b, p) - w) <= 1e-9 * w:  # else the law jumps across w
+                    if abs(pointed_law(-b, p) - w) <= 1e-9 * w:  # else the law jumps across w
                         speeds[i, found] = b
                         found += 1
                 slow, low, fast = fast, high, fast * 2.0 ** (1.0 / RUNGS)
@@ -135,35 +136,22 @@ def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
             speeds[speeds[:, 0] >= p.trigger, 0] = np.nan
             speeds[speeds[:, 1] < p.trigger, 1] = np.nan
         return np.where(speeds > 0.0, speeds, np.nan)
-    kind, row = packed(model, phase)
-    speeds = np.full((len(w), BRANCHES), np.nan)
-    call(climber_of(law.law, kind), row, np.ascontiguousarray(w), speeds, who=f"the reset law {law.name}")
+    numbers, speeds = pointed_model(model, phase), np.full((len(w), BRANCHES), np.nan)
+    call(climber(model.harmonics), numbers.row, np.ascontiguousarray(w), speeds, who=f"the reset law {law.name}")
     return np.where(speeds > 0.0, speeds, np.nan)
-
-
-def packed(model: Oscillator, phase: float) -> tuple[type, Floats]:
-    """Return the type of the parameters' named tuple and their values, the phase of the section last."""
-    params = {**model.params, "phase": phase}
-    return parameter_tuple(tuple(params)), np.array(list(params.values()), np.float64)
 
 
 def flown_back(model: Oscillator, phase: float, lines: Floats) -> None:
     """Fly every line, shape (n, 4), back to the contact before or to the beginning of the period."""
-    kind, row = packed(model, phase)
-    call(flyer_of(constants_of(model.harmonics, section_phase), kind), row, lines, who="the flight backwards")
+    numbers = pointed_model(model, phase)
+    call(flyer(model.harmonics), numbers.row, lines, who="the flight backwards")
 
 
 @lru_cache(maxsize=64)
-def toucher_of(
-    law: Callable[..., float],
-    slope: Callable[..., float],
-    contraction: Callable[..., Any],
-    prepare: Callable[..., Any],
-    kind: type,
-) -> Callable[..., None]:
+def toucher(harmonics: int) -> Callable[..., None]:
     """Compile ``touch(row, starts, times, hops, found)``, see :func:`touches`."""
-    departure = departure_of(law, slope, contraction)
-    unpack = unpacker(kind)
+    departure = departure_of(*POINTED)
+    unpack, prepare = unpacker(flight_kind(harmonics)), constants_of(harmonics, section_phase)
 
     def touch(row: Any, starts: Any, times: Any, hops: Any, found: Any) -> None:
         c = prepare(unpack(row))
@@ -222,25 +210,17 @@ def touches(model: Oscillator, phase: float, starts: Floats, times: Floats, hops
     impacts : ndarray of int, shape (n,)
         Before the touch; -1 where the ball comes to rest before it, or is not near a lowest point then.
     """
-    law = model.reset
-    kind, row = packed(model, phase)
-    entry = toucher_of(law.law, law.slope, law.contraction, constants_of(model.harmonics, section_phase), kind)
-    found = np.empty((len(starts), 2))
-    call(entry, row, np.ascontiguousarray(starts), times, hops, found, who=f"the reset law {law.name}")
+    numbers, found = pointed_model(model, phase), np.empty((len(starts), 2))
+    states, who = np.ascontiguousarray(starts), f"the reset law {model.reset.name}"
+    call(toucher(model.harmonics), numbers.row, states, times, hops, found, who=who)
     return found[:, 0], found[:, 1].astype(np.int64)
 
 
 @lru_cache(maxsize=64)
-def stepper_of(
-    law: Callable[..., float],
-    slope: Callable[..., float],
-    contraction: Callable[..., Any],
-    prepare: Callable[..., Any],
-    kind: type,
-) -> Callable[..., None]:
+def stepper(harmonics: int) -> Callable[..., None]:
     """Compile ``advance(row, states, periods)``: every state some periods on."""
-    period = period_of(law, slope, contraction, False)
-    unpack = unpacker(kind)
+    period = period_of(*POINTED, False)
+    unpack, prepare = unpacker(flight_kind(harmonics)), constants_of(harmonics, section_phase)
 
     def advance(row: Any, states: Any, periods: Any) -> None:
         c = prepare(unpack(row))
@@ -255,9 +235,6 @@ def stepper_of(
 
 def periods_later(model: Oscillator, phase: float, starts: Floats, periods: Ints) -> Floats:
     """Return states (n, 2) each so many periods later, by the exact routine; NaN after a fatal outcome."""
-    law = model.reset
-    kind, row = packed(model, phase)
-    entry = stepper_of(law.law, law.slope, law.contraction, constants_of(model.harmonics, section_phase), kind)
-    states = np.array(starts, np.float64)
-    call(entry, row, states, periods, who=f"the reset law {law.name}")
+    numbers, states = pointed_model(model, phase), np.array(starts, np.float64)
+    call(stepper(model.harmonics), numbers.row, states, periods, who=f"the reset law {model.reset.name}")
     return states

@@ -51,7 +51,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
     x, y : (name, low, high) or (name, values)
         The two parameters and their ranges, as in a chart: x is the first one, its horizontal axis.
     N : int or iterable of int
-        Periods of the orbits, each >= 1; 1 to 7 if none are named.
+        Periods of the orbits, each 1 to 1000; 1 to 7 if none are named.
 
     Returns
     -------

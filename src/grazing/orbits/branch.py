@@ -25,6 +25,7 @@ from grazing.orbits.switching import (
     Seed,
     allowed,
     doubled,
+    kick_of,
     on_the_edge,
     once,
     partners,
@@ -275,7 +276,7 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
             f"{shown(orbit)} does not solve its own equations at {name} = {value:g}: Newton's method "
             f"{'fails' if solved is None else 'goes elsewhere'}; begin with an orbit of gz.periodic_orbits"
         )
-    k = turns(equations, solved)
+    k = turns(equations, solved, p)
     if k > 1:
         raise InputError(
             f"{shown(orbit)} goes {k} times round an orbit of period {orbit.period // k}: begin with that one; "
@@ -317,7 +318,7 @@ class _Search:
         equations = seed.equations
         middle = path.points[len(path.points) // 2]
         lost = path.ended == "lost" and len(path.points) < 2
-        if seed.origin >= 0 and (lost or turns(equations, unscaled(equations, middle.z)[0]) > 1):
+        if seed.origin >= 0 and (lost or turns(equations, *unscaled(equations, middle.z)) > 1):
             self.special[seed.origin] = self.special[seed.origin]._replace(to=-1)
             return  # all impacts lose their speed at once: what begins is a shorter orbit, gone round several times
         self._halved(path)
@@ -340,7 +341,7 @@ class _Search:
             x, p = path.unscaled(event.point.z)
             half, x, p, good = once(equations, x, p)
             if good:
-                _twice, x = doubled(half, x, (self.name,))
+                _twice, x = doubled(half, x, p)
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
                 path.points[i] = point
                 path.events[number] = i, event._replace(point=point, converged=True)
@@ -382,7 +383,7 @@ class _Search:
         if type == "ns" and not abs(orbit.multipliers[0].imag) > 0.0:
             return False  # real multipliers whose product is 1: no bifurcation
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
-        if seeds and type == "v0":
+        if type == "v0" and kick_of(orbit.map.model) == 0.0:  # type: ignore[arg-type]
             type = "gr"
         edge = on_the_edge(equations, event)
         found = float(p[-1]), event.low, event.high, event.converged
@@ -398,7 +399,8 @@ class _Search:
             if i == seed.origin or type(piece) is not type(seed.equations) or piece.N != seed.equations.N:
                 continue
             there, _x = equations_of(one.orbit, (self.name,), seed.equations.spans)
-            if abs(one.value - p[-1]) < 1e-6 * seed.equations.spans[-1] and same_solution(seed.equations, x, there, _x):
+            near = abs(one.value - p[-1]) < 1e-6 * seed.equations.spans[-1]
+            if near and same_solution(seed.equations, x, there, _x, p):
                 self.special[seed.origin] = self.special[seed.origin]._replace(to=one.piece)
                 return True
         return False
@@ -434,7 +436,7 @@ class _Search:
 def crossing(equations: ImpactEquations, a: Point, b: Point) -> Point | None:
     """Return where between two points an impact crosses the strobe."""
     n, scale = equations.n, equations.scale
-    T = 2.0 * np.pi / equations.values(b.z[len(scale) :] * equations.spans)[2]
+    T = equations.period_at(b.z[len(scale) :] * equations.spans)
     before, after = (np.floor(q.z[:n] * scale[:n] / T) for q in (a, b))
     moved = np.flatnonzero(before != after)
     if len(moved) == 0:
@@ -444,8 +446,7 @@ def crossing(equations: ImpactEquations, a: Point, b: Point) -> Point | None:
     length = float(np.linalg.norm(chord))
 
     def ahead(q: Point) -> float:
-        values = equations.values(q.z[len(scale) :] * equations.spans)
-        return float(q.z[i] * scale[i] - edge * 2.0 * np.pi / values[2])
+        return float(q.z[i] * scale[i] - edge * equations.period_at(q.z[len(scale) :] * equations.spans))
 
     found = located(equations, a, chord / length, length, "strobe", i, ahead)
     return None if found is None else found[1].point

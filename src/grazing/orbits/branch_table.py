@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from grazing.orbits.branch import Branch, Piece
+    from grazing.orbits.orbit import Orbit
 
 
 def shifts(piece: Piece) -> NDArray[np.int64]:
@@ -24,7 +26,7 @@ def shifts(piece: Piece) -> NDArray[np.int64]:
     equations = piece.equations
     if not isinstance(equations, ImpactEquations):
         return np.zeros(len(piece.orbits), np.int64)
-    T = np.array([2.0 * np.pi / equations.values(np.array([value]))[2] for value in piece.values])
+    T = np.array([equations.period_at(np.array([value])) for value in piece.values])
     return np.asarray(np.floor(piece.unknowns[:, 0] / T), np.int64)
 
 
@@ -43,6 +45,25 @@ def _joined(parts: list[NDArray[Any]], kind: type) -> NDArray[Any]:
     return np.concatenate(parts) if parts else np.empty(0, kind)
 
 
+def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[str, Any]:
+    """Return one row for each impact of orbits: the number of its orbit, when it comes, and how fast.
+
+    ``rolls`` are the periods by which each orbit's points are numbered later than its times say, see :func:`shifts`.
+    """
+    hit = [(i, one) for i, one in enumerate(orbits) if isinstance(one, ImpactOrbit)]
+
+    def column(values: list[NDArray[Any]], long_name: str, symbol: str) -> Any:
+        return "impact", _joined(values, np.float64), {"long_name": long_name, "units": "1", "symbol": symbol}
+
+    rows = [np.full(one.impacts, i) for i, one in hit]
+    return {
+        "impact_point": ("impact", _joined(rows, np.int64), {"long_name": "row of the orbit"}),
+        "impact_time": column([one.times + rolls[i] * one.model.period for i, one in hit], "time of impact", "t"),
+        "v_minus": column([one.incoming for _i, one in hit], "velocity before", "v^-"),
+        "v_plus": column([one.outgoing for _i, one in hit], "velocity after", "v^+"),
+    }
+
+
 def branch_table(branch: Branch) -> xr.Dataset:
     """Return a branch as a labelled table.
 
@@ -59,14 +80,18 @@ def branch_table(branch: Branch) -> xr.Dataset:
         coordinate (point, n), filled up with NaN. Dimension ``special``, with ``special_type``, ``special_value``,
         ``special_low``, ``special_high``, ``special_converged``, ``special_admissible``, ``special_piece``,
         ``special_to``, ``special_period`` and the first point by coordinate.
-        Dimension ``relabelling`` with value and words.
+        Dimension ``relabelling`` with value and words. Dimension ``impact``, one row an impact of the oscillator:
+        ``impact_point``, the row of its orbit, ``impact_time``, counted from the first of the orbit's points and smooth
+        along a piece, ``v_minus`` and ``v_plus``.
     """
     import xarray as xr
 
     P, name = branch.map, branch.parameter
     orbits = list(branch)
+    # orbits of the impact map are followed as those of the stroboscopic map at phase 0
+    coordinates = orbits[0].map.coordinates if orbits else P.coordinates
     most = max((orbit.period for orbit in orbits), default=1)
-    points = np.full((len(orbits), most, P.dimension), np.nan)
+    points = np.full((len(orbits), most, len(coordinates)), np.nan)
     rolls = _joined([shifts(piece) for piece in branch.pieces], np.int64)
     for i, (orbit, roll) in enumerate(zip(orbits, rolls.tolist(), strict=True)):
         points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
@@ -80,7 +105,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     def text(dim: str, values: Any, long_name: str, **more: str) -> Any:
         return dim, np.array(list(values), dtype=object), {"long_name": long_name, **more}
 
-    roots = np.array([orbit.multipliers for orbit in orbits]).reshape(len(orbits), P.dimension)
+    roots = np.array([orbit.multipliers for orbit in orbits]).reshape(len(orbits), len(coordinates))
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in SPECIAL.items())
     table: dict[str, Any] = {
         name: ("point", _joined([piece.values for piece in branch.pieces], np.float64), value),
@@ -107,7 +132,8 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "relabelling_before": text("relabelling", [one.before for one in branch.relabellings], "word before"),
         "relabelling_after": text("relabelling", [one.after for one in branch.relabellings], "word after"),
     }
-    for j, coordinate in enumerate(P.coordinates):
+    table |= impact_columns(orbits, rolls)
+    for j, coordinate in enumerate(coordinates):
         table[coordinate] = ("point", "n"), points[:, :, j], {"long_name": coordinate, "symbol": coordinate}
         first = np.array([one.orbit.points[0, j] for one in special], np.float64)
         table[f"special_{coordinate}"] = "special", first, {"long_name": coordinate, "symbol": coordinate}
@@ -118,7 +144,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "map": P.name or "map",
         "parameters": json.dumps(dict(P.params)),
         "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
-        "coordinate_names": json.dumps(list(P.coordinates)),
+        "coordinate_names": json.dumps(list(coordinates)),
         "arithmetic": "strict",
     }
     return xr.Dataset(table, attrs=attributes)

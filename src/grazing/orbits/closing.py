@@ -25,11 +25,10 @@ from grazing.kernel.lanes import unpacker
 from grazing.kernel.linear import solved
 from grazing.kernel.primitives import called
 from grazing.maps.period import product
-from grazing.maps.pointed import flight_fields
 from grazing.orbits.closure import first_contact, lowest_dip
 from grazing.oscillator.constants import Constants, constants_of, forcing
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.parameter import parameter_tuple
+from grazing.oscillator.pointed import flight_kind
 
 #: Newton steps after which an orbit counts as not found.
 STEPS = 40
@@ -161,7 +160,7 @@ def closer(harmonics: int) -> tuple[Callable[..., Any], Callable[..., Any], Call
     profile : callable
         ``profile(row, x, N, laws, contacts, table, out)``: ``out`` (3,) gets what :func:`profiled` returns.
     """
-    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
+    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
 
     def gaps_at(row: Any, x: Any, N: int, laws: Any, F: Any, J: Any) -> bool:
         return gaps(x, len(x) // 2, N, laws, constants(unpack(row)), F, J)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -46,7 +47,7 @@ class Curve:
 
     def at(self, value: float) -> NDArray[np.float64]:
         """Return the row at any value on the curve; next to a fold, where the zero is lost, the nearest row."""
-        i = min(max(int(np.searchsorted(self.values, value)), 1), len(self.values) - 1)
+        i = min(max(bisect_left(self.values, value), 1), len(self.values) - 1)
         j = i - 1 if abs(value - self.values[i - 1]) <= abs(value - self.values[i]) else i
         if value == self.values[j] or not self.values[0] <= value <= self.values[-1]:
             return self.rows[j]
@@ -58,7 +59,7 @@ class Curve:
         rows = rows[rows[:, SLOPE] * lo[SLOPE] > 0.0]
         if len(rows) == 0:
             return self.rows[j]
-        nearest = int(np.argmin(np.abs(wrapped(rows[:, PHASE] - guess))))
+        nearest = int(np.argmin(np.abs(wrapped(rows[:, PHASE] - guess)))) if len(rows) > 1 else 0
         return np.asarray(rows[nearest])
 
 
@@ -67,29 +68,45 @@ def wrapped(phase: NDArray[np.float64] | float) -> NDArray[np.float64]:
     return np.asarray(phase - TWO_PI * np.round(np.asarray(phase) / TWO_PI))
 
 
-def matching(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int, int]] | None:
-    """Match the zeros at two values one to one, in cyclic order and by the sign of the slope; None if unclear.
+def matching(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[list[tuple[int, int]] | None]:
+    """Match the zeros at either end of each cell one to one, in cyclic order and by the sign of the slope.
 
     Parameters
     ----------
-    a, b : ndarray, shape (n, COLUMNS)
+    a, b : ndarray, shape (cells, n, COLUMNS)
         In increasing phase.
+
+    Returns
+    -------
+    list
+        The pairs of each cell; None where they are unclear.
     """
-    n = len(a)
-    if n != len(b):
-        return None
+    cells, n = a.shape[:2]
     if n == 0:
-        return []
-    gap = TWO_PI
+        return [[] for _ in range(cells)]
+    gap = np.full(cells, TWO_PI)
     for rows in (a, b):
-        phases = rows[:, PHASE]
-        gap = min(gap, float(np.min(np.diff(np.append(phases, phases[0] + TWO_PI)))))
-    shift = int(np.argmin(np.abs(wrapped(b[:, PHASE] - a[0, PHASE]))))
-    after = (np.arange(n) + shift) % n
-    moved = float(np.max(np.abs(wrapped(b[after, PHASE] - a[:, PHASE]))))
-    if moved >= MOVE * gap or (b[after, SLOPE] * a[:, SLOPE] < 0.0).any():
-        return None
-    return list(zip(range(n), after.tolist(), strict=True))
+        phases = rows[:, :, PHASE]
+        around = np.concatenate([phases, phases[:, :1] + TWO_PI], axis=1)
+        gap = np.minimum(gap, np.diff(around, axis=1).min(axis=1))
+    shift = np.argmin(np.abs(wrapped(b[:, :, PHASE] - a[:, :1, PHASE])), axis=1)
+    after = (np.arange(n) + shift[:, None]) % n
+    there = b[np.arange(cells)[:, None], after]
+    moved = np.abs(wrapped(there[:, :, PHASE] - a[:, :, PHASE])).max(axis=1)
+    unclear = (moved >= MOVE * gap) | (there[:, :, SLOPE] * a[:, :, SLOPE] < 0.0).any(axis=1)
+    return [
+        None if lost else list(enumerate(places)) for lost, places in zip(unclear.tolist(), after.tolist(), strict=True)
+    ]
+
+
+def matched(table: NDArray[np.float64], counts: NDArray[np.int64]) -> list[list[tuple[int, int]] | None]:
+    """Match the zeros of a survey from each value to the next; None where they are unclear."""
+    found: list[list[tuple[int, int]] | None] = [None] * (len(counts) - 1)
+    for n in np.unique(counts):
+        cells = np.flatnonzero((counts[:-1] == n) & (counts[1:] == n))
+        for i, pairs in zip(cells.tolist(), matching(table[cells, :n], table[cells + 1, :n]), strict=True):
+            found[i] = pairs
+    return found
 
 
 def survivors(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int, int]]:
@@ -114,6 +131,7 @@ def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
     """
     table, counts = survey(family, values)
     nodes = [(float(value), table[i, : counts[i]]) for i, value in enumerate(values)]
+    known = {(nodes[i][0], nodes[i + 1][0]): pairs for i, pairs in enumerate(matched(table, counts))}
     done: list[Curve] = []
     current = [Curve(family, Edge(nodes[0][0], "end", "span"), [nodes[0][0]], [row]) for row in nodes[0][1]]
     todo = nodes[:0:-1]
@@ -121,7 +139,11 @@ def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
     smallest = FINEST * float(values[-1] - values[0])
     while todo:
         there = todo[-1]
-        pairs = matching(here[1], there[1])
+        cell = here[0], there[0]
+        if cell not in known:
+            alike = len(here[1]) == len(there[1])
+            known[cell] = matching(here[1][None], there[1][None])[0] if alike else None
+        pairs = known[cell]
         middle = 0.5 * (here[0] + there[0])
         if pairs is None and here[0] < middle < there[0] and there[0] - here[0] > smallest:
             rows, n = survey(family, np.array([middle]))
@@ -134,7 +156,8 @@ def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
             current[i].values.append(there[0])
             current[i].rows.append(there[1][j])
             after[j] = current[i]
-        lost = [i for i in range(len(here[1])) if i not in {i for i, _ in pairs}]
+        kept = {i for i, _ in pairs}
+        lost = [i for i in range(len(here[1])) if i not in kept]
         for i, edge in zip(lost, ends(family, here, there, lost), strict=True):
             current[i].high = edge
             done.append(current[i])

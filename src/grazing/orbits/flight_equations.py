@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.pointed import flight_fields
 from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.model import Oscillator
-from grazing.parameter import parameter_tuple, unknown
+from grazing.oscillator.pointed import flight_fields, flight_kind
+from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class FlightEquations(Equations):
         return values
 
     def row(self, values: Floats) -> Floats:
-        """Return the numbers that a flight needs, in the order of :func:`grazing.maps.pointed.flight_fields`."""
+        """Return the numbers that a flight needs, in the order of :func:`grazing.oscillator.pointed.flight_fields`."""
         row = np.zeros(len(flight_fields(self.model.harmonics)))
         head = (
             len(HEAD) + 2 * self.model.harmonics + 1
@@ -63,7 +63,11 @@ class FlightEquations(Equations):
         """Return the model with these values of the parameters that vary."""
         return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
 
+    def period_at(self, p: Floats) -> float:
+        """Return the period of the forcing, which changes with its frequency."""
+        return float(2.0 * np.pi / self.values(p)[HEAD.index("omega")])
+
     def constants(self, p: Floats) -> Any:
         """Return the constants of flights, in plain Python."""
-        kind = parameter_tuple(flight_fields(self.model.harmonics))
+        kind = flight_kind(self.model.harmonics)
         return constants_of(self.model.harmonics)(kind(*self.row(self.values(p)).tolist()))

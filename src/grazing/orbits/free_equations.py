@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.maps.pointed import flight_fields
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import lowest_dip
 from grazing.orbits.equations import Test
@@ -23,7 +22,7 @@ from grazing.orbits.word import word
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
-from grazing.parameter import parameter_tuple
+from grazing.oscillator.pointed import flight_kind
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +101,7 @@ class FreeEquations(FlightEquations):
 @lru_cache(maxsize=64)
 def turner(harmonics: int) -> Callable[..., None]:
     """Compile ``turn(row, x, out)``: one period from (y, v); see :meth:`FreeEquations.turned`."""
-    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
+    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
 
     def turn(row: Any, x: Any, out: Any) -> None:
         c = constants(unpack(row))

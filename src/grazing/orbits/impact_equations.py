@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
 from grazing.maps.period import product, saltation
-from grazing.maps.pointed import law_addresses
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, PROFILE, SLOPE, closer
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
@@ -24,6 +23,7 @@ from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import law_addresses
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
 from grazing.parameter import parameter_tuple
 
@@ -128,7 +128,7 @@ class ImpactEquations(FlightEquations):
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return the solution, begun at another impact or period, that is nearest to another, and its order."""
-        n, T = self.n, 2.0 * np.pi / self.values(p)[2]
+        n, T = self.n, self.period_at(p)
         found = []
         for k in range(n):
             if self.pieces[k:] + self.pieces[:k] != self.pieces:
@@ -142,7 +142,7 @@ class ImpactEquations(FlightEquations):
 
     def halved(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
-        n, T = self.n, 2.0 * np.pi / self.values(p)[2]
+        n, T = self.n, self.period_at(p)
         h = n // 2
         turns = force_turns(dict(zip(self.model.params, self.values(p), strict=False)))
         if n % 2 or turns * self.N % 2 or self.pieces[:h] != self.pieces[h:]:
@@ -152,7 +152,7 @@ class ImpactEquations(FlightEquations):
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""
-        T = 2.0 * np.pi / self.values(p)[2]
+        T = self.period_at(p)
         times = np.append(x[: self.n], x[0] + self.N * T)
         if not (np.diff(times) > SHORTEST * T).all():
             return "two impacts have become one: the flight between them takes no time"

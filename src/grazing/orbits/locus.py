@@ -83,6 +83,7 @@ class LocusEquations(Equations):
         wide = np.full((n + 1, n + 1), np.nan)
         if not (np.isfinite(F).all() and np.isfinite(J).all()):
             return np.full(n + 1, np.nan), wide
+        here = self.height(x, both)  # next, while what the defects needed is still known
         wide[:n, :n], wide[:n, n] = J, self.base.slopes(x, both)[:, 0]
         for j in range(n + 1):
             h = MOVED * float(self.scale[j])
@@ -95,7 +96,7 @@ class LocusEquations(Equations):
                     params[0] += side
                 ends.append(self.height(moved, params))
             wide[n, j] = (ends[0] - ends[1]) / (2.0 * h)
-        return np.append(F, self.height(x, both)), wide
+        return np.append(F, here), wide
 
     def slopes(self, X: Floats, p: Floats) -> Floats:
         """Return the derivatives in the second parameter."""

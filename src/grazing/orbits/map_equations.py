@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -72,6 +73,7 @@ class MapEquations(PointEquations):
         self._row = np.array(list(P.params.values()) or [0.0])
         self._places = [list(P.params).index(name) for name in names]
         self._held: tuple[bytes, Map] | None = None
+        self._found: dict[str, tuple[tuple[bytes, bytes], Any]] = {}
 
     def map_at(self, p: Floats) -> Map:
         """Return the map with these values of the parameters that vary."""
@@ -96,8 +98,20 @@ class MapEquations(PointEquations):
         images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))
         return images[0].T, tuple(letters[0].tolist())
 
+    def once(self, make: Callable[[Floats, Floats], Any], x: Floats, p: Floats) -> Any:
+        """Return what a method finds at x and p; defects, tests and slopes ask for the same one after the other."""
+        place = x.tobytes(), p.tobytes()
+        known = self._found.get(make.__name__)
+        if known is None or known[0] != place:
+            known = self._found[make.__name__] = place, make(x, p)
+        return known[1]
+
     def stepped(self, x: Floats, p: Floats) -> Stepped:
         """Return the images of all points, the derivatives there, taken on one piece of the map, and the letters."""
+        found: Stepped = self.once(self._stepped, x, p)
+        return found
+
+    def _stepped(self, x: Floats, p: Floats) -> Stepped:
         if self.P.tangent is not None:
             images, letters = self.visited(x, p)
             P = self.map_at(p)
@@ -122,6 +136,10 @@ class MapEquations(PointEquations):
 
     def slopes(self, x: Floats, p: Floats) -> Floats:
         """Return dF/dp by differences that stay on the piece."""
+        found: Floats = self.once(self._slopes, x, p)
+        return found
+
+    def _slopes(self, x: Floats, p: Floats) -> Floats:
         columns = []
         for j in range(len(self.names)):
             found, _images, _letters = self.along(x, p, np.zeros(len(x)), np.eye(len(p))[j] * self.spans)

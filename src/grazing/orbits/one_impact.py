@@ -74,7 +74,7 @@ def one_impact_orbits(model: Oscillator, N: int) -> tuple[OneImpactOrbit, ...]:
     model : Oscillator
         Any damping, stiffness, forcing and wall; the reset law newton, active or triggered.
     N : int
-        Periods of the forcing between impacts, >= 1.
+        Periods of the forcing between impacts, 1 to 1,000,000.
 
     Returns
     -------

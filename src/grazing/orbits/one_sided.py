@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.compile import call, compiled
+
 Floats = NDArray[np.float64]
 
 #: Neighbouring distances differ by this factor; they begin at this part of the size of what is moved.
@@ -16,6 +18,7 @@ LEVELS, MOST = 24, 60
 #: Columns of the table of extrapolations.
 DEPTH = 5
 EPS = float(np.finfo(float).eps)
+NAN, INFINITY = float("nan"), float("inf")
 
 
 class Slope(NamedTuple):
@@ -58,42 +61,86 @@ def slope(middle: Floats, low: Floats, high: Floats, down: Floats, up: Floats) -
         The best of central and both one-sided differences. Where those from below and above contradict each other, as
         at a kink, the error is their difference; where there are no values, it is infinite.
     """
-    with np.errstate(all="ignore"):
-        loud = np.fmax(np.fmax(np.abs(low), np.abs(high)), np.abs(middle))
-        # a value that is small where larger ones cancel is as noisy as they are
-        noise = np.broadcast_to(4.0 * EPS * np.fmax.reduce(loud, axis=0), low.shape)
-        central = extrapolated((high - low) / (up + down), noise / (up + down), 2)
-        sides = np.stack([(middle - low) / down, (high - middle) / up], axis=1)
-        one_sided = extrapolated(sides, np.stack([noise / down, noise / up], axis=1), 1)
-        values = np.stack([central[0], *one_sided[0]])
-        errors = np.stack([central[1], *one_sided[1]])
-        _middle, below, above = values
-        usual = noise[0] * FIRST / (4.0 * EPS * up[0])
-        torn = np.abs(above - below) > 10.0 * (errors[1] + errors[2])
-        best = np.argmin(relative(values, errors, usual), axis=0)[None]
-        value, least = (np.take_along_axis(one, best, 0)[0] for one in (values, errors))
-        least = np.where(torn, np.maximum(np.abs(above - below), least), least)
-    return Slope(value, least, below, above)
+    levels = len(low)
+    shape = np.broadcast_shapes(middle.shape, low.shape[1:], down.shape[1:])
+    # copies that are all alike, so that one kernel is for all
+    sides = [
+        np.array(np.broadcast_to(one, (levels, *shape)), order="C").reshape(levels, -1) for one in (low, high, down, up)
+    ]
+    found = np.empty((4, *shape))
+    with np.errstate(all="ignore"):  # where kernels are not compiled
+        run = compiled(slopes)
+        call(run, np.array(np.broadcast_to(middle, shape)).ravel(), *sides, np.empty((3, levels)), found.reshape(4, -1))
+    return Slope(*found)
 
 
-def extrapolated(rough: Floats, noise: Floats, power: int) -> tuple[Floats, Floats]:
-    """Return the limit of differences (levels, ...) and its error, after Ridders: the entry that varies least."""
-    column, entries, errors = rough, [], []
+def slopes(middle: Any, low: Any, high: Any, down: Any, up: Any, room: Any, found: Any) -> None:
+    """Write value, error and both one-sided derivatives (4, n) of n numbers; ``room`` is (3, levels)."""
+    levels = len(low)
+    rough, finer, noise = room[0], room[1], room[2]
+    for e in range(len(middle)):
+        loudest = abs(middle[e])
+        for i in range(levels):
+            for height in (abs(low[i, e]), abs(high[i, e])):
+                if height > loudest or loudest != loudest:
+                    loudest = height
+        loudest = 4.0 * EPS * loudest  # a value that is small where larger ones cancel is as noisy as they are
+        for i in range(levels):
+            apart = up[i, e] + down[i, e]
+            rough[i], noise[i] = (high[i, e] - low[i, e]) / apart, loudest / apart
+        value, error = extrapolated(rough, finer, noise, 2)
+        for i in range(levels):
+            rough[i], noise[i] = (middle[e] - low[i, e]) / down[i, e], loudest / down[i, e]
+        below, error_below = extrapolated(rough, finer, noise, 1)
+        for i in range(levels):
+            rough[i], noise[i] = (high[i, e] - middle[e]) / up[i, e], loudest / up[i, e]
+        above, error_above = extrapolated(rough, finer, noise, 1)
+        usual = loudest * FIRST / (4.0 * EPS * up[0, e])
+        gap = abs(above - below)
+        torn = gap > 10.0 * (error_below + error_above)
+        best = relative(value, error, usual)
+        for other, its_error in ((below, error_below), (above, error_above)):
+            share = relative(other, its_error, usual)
+            if share < best or (share != share and best == best):
+                value, error, best = other, its_error, share
+        found[0, e] = value
+        found[1, e] = gap if torn and gap > error else error
+        found[2, e], found[3, e] = below, above
+
+
+def extrapolated(rough: Any, finer: Any, noise: Any, power: int) -> tuple[float, float]:
+    """Return the limit of differences and its error, after Ridders: the entry that varies least.
+
+    ``rough`` (levels,) are the differences and ``noise`` what rounding leaves of them; ``rough`` and ``finer`` are
+    overwritten.
+    """
+    usual = noise[0] * FIRST / (4.0 * EPS)
+    value, error, best, factor = NAN, INFINITY, INFINITY, 1.0
     for m in range(1, DEPTH + 1):
-        share = 1.0 / (FINER ** (m if power == 1 else 2 * m) - 1.0)
-        finer = column[1:] + share * (column[1:] - column[:-1])
-        entries.append(finer)
-        apart = np.maximum(np.abs(finer - column[1:]), np.abs(finer - column[:-1])) + 2.0 * noise[m:]
-        apart[:-1] = np.maximum(apart[:-1], np.abs(finer[1:] - finer[:-1]))  # two may agree by chance
-        errors.append(apart)
-        column = finer
-    error = np.concatenate(errors)
-    error[~np.isfinite(error)] = np.inf
-    value = np.concatenate(entries)
-    place = np.argmin(relative(value, error, noise[0] * FIRST / (4.0 * EPS)), axis=0)[None]
-    return np.take_along_axis(value, place, 0)[0], np.take_along_axis(error, place, 0)[0]
+        for _ in range(power):
+            factor *= FINER
+        share = 1.0 / (factor - 1.0)
+        count = len(rough) - m
+        for i in range(count):
+            finer[i] = rough[i + 1] + share * (rough[i + 1] - rough[i])
+        for i in range(count):
+            apart = larger(abs(finer[i] - rough[i + 1]), abs(finer[i] - rough[i])) + 2.0 * noise[m + i]
+            if i < count - 1:  # two may agree by chance
+                apart = larger(apart, abs(finer[i + 1] - finer[i]))
+            off = apart if apart < INFINITY else INFINITY
+            this = relative(finer[i], off, usual)
+            if (m == 1 and i == 0) or this < best or (this != this and best == best):
+                value, error, best = finer[i], off, this
+        for i in range(count):
+            rough[i] = finer[i]
+    return value, error
 
 
-def relative(value: Floats, error: Floats, usual: Floats) -> Floats:
-    """Return errors in units of the slope, or of a usual one where it is less: too far off a steep one looks flat."""
-    return np.where(np.isfinite(error), error / (np.abs(value) + usual), np.inf)
+def larger(a: float, b: float) -> float:
+    """Return the larger of two numbers, NaN if one is."""
+    return a if a > b or a != a else b
+
+
+def relative(value: float, error: float, usual: float) -> float:
+    """Return an error in units of the slope, or of a usual one where it is less: too far off a steep one looks flat."""
+    return error / (abs(value) + usual) if error < INFINITY else INFINITY

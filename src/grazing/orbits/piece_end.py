@@ -11,7 +11,7 @@ from grazing.orbits.equations import Ending
 from grazing.orbits.one_sided import EPS
 
 if TYPE_CHECKING:
-    from grazing.orbits.map_equations import MapEquations
+    from grazing.orbits.map_equations import MapEquations, Stepped
 
 Floats = NDArray[np.float64]
 
@@ -164,7 +164,15 @@ def smooth_beyond(
         turn = np.abs(high - low)
         most = 1.0 + np.maximum(np.abs(low), np.abs(high))
         smooth = (off <= JUMP + 64.0 * EPS * loud).all() and (turn <= TURN * most).all()
+        # along the border the slopes are one, whatever they are across it
+        smooth = smooth and not kinked(equations.stepped(x, p), new.stepped(y, q))
     return (new, y, q) if smooth else None
+
+
+def kinked(before: Stepped, after: Stepped) -> bool:
+    """Whether derivatives of steps differ, by more than both their errors."""
+    turn, error = np.abs(after.J - before.J), after.error + before.error
+    return bool((turn > TURN * (1.0 + np.abs(before.J)) + error).any())
 
 
 def torn(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> bool:

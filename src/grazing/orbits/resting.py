@@ -18,7 +18,6 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import called
 from grazing.maps.map import Map
-from grazing.maps.pointed import flight_fields
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
@@ -28,9 +27,9 @@ from grazing.orbits.word import word
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import flight_kind
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
-from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 
@@ -58,7 +57,7 @@ def settler(harmonics: int) -> Callable[..., None]:
     ``laws`` (3,): address of the law, of its slope, of their numbers. ``out`` (4,): time of accumulation, end of the
     window in which F presses the ball down, number of impacts, and 1 if it comes to rest, else 0.
     """
-    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
+    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
 
     def settle(row: Any, release: float, laws: Any, out: Any) -> None:
         c = constants(unpack(row))

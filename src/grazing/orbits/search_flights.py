@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.maps.pointed import flight_fields, pointed_contraction, pointed_law, pointed_rows, pointed_slope
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.outcome import BAD_LAW, DIVERGED
-from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,8 +38,8 @@ class Flights(NamedTuple):
 @lru_cache(maxsize=64)
 def recorder(harmonics: int) -> Callable[..., None]:
     """Compile ``record(row, states, N, counts, times, incoming, outgoing)`` for models with so many harmonics."""
-    unpack, constants = unpacker(parameter_tuple(flight_fields(harmonics))), constants_of(harmonics)
-    departure = departure_of(pointed_law, pointed_slope, pointed_contraction)
+    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
+    departure = departure_of(*POINTED)
 
     def impacts(u: float, v: float, N: int, k: int, times: Any, incoming: Any, outgoing: Any, c: Any) -> int:
         """Write the impacts of flight k in N periods; return how many, -1 where it is no sequence of impacts."""
@@ -87,12 +86,9 @@ def recorded(model: Oscillator, states: Floats, N: int, most: int) -> Flights:
     most : int
         More impacts than so many are not written down.
     """
-    k = len(states)
-    source = np.array([list(model.params.values())])
-    kind = parameter_tuple(tuple(model.params))
-    rows = pointed_rows(model.harmonics, model.reset, kind, source, "strict")
+    k, numbers = len(states), pointed_model(model)
     found = Flights(
         np.zeros(k, np.int64), np.full((k, most), np.nan), np.full((k, most), np.nan), np.full((k, most), np.nan)
     )
-    call(recorder(model.harmonics), rows[0], np.ascontiguousarray(states), N, *found, who="the flight")
+    call(recorder(model.harmonics), numbers.row, np.ascontiguousarray(states), N, *found, who="the flight")
     return found

@@ -90,7 +90,7 @@ def survey(
     row, index, N, law = family.row.copy(), family.position, family.N, family.law
     call(run, row, index, values, N, law, contacts, table, counts, who="the closing equation")
     order = np.argsort(table[:, :, PHASE], axis=1)  # NaN last
-    return np.take_along_axis(table, order[:, :, None], axis=1), counts
+    return table[np.arange(len(table))[:, None], order], counts
 
 
 def extremum(family: Family, value: float, guess: float) -> tuple[float, float]:

@@ -76,13 +76,14 @@ def seeded_at_fold(equations: Equations, x: Floats, p: Floats) -> Point | None:
     return seeded(equations, found[0][:n] * equations.scale, found[0][n:] * equations.spans, along)
 
 
-def doubled(equations: Equations, x: Floats, names: tuple[str, ...]) -> tuple[Equations, Floats]:
+def doubled(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats]:
     """Return the equations of two turns, and the solution that goes round twice."""
+    names = equations.names
     spans = equations.spans
     if isinstance(equations, ImpactEquations):
         n, N = equations.n, equations.N
         twice = ImpactEquations(equations.model, names, 2 * N, equations.pieces * 2, spans)
-        return twice, np.concatenate([x[:n], x[:n] + N * equations.model.period, x[n:], x[n:]])
+        return twice, np.concatenate([x[:n], x[:n] + N * equations.period_at(p), x[n:], x[n:]])
     if isinstance(equations, GapEquations):
         return GapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
     if isinstance(equations, MapEquations):
@@ -90,10 +91,10 @@ def doubled(equations: Equations, x: Floats, names: tuple[str, ...]) -> tuple[Eq
     raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
 
 
-def halved(equations: Equations, x: Floats) -> tuple[Equations, Floats]:
+def halved(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats]:
     """Return the equations of half the turns, and the mean of both halves of a solution."""
     if isinstance(equations, ImpactEquations):
-        n, h, turn = equations.n, equations.n // 2, equations.N // 2 * equations.model.period
+        n, h, turn = equations.n, equations.n // 2, equations.N // 2 * equations.period_at(p)
         pieces = equations.pieces[:h]
         half = ImpactEquations(equations.model, equations.names, equations.N // 2, pieces, equations.spans)
         return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
@@ -105,7 +106,7 @@ def halved(equations: Equations, x: Floats) -> tuple[Equations, Floats]:
 
 def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
     """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding."""
-    half, x = halved(equations, x)
+    half, x = halved(equations, x, p)
 
     def height(value: float) -> float:
         found = closed(half, x, np.array([value]))
@@ -137,7 +138,7 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     spans = np.array([high - low])
     equations, x = equations_of(special.orbit, (name,), spans)
     if special.type == "pd":
-        equations, x = doubled(equations, x, (name,))
+        equations, x = doubled(equations, x, np.array([special.value]))
     z = np.concatenate([x / equations.scale, np.array([special.value]) / spans])
     _F, wide = linearised(equations, z)
     one, other = np.linalg.svd(wide)[2][-2:]
@@ -276,7 +277,7 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     return Seed(equations, Point(point.z, tangent, tuple(tests)), type="bcb" if kind else "gr")
 
 
-def turns(equations: Equations, x: Floats) -> int:
+def turns(equations: Equations, x: Floats, p: Floats) -> int:
     """Return how many times a solution goes round the same shorter orbit; 1 for an orbit of its full period."""
     N = equations.N
     for k in range(N, 1, -1):
@@ -289,7 +290,7 @@ def turns(equations: Equations, x: Floats) -> int:
             m = n // k
             period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
             times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
-            if abs(period - equations.model.period) > 0.1 * equations.model.period:
+            if abs(period - equations.period_at(p)) > 0.1 * equations.period_at(p):
                 continue
             apart = np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]])
         elif isinstance(equations, (GapEquations, MapEquations)):
@@ -301,15 +302,15 @@ def turns(equations: Equations, x: Floats) -> int:
     return 1
 
 
-def same_solution(one: Equations, x: Floats, other: Equations, y: Floats) -> bool:
-    """Whether two solutions are the same orbit, begun at another impact or point perhaps."""
+def same_solution(one: Equations, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
+    """Whether two solutions at the same parameters are one orbit, begun at another impact or point perhaps."""
     if len(x) != len(y):
         return False
     if isinstance(one, ImpactEquations) and isinstance(other, ImpactEquations):
-        n, turn = one.n, one.N * one.model.period
+        n, T = one.n, one.period_at(p)
         for k in range(n):
-            times = np.concatenate([y[k:n], y[:k] + turn])
-            gap = np.mod(times - x[:n] + 0.5 * one.model.period, one.model.period) - 0.5 * one.model.period
+            times = np.concatenate([y[k:n], y[:k] + one.N * T])
+            gap = np.mod(times - x[:n] + 0.5 * T, T) - 0.5 * T
             after = np.concatenate([y[n + k :], y[n : n + k]])
             if max(np.abs(gap / one.scale[:n]).max(), np.abs((after - x[n:]) / one.scale[n:]).max()) < 1e-5:
                 return True

@@ -58,7 +58,7 @@ def windows(
     name : str
         Any parameter of the model; the others keep their values.
     N : int or iterable of int
-        Periods of the forcing between impacts, each >= 1; 1 to 7 if none are named. Attribute ``N`` of the result.
+        Periods of the forcing between impacts, each 1 to 1000; 1 to 7 if none are named. Attribute ``N`` of the result.
     span : (low, high), optional
         The values searched, within the allowed range. Default: the whole range of r; half to twice the value of
         alpha, k, omega, V and trigger ([0, 1] for a value 0); the value plus or minus the sum of the amplitudes for

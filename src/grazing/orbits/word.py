@@ -172,7 +172,7 @@ def words(letters: str | int, length: int, impacts: int | None = None) -> tuple[
         The symbols of letter 0, 1, ..., such as ``"LR"`` for the gap map (:attr:`grazing.Map.letters`); or, for
         the oscillator, the greatest number of impacts in one period of the forcing.
     length : int
-        Greatest number of letters, >= 1.
+        Greatest number of letters, 1 to 500.
     impacts : int, optional
         Greatest number of impacts in the whole word, for letters that are counts.
 
