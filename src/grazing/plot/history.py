@@ -1,0 +1,64 @@
+"""A motion in time, with every impact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from grazing.outcome import InputError, shown
+from grazing.plot.expected import expect
+from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
+
+
+def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str = INK) -> dict[str, Any]:
+    """Draw a motion in time, with a mark at each impact.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.trajectory` or :func:`grazing.sample`.
+    ax : matplotlib Axes, optional
+        Default: a new figure two columns wide.
+    of : {"u", "v"}
+        Position, above the wall, or velocity, which jumps at impacts.
+    colour : str
+        Of the motion.
+
+    Returns
+    -------
+    dict
+        ``motion`` (a line, for the velocity broken at each impact), ``impacts`` (one line of marks: full before the
+        impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``figure``.
+    """
+    expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)})
+    if of not in ("u", "v"):
+        raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
+    with styled():
+        ax = axes(ax, DOUBLE, 50.0)
+        sigma = float(result.attrs.get("parameter_sigma", 0.0))
+        t, x, hits = (np.asarray(result[name].values) for name in ("t", of, "impact_time"))
+        shown_hits = (hits >= t[0]) & (hits <= t[-1])
+        hits = hits[shown_hits]
+        wall, impacts = None, []
+        if of == "u":
+            before = np.full_like(hits, sigma)
+            reach = max(float(x.max()) - sigma, 1e-12)
+            wall = ax.axhspan(sigma - 0.08 * reach, sigma, color=WALL, lw=0, zorder=0)
+            ax.set_ylim(sigma - 0.08 * reach, sigma + 1.08 * reach)
+        else:
+            ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
+            before, after = (result[name].values[shown_hits] for name in ("v_minus", "v_plus"))
+            impacts += ax.plot(hits, after, "o", ls="", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
+            # a trajectory has two points at an impact, samples have none: the line breaks between before and after
+            cut = np.searchsorted(t, hits)
+            cut += t[np.minimum(cut + 1, len(t) - 1)] == hits
+            cut = np.unique(cut[(cut > 0) & (cut < len(t))])
+            t, x = np.insert(t, cut, t[cut]), np.insert(x, cut, np.nan)
+        impacts += ax.plot(hits, before, "o", ls="", ms=3.2, color=GRAZE, zorder=4)
+        (motion,) = ax.plot(t, x, color=colour, lw=1.0, zorder=3)
+        ax.set_xlim(t[0], t[-1])
+        ax.set_xlabel(quantity(result["t"]))
+        ax.set_ylabel(quantity(result[of]))
+    return {"figure": root(ax), "motion": motion, "impacts": impacts[::-1], "wall": wall}

@@ -1,0 +1,134 @@
+"""Samples of a trajectory at equal times: each computed by the flight that it lies on, none interpolated."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.memory import refuse_too_large
+from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.reset import newton
+from grazing.oscillator.trajectory import flown
+from grazing.outcome import InputError, shown
+from grazing.parameter import real
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+#: Bytes of a sample while it is computed.
+SAMPLE = 200
+#: What a trajectory has.
+NEEDED = ("t", "u", "v", "impact_time")
+
+
+def sample(trajectory: xr.Dataset, rate: float) -> xr.Dataset:
+    """Return position and velocity at equal times.
+
+    Parameters
+    ----------
+    trajectory : xarray.Dataset
+        From :func:`grazing.trajectory`, also loaded from a file.
+    rate : float
+        Samples per unit of time (in hertz where time is in seconds), positive.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``u``, ``v`` on ``t``, from the first instant of the trajectory at steps of 1/rate; the impacts and the
+        attributes of the trajectory. A sample at the instant of an impact has the velocity after it.
+
+    Raises
+    ------
+    InputError
+        For something that is no trajectory, or a rate that is not positive.
+
+    Warns
+    -----
+    UserWarning
+        If the rate is below twice the frequency of the highest harmonic of the forcing: what is above half the rate
+        appears at other frequencies. Impacts have no highest frequency: take the rate as high as the spectrum asks for.
+
+    Notes
+    -----
+    Every sample follows from the point of the trajectory before it in closed form, so that its error is that of the
+    trajectory, and the samples of one trajectory at two rates agree where they meet.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> tr = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
+    >>> recorded = gz.sample(tr, rate=50.0)
+    >>> recorded.sizes["t"], round(float(recorded.t[1]), 3)
+    (1001, 0.02)
+    """
+    model = model_of(trajectory)
+    rate = real(rate, "rate", "any positive number of samples per unit of time is allowed")
+    if not rate > 0.0:
+        raise InputError(f"rate = {rate:g}; any positive number of samples per unit of time is allowed")
+    t, u, v = (np.ascontiguousarray(trajectory[name].values, np.float64) for name in "tuv")
+    refuse_too_large(SAMPLE * (t[-1] - t[0]) * rate, "choose a lower rate or a shorter trajectory", "the samples")
+    _warn_if_low(model, rate)
+    times = t[0] + np.arange(int((t[-1] - t[0]) * rate * (1.0 + 1e-12)) + 1) / rate
+    times = np.minimum(times, t[-1])
+    us, vs = _between(model, t, u, v, times)
+    kept = trajectory.drop_dims("t")
+    found = kept.assign({"u": ("t", us, trajectory["u"].attrs), "v": ("t", vs, trajectory["v"].attrs)})
+    found = found.assign_coords(t=("t", times, trajectory["t"].attrs))
+    return found.assign_attrs(trajectory.attrs | {"sample_rate": rate})
+
+
+def model_of(trajectory: Any) -> Oscillator:
+    """Return the oscillator whose flights a trajectory follows; its impacts are those that are recorded.
+
+    Raises
+    ------
+    InputError
+        For something that is no trajectory.
+    """
+    names = getattr(trajectory, "variables", ())
+    if not (isinstance(names, Mapping) and all(name in names for name in NEEDED) and trajectory["u"].dims == ("t",)):
+        raise InputError(f"trajectory is {shown(trajectory)}; give a dataset as gz.trajectory returns it")
+    has = {str(k).removeprefix("parameter_"): v for k, v in trajectory.attrs.items() if k.startswith("parameter_")}
+    waves = [name for name in has if name.startswith("cos") and name[3:].isdigit()]
+    try:
+        forcing = Forcing(
+            omega=has["omega"],
+            t0=has["t0"],
+            offset=has["offset"] if "offset" in has else has["d"],
+            cos=tuple(has[name] for name in waves),
+            sin=tuple(has["sin" + name[3:]] for name in waves),
+        )
+        return Oscillator(has["alpha"], has["k"], forcing, newton(1.0), has["sigma"])
+    except KeyError as missing:
+        raise InputError(f"the trajectory does not say its parameter {missing}; give one from gz.trajectory") from None
+
+
+def _warn_if_low(model: Oscillator, rate: float) -> None:
+    f = model.forcing
+    highest = max((j for j, wave in enumerate(zip(f.cos, f.sin, strict=True), 1) if any(wave)), default=0)
+    enough = 2.0 * highest / model.period
+    if rate < enough:
+        warnings.warn(
+            f"rate = {rate:g} is below {enough:g}, twice the frequency of harmonic {highest} of the forcing: "
+            "what is above half the rate appears at other frequencies",
+            stacklevel=3,
+        )
+
+
+def _between(model: Oscillator, t: Floats, u: Floats, v: Floats, times: Floats) -> tuple[Floats, Floats]:
+    """Return positions and velocities at times, each by the flight from the point before it."""
+    before = np.searchsorted(t, times, side="right") - 1  # the later one of two points at an impact
+    after = np.minimum(before + 1, len(t) - 1)
+    rests = (u[before] == model.sigma) & (v[before] == 0.0) & (u[after] == model.sigma) & (v[after] == 0.0)
+    phases = np.fmod(t[before] - t[0], model.period)
+    us, vs = flown(model, t[0], phases, u[before] - model.sigma, v[before], times - t[before])
+    us[rests], vs[rests] = model.sigma, 0.0
+    exact = times == t[before]
+    us[exact], vs[exact] = u[before][exact], v[before][exact]
+    return us, vs

@@ -1,0 +1,60 @@
+"""Spectra: lines whose height is known in closed form, orders, and the words of errors."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+
+
+def steady(m, periods=40, rate=64):
+    """A free motion after its transient, a whole number of periods of it."""
+    tr = gz.trajectory(m, (m.sigma + 1.0, 0.0), until=(60 + periods) * m.period)
+    return gz.sample(tr, rate / m.period).isel(t=slice(60 * rate, (60 + periods) * rate))
+
+
+def test_lines_of_a_free_motion_are_its_response_to_each_harmonic():
+    m = gz.Oscillator(
+        alpha=0.5, k=1.5, forcing=gz.Forcing(omega=1.1, cos=(1.0, 0.0, 0.3), sin=(0.2, 0.4, 0.0)), sigma=-9.0,
+        reset=gz.newton(0.5),
+    )  # fmt: skip
+    for of, power in (("u", 0), ("v", 1)):
+        found = gz.spectrum(steady(m), of, window="boxcar")
+        for j, size in enumerate((np.hypot(1.0, 0.2), 0.4, 0.3), 1):
+            w = 1.1 * j
+            want = size * w**power / np.hypot(1.5**2 - w * w, 0.5 * w)
+            line = found.isel(frequency=40 * j)
+            assert float(line.order) == pytest.approx(j, abs=1e-12)
+            assert float(line.frequency) == pytest.approx(w / (2 * np.pi), rel=1e-12)
+            assert float(line.amplitude) == pytest.approx(want, rel=1e-9)
+        rest = found.amplitude.values[np.abs(found.order.values % 1.0 - 0.5) < 0.4]
+        assert rest.max() < 1e-9
+
+
+def test_a_motion_of_three_periods_has_lines_at_thirds():
+    m = gz.pinball(d=0.12, V=0.4)
+    tr = gz.trajectory(m, (0.1, 0.0), until=120 * m.period)
+    found = gz.spectrum(gz.sample(tr, 64 / m.period).isel(t=slice(30 * 64, 120 * 64)), window="boxcar")
+    lines = found.order.values[found.amplitude.values > 1e-8]
+    assert len(lines) > 50
+    np.testing.assert_allclose(lines * 3, np.round(lines * 3), atol=1e-9)
+    assert np.any(np.abs(lines % 1.0 - 1 / 3) < 1e-9)
+
+
+def test_a_window_keeps_the_height_of_a_line():
+    m = gz.Oscillator(alpha=0.5, k=1.5, forcing=gz.Forcing(omega=1.1), sigma=-9.0, reset=gz.newton(0.5))
+    hann, plain = (gz.spectrum(steady(m), window=window).amplitude.max() for window in ("hann", "boxcar"))
+    assert float(hann) == pytest.approx(float(plain), rel=1e-3)
+
+
+def test_what_is_wrong_is_said():
+    tr = gz.trajectory(gz.pinball(), (0.1, 0.0), until=10.0)
+    recorded = gz.sample(tr, 10.0)
+    for arguments, text in (
+        ((tr,), r"take samples first: gz.sample\(trajectory, rate\)"),
+        ((recorded.isel(t=[0, 1, 3, 4, 5, 6, 7, 8, 9]),), "not equally spaced"),
+        ((recorded.isel(t=slice(5)),), "there are 5 samples"),
+        ((recorded, "w"), "of = 'w'; allowed are u, the position, and v, the velocity"),
+        ((recorded, "u", "wide"), "window = 'wide'"),
+    ):
+        with pytest.raises(gz.InputError, match=text):
+            gz.spectrum(*arguments)
