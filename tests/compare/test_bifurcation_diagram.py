@@ -102,5 +102,8 @@ def test_what_a_wrong_call_is_told():
         bifurcation_diagram(P, "d", [0.1], starts=2)
     with pytest.raises(gz.InputError, match="period"):
         bifurcation_diagram(P, "d", [0.1, 0.11], starts=2, period=0)
+    for other in (gz.impact_map(gz.pinball()), gz.stroboscopic_map(gz.pinball(), 0.3)):
+        with pytest.raises(gz.InputError, match="stroboscopic map at phase 0"):
+            bifurcation_diagram(other, "d", [0.1, 0.11], starts=2)
     with pytest.raises(gz.InputError, match="give the result of"):
         gz.plot.bifurcation_diagram(gz.orbit_diagram(P, "d", [0.1], starts=2))

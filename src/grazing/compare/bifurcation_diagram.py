@@ -16,7 +16,7 @@ from grazing.orbits.branch_table import branch_table
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
 from grazing.orbits.special import Special
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, shown
 from grazing.parameter import whole
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.plan import Progress
@@ -101,7 +101,7 @@ def bifurcation_diagram(
     Raises
     ------
     InputError
-        For an input out of range.
+        For an input out of range, or an oscillator at a section other than that of its branches.
 
     Notes
     -----
@@ -117,20 +117,30 @@ def bifurcation_diagram(
     >>> sorted(set(result.window_word.values.tolist()))
     ['001', '01']
     """
+    refuse_other_sections(P)
     longest = whole(period, "period", 1)
     scan = orbit_diagram(P, name, values, starts, transient, keep, seed, threads, "fast", box, progress)
     grid = np.unique(scan[name].values)
     if len(grid) < 2:
         raise InputError(f"values of {name} are {grid.tolist()}; give at least 2 different ones")
-    search = _Search(P, name, (float(grid[0]), float(grid[-1])), longest, keep // 2, transient + keep)
+    search = Search(P, name, (float(grid[0]), float(grid[-1])), longest, keep // 2, transient + keep)
     search.scanned(scan)
     branch = merged(P, name, search.bounds, search.branches)
     found = [*search.missed(), *search.unreached(scan)]
     return labelled(scan, branch, windows_of(branch), found, name)
 
 
+def refuse_other_sections(P: Map) -> None:
+    """Raise InputError for an oscillator that is not seen where its branches are: at the strobe at phase 0."""
+    if isinstance(P, Map) and P.section is not None and (P.section != "strobe" or P.params.get("phase") != 0.0):
+        raise InputError(
+            f"branches of an oscillator have the points of its stroboscopic map at phase 0, and {shown(P)} has others; "
+            "give gz.stroboscopic_map(model)"
+        )
+
+
 @dataclass
-class _Search:
+class Search:
     """The branches that are known, and where the scan saw something else."""
 
     P: Map
@@ -185,7 +195,8 @@ class _Search:
         """Keep a branch, and the branches that begin at its period doublings and branch points."""
         self.branches.append(branch)
         for one in branch.special:
-            if one.type in ("pd", "bp") and one.converged and one.admissible and one.orbit.period <= self.longest:
+            begins = one.orbit.period * (2 if one.type == "pd" else 1)
+            if one.type in ("pd", "bp") and one.converged and one.admissible and begins <= self.longest:
                 if len(self.branches) < MOST and not self._begun(one):
                     try:
                         self.branches.append(continuation(branch.map, one, self.name, self.bounds))
@@ -258,14 +269,16 @@ def representatives(periods: Any, words: Any, points: Floats, size: Floats) -> N
     """Return the first start on each periodic attractor at one value: by period, word and place."""
     found: list[int] = []
     for i in np.flatnonzero(periods >= 1).tolist():
-        N = int(periods[i])
-        for j in found:
-            alike = periods[j] == N and words[j] == words[i]
-            if alike and same_points(points[j, -N:], points[i, -N:], 1e-3 * size):
-                break
-        else:
+        if not any(same_attractor(periods, words, points, i, j, size) for j in found):
             found.append(i)
     return np.array(found, np.int64)
+
+
+def same_attractor(periods: Any, words: Any, points: Floats, i: int, j: int, size: Floats) -> bool:
+    """Whether two starts at one value ended on the same periodic attractor: of one period, word and place."""
+    N = int(periods[i])
+    alike = N >= 1 and periods[j] == N and words[j] == words[i]
+    return bool(alike and same_points(points[j, -N:], points[i, -N:], 1e-3 * size))
 
 
 def same_points(a: Floats, b: Floats, tolerance: Floats) -> bool:

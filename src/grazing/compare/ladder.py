@@ -64,7 +64,7 @@ def ladder(
     name : str
         The parameter that unfolds the graze, such as ``"d"``.
     N : int or iterable of int
-        Periods between impacts, each >= 1.
+        Periods between impacts, each 1 to 1000.
     rungs : sequence of str
         Of *gap*, *linearised*, *lowest*, *full*, *corrected*, *flow*; the flow always belongs to them.
     span : (low, high), optional

@@ -1,0 +1,270 @@
+"""Responses: what instruments read along sweeps up and down and from random starts, with the branches through it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.compare.bifurcation_diagram import Search, merged, same_attractor
+from grazing.maps.map import Map
+from grazing.orbits.branch import Branch, Piece
+from grazing.orbits.branch_table import branch_table
+from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.orbit import Orbit
+from grazing.oscillator.gauge import READINGS, flown_cycle, gauged, repeated_cycle
+from grazing.oscillator.model import Oscillator
+from grazing.outcome import InputError, shown
+from grazing.parameter import checked_name, whole
+from grazing.studies import labels
+from grazing.studies.orbit_diagram import orbit_diagram
+from grazing.studies.outside import NAME, with_note
+from grazing.studies.plan import Progress
+from grazing.studies.recurrence import ENDED, UNDECIDED
+from grazing.studies.runs import checked_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+#: Ways to come to a value, before the random starts.
+SWEEPS = ("up", "down")
+#: Orbits of a branch that are nearer to a special point, in units of the range, are at it.
+ROUNDING = 1e-12
+#: What is kept of the scans beside the readings.
+KEPT = ("period", "word", "outcome", "trust")
+
+
+def response(
+    P: Map,
+    name: str,
+    values: ArrayLike,
+    *,
+    starts: int | ArrayLike = 20,
+    transient: int = 400,
+    keep: int = 48,
+    seed: int = 0,
+    period: int = 1,
+    box: Sequence[tuple[float, float]] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return the response of an oscillator over a parameter, such as its frequency, as instruments on a rig record it.
+
+    Parameters
+    ----------
+    P : Map
+        The stroboscopic map of an oscillator.
+    name : str
+        Which of its parameters varies.
+    values : array_like, shape (m,)
+        Its values, at least 2 different ones.
+    starts, transient, keep, seed, box, threads, progress
+        Of the random starts, as in :func:`grazing.orbit_diagram`; each sweep makes the same steps at each value.
+    period : int
+        Attractors up to this period, in periods of the forcing, are followed as branches.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (name, "run"), where ``run`` is *up*, *down*, *start 1*, *start 2*, ...: ``amplitude`` (half of the
+        peak-to-peak value of u), ``mean``, ``peak_velocity``, ``rms_velocity``, ``impact_speed`` (the greatest one),
+        ``mean_impact_speed``, ``impulse`` (of the wall in a period of the forcing, per unit of mass) and
+        ``impacts_per_period`` (of the forcing), with ``period``, ``word``, ``outcome`` and ``trust`` as in
+        :func:`grazing.orbit_diagram`. All branches as :attr:`grazing.Branch.dataset` has them, its variables with
+        ``branch_`` in front but for those of special points, with the readings of each orbit (``branch_amplitude``,
+        ...) and special point (``special_amplitude``, ...). Dimension ``difference``: ``difference_low``,
+        ``difference_high`` and ``difference_values``, the least and the greatest of neighbouring values at which the
+        sweeps up and down end on different attractors, and how many these are.
+
+    Raises
+    ------
+    InputError
+        For another map, or an input out of range.
+
+    Notes
+    -----
+    The sweep up starts at the least value from rest, where the constant forces balance or at the wall, and at each
+    value where the one before it ended; the sweep down does so from the greatest value. Readings of an attractor are
+    taken over one cycle, in closed form from flight to flight, of one without period over ``keep`` periods. Chatter is
+    read impact by impact as :func:`grazing.trajectory` lists it. Virtual orbits, which the oscillator does not have,
+    and orbits that ended have no readings. A branch is begun at each attractor that lies on no branch yet, so an
+    unstable orbit that no branch leads to is missed.
+
+    Examples
+    --------
+    >>> import grazing as gz, numpy as np
+    >>> m, c, k, force, gap = 0.8, 2.4, 3200.0, 2.5, 1.2e-3  # kg, N s/m, N/m, N, m; a stop above: u is -x
+    >>> forcing = gz.Forcing(omega=80, cos=(-force / m,))
+    >>> rig = gz.Oscillator(alpha=c / m, k=np.sqrt(k / m), forcing=forcing, sigma=-gap, reset=gz.newton(0.7))
+    >>> found = gz.response(gz.stroboscopic_map(rig), "omega", 2 * np.pi * np.arange(8.0, 19.0), starts=4)
+    >>> (found.amplitude.sel(run=["up", "down"]).values[6] * 1e3).round(4).tolist()  # mm, at 14 Hz
+    [1.7759, 0.834]
+    >>> real = found.special_admissible.values == 1
+    >>> places = zip(found.special_type.values[real], found.special_value.values[real] / 2 / np.pi)
+    >>> sorted({(kind, round(float(value), 5)) for kind, value in places})  # Hz
+    [('gr', 12.9227), ('lp', 16.58097)]
+    """
+    import xarray as xr
+
+    P = checked_strobe(P)
+    name = checked_name(name, model_of(P).params, "the oscillator")
+    grid, longest = checked_values(name, values), whole(period, "period", 1)
+    if len(np.unique(grid)) < 2:
+        raise InputError(f"values of {name} are {np.unique(grid).tolist()}; give at least 2 different ones")
+
+    def scanned(number: int, begin: int | ArrayLike, box: Any, sweep: str | None) -> xr.Dataset:
+        def told(done: int, total: int) -> None:
+            if progress is not None:
+                progress(number * total + done, (1 + len(SWEEPS)) * total)
+
+        return orbit_diagram(P, name, grid, begin, transient, keep, seed, threads, "fast", box, told, sweep=sweep)
+
+    drawn = scanned(0, starts, box, None)
+    swept = [scanned(n, [at_rest(P, name, grid)], None, sweep) for n, sweep in enumerate(SWEEPS, 1)]
+    scans = xr.concat([one.drop_vars(NAME, errors="ignore") for one in (*swept, drawn)], "start")
+    search = Search(P, name, (float(grid.min()), float(grid.max())), longest, keep // 2, transient + keep)
+    search.scanned(scans)
+    result = runs_read(P, name, scans)
+    result = result.merge(differences(P, name, scans))
+    result = result.merge(branches_read(merged(P, name, search.bounds, search.branches)))
+    if NAME in drawn:
+        result[NAME] = drawn[NAME]
+    config = json.loads(drawn.attrs["grazing_config"]) | {"study": "response", "period": longest}
+    for key in ("map", "coordinates", "params"):
+        del config[key]
+    result.attrs = labels.document(P, f"response of the {P.name} in {name}", config)
+    return with_note(result)
+
+
+def checked_strobe(P: Any) -> Map:
+    """Return the stroboscopic map of an oscillator at phase 0, where its branches are; raise InputError for others."""
+    if not isinstance(P, Map) or P.model is None or P.section != "strobe":
+        said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
+        raise InputError(f"P is {shown(P)}: {said}")
+    return P.replace(phase=0.0)  # readings do not depend on the section
+
+
+def model_of(P: Map) -> Oscillator:
+    """Return the oscillator of a map that has one."""
+    assert P.model is not None
+    return P.model
+
+
+def at_rest(P: Map, name: str, grid: Floats) -> tuple[float, float]:
+    """Return a state that is allowed at every value: at rest where constant forces balance, inside the map's box."""
+    model = model_of(P)
+    wall, stiffness = float(grid.max()) if name == "sigma" else model.sigma, model.k**2
+    balance = model.forcing.offset / stiffness if stiffness > 0.0 else wall
+    return max(wall, min(balance, P.box[0][1])), 0.0
+
+
+def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
+    """Return the readings of what every run reached at every value; each attractor with a period is read once."""
+    import xarray as xr
+
+    points, size = points_of(P, scans)
+    periods, words, keep = scans["period"].values, scans["word"].values, scans.sizes["n"]
+    found = np.full((*periods.shape, len(READINGS)), np.nan)
+    for i, value in enumerate(scans[name].values.tolist()):
+        model, seen = model_of(P.replace(**{name: value})), list[int]()
+        for j, N in enumerate(periods[i].tolist()):
+            if N == ENDED:
+                continue
+            same = [k for k in seen if same_attractor(periods[i], words[i], points[i], j, k, size)]
+            if same:
+                found[i, j] = found[i, same[0]]
+                continue
+            u, v = points[i, j, -1] if N >= 1 else points[i, j, 0]
+            found[i, j] = list(gauged(model, flown_cycle(model, (float(u), float(v)), N if N >= 1 else keep)).values())
+            seen.append(j)
+    names = [*SWEEPS, *(f"start {j + 1}" for j in range(periods.shape[1] - len(SWEEPS)))]
+    table = {key: ((name, "run"), found[..., k], about(key)) for k, key in enumerate(READINGS)}
+    kept = {key: ((name, "run"), scans[key].values, scans[key].attrs) for key in KEPT}
+    run = ("run", np.array(names, dtype=object), {"long_name": "how a value was come to"})
+    return xr.Dataset({**table, **kept}, {name: scans[name], "run": run})
+
+
+def points_of(P: Map, scans: xr.Dataset) -> tuple[Floats, Floats]:
+    """Return the points of scans, shape (values, starts, n, dim), and the extent of the map's box."""
+    points = np.stack([scans[c].values for c in P.coordinates], axis=-1)
+    return points, np.array([high - low for low, high in P.box])
+
+
+def about(reading: str) -> labels.Attributes:
+    """Return the attributes of a reading."""
+    return {"long_name": READINGS[reading], "units": "1"}
+
+
+def differences(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
+    """Return the ranges of neighbouring values at which the first two runs ended on different attractors.
+
+    Two without period are not told apart, nor is one whose period is undecided.
+    """
+    import xarray as xr
+
+    points, size = points_of(P, scans)
+    periods, words, grid = scans["period"].values, scans["word"].values, scans[name].values
+    found: list[list[float]] = []
+    apart = False
+    for i in np.argsort(grid, kind="stable").tolist():
+        pair = periods[i, :2].tolist()
+        told = UNDECIDED not in pair and (max(pair) >= 1 or pair[0] != pair[1])
+        before, apart = apart, told and not same_attractor(periods[i], words[i], points[i], 0, 1, size)
+        if apart:
+            found = [*found, []] if not before else found
+            found[-1].append(float(grid[i]))
+    ends = {"low": [one[0] for one in found], "high": [one[-1] for one in found]}
+    table = {
+        f"difference_{side}": ("difference", np.array(at, np.float64), scans[name].attrs) for side, at in ends.items()
+    }
+    many = np.array([len(one) for one in found], np.int64)
+    said = {"long_name": "values at which the sweeps up and down ended on different attractors"}
+    return xr.Dataset({**table, "difference_values": ("difference", many, said)})
+
+
+def branches_read(branch: Branch) -> xr.Dataset:
+    """Return the table of branches, their variables with ``branch_`` in front, with readings along them."""
+    table = branch_table(branch)
+    readable = [kept for piece in branch.pieces for kept in on_or_beside(piece, branch.bounds)]
+    along = readings_of(list(branch), readable)
+    at = readings_of([one.orbit for one in branch.special], [one.admissible for one in branch.special])
+    for k, reading in enumerate(READINGS):
+        table[reading] = "point", along[:, k], about(reading)
+        table[f"special_{reading}"] = "special", at[:, k], about(reading)
+    fronted = [key for key in [*table.variables, *table.dims] if not str(key).startswith("special")]
+    return table.rename({key: f"branch_{key}" for key in fronted}).assign_attrs({})
+
+
+def on_or_beside(piece: Piece, bounds: tuple[float, float]) -> list[bool]:
+    """Return which orbits of a piece are those of the flow, or at a special point beside such ones, to rounding."""
+    kept = [orbit.admissible for orbit in piece.orbits]
+    found, near = list(kept), ROUNDING * (bounds[1] - bounds[0])
+    for event in piece.events:
+        first, last = event, event
+        while first > 0 and abs(piece.values[first - 1] - piece.values[event]) <= near:
+            first -= 1
+        while last + 1 < len(kept) and abs(piece.values[last + 1] - piece.values[event]) <= near:
+            last += 1
+        if any(kept[max(first - 1, 0) : last + 2]):
+            found[first : last + 1] = [True] * (last + 1 - first)
+    return found
+
+
+def readings_of(orbits: Sequence[Orbit], readable: Sequence[bool]) -> Floats:
+    """Return the readings of periodic orbits, shape (orbits, readings), NaN for those that are none of the flow."""
+    found = np.full((len(orbits), len(READINGS)), np.nan)
+    for i, (orbit, wanted) in enumerate(zip(orbits, readable, strict=True)):
+        if not wanted:
+            continue
+        model, state = model_of(orbit.map), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
+        if isinstance(orbit, ImpactOrbit):
+            cycle = repeated_cycle(model, state, orbit.times, orbit.incoming, orbit.outgoing, orbit.period)
+        else:
+            cycle = flown_cycle(model, state, orbit.period)
+        found[i] = list(gauged(model, cycle).values())
+    return found

@@ -1,0 +1,127 @@
+"""Responses: what was reached going up, going down and from random starts, over branches with their special points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from grazing.outcome import InputError, shown
+from grazing.plot.bifurcation_diagram import branch_part
+from grazing.plot.branch import DASHES, MARKERS, branch, kinds
+from grazing.plot.classes import legend_beside, patch
+from grazing.plot.expected import expect
+from grazing.plot.provenance import provenance_of
+from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, label, plain, root, styled
+
+#: Marks of the sweeps; random starts are dots.
+RUNS = {"up": "^", "down": "v"}
+COLOURS = {"up": "#0064a4", "down": GRAZE}
+#: Opacity of the ranges in which up and down differ.
+SHADE = 0.07
+
+
+def response(
+    result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool = True
+) -> dict[str, Any]:
+    """Draw a reading over the parameter: sweeps as triangles, random starts as dots, branches as lines.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.response`.
+    ax : matplotlib Axes, optional
+        Default: a new figure two columns wide.
+    by : str
+        Which reading: ``amplitude``, ``mean``, ``peak_velocity``, ``rms_velocity``, ``impact_speed``,
+        ``mean_impact_speed``, ``impulse`` or ``impacts_per_period``.
+    names : bool
+        Whether special points carry their names.
+    legend : bool
+        Whether to say what lines, marks and names are.
+
+    Returns
+    -------
+    dict
+        ``runs`` (*up*, *down* and *starts* to a line of marks), ``lines``, ``markers`` and ``names`` as
+        :func:`grazing.plot.branch`, ``differences`` (a list of shaded bands, where up and down differ), ``legend``
+        (or None), ``provenance``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For another kind of result, or a reading that it does not have.
+    """
+    name, _run = expect(result, "response", {"amplitude": ("<parameter>", "run"), "branch_piece": ("branch_point",)})
+    known = [str(key) for key in result.data_vars if f"special_{key}" in result and f"branch_{key}" in result]
+    readings = [key for key in known if result[key].dims == (name, "run") and key != "period"]
+    if by not in readings:
+        raise InputError(f"by = {shown(by)}; allowed are {', '.join(readings)}")
+    table = branch_part(result, name, [by])
+    table[by] = table[by].expand_dims("one", -1)
+    values, runs = result[name].values, result["run"].values.tolist()
+    with styled():
+        ax = axes(ax, DOUBLE, 90.0)
+        found = {}
+        starts = [i for i, run in enumerate(runs) if run not in RUNS]
+        y = result[by].values
+        (found["starts"],) = ax.plot(
+            np.repeat(values, len(starts)), y[:, starts].ravel(), ".", ms=2.0, color=CHAOS, mew=0, zorder=2, ls="none"
+        )
+        for run, mark in RUNS.items():
+            if run in runs:
+                (found[run],) = ax.plot(
+                    values,
+                    y[:, runs.index(run)],
+                    mark,
+                    ms=4.0,
+                    mfc="none",
+                    mec=COLOURS[run],
+                    mew=0.7,
+                    zorder=4,
+                    ls="none",
+                )
+        ends = zip(result["difference_low"].values, result["difference_high"].values, strict=True)
+        bands = [ax.axvspan(low, high, color=INK, alpha=SHADE, lw=0, zorder=0) for low, high in ends]
+        ax.set_xlim(float(values.min()), float(values.max()))
+        drawn = branch(table, ax, virtual=False, names=names, legend=False)
+        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
+        ax.set_ylabel(plain(str(result[by].attrs["long_name"])))
+        said = explained(ax, table, found, bool(bands)) if legend else None
+    return {
+        "figure": root(ax), "runs": found, "lines": drawn["lines"], "markers": drawn["markers"],
+        "names": drawn["names"], "differences": bands, "legend": said, "provenance": provenance_of(result),
+    }  # fmt: skip
+
+
+def explained(ax: Axes, table: xr.Dataset, runs: dict[str, Any], differ: bool) -> Any:
+    """Add a legend beside the axes: what marks and lines are, and the names of special points in words."""
+    texts = {"up": "going up", "down": "going down", "starts": "random starts"}
+    handles: list[Any] = []
+    for run, artist in runs.items():
+        handle = Line2D([], [], ls="none", marker=artist.get_marker(), color=artist.get_color(), label=texts[run])
+        handle.set(ms=artist.get_markersize(), mfc=artist.get_markerfacecolor(), mec=artist.get_markeredgecolor())
+        handles.append(handle)
+    seen = kinds(table)
+    for kind, width in (("stable", 1.2), ("unstable", 0.8)):
+        if (seen == kind).any():
+            handles.append(Line2D([], [], color=INK, ls=DASHES[kind], lw=width, label=f"{kind} orbits"))
+    words = dict(item.split(": ", 1) for item in table["special_type"].attrs["meaning"].split("; "))
+    there = set(table["special_type"].values[table["special_admissible"].values == 1].tolist())
+    for kind in (kind for kind in MARKERS if kind in there):
+        shape, filled = MARKERS[kind]
+        text = f"{kind}: {words[kind].split(':')[0]}"
+        look: dict[str, Any] = {"mec": INK, "mfc": INK if filled else "white", "ms": 4.2, "mew": 0.8}
+        handles.append(Line2D([], [], ls="none", marker=shape, label=text, **look))
+    if differ:
+        handles.append(patch(blended(INK, SHADE), "up and down differ"))
+    return legend_beside(ax, handles, "")
+
+
+def blended(colour: str, share: float) -> str:
+    """Return a colour as it looks on white when it is drawn with an opacity."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round(255 + share * (part - 255)):02x}" for part in parts)

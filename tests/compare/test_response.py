@@ -1,0 +1,176 @@
+"""The response of a rig: closed forms, what the other studies say, and what a wrong call is told."""
+
+import json
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.compare.response import response
+from grazing.oscillator.gauge import READINGS
+
+HERTZ = 2.0 * np.pi
+#: 0.80 kg, 2.4 N s/m, 3200 N/m, 2.5 N, a stop at 1.2 mm above (u is -x), restitution 0.7; metres.
+M, C, K, FORCE, GAP = 0.80, 2.4, 3200.0, 2.5, 1.2e-3
+
+
+def rig(hertz=14.0, r=0.7):
+    forcing = gz.Forcing(omega=HERTZ * hertz, cos=(-FORCE / M,))
+    return gz.Oscillator(alpha=C / M, k=np.sqrt(K / M), forcing=forcing, sigma=-GAP, reset=gz.newton(r))
+
+
+@pytest.fixture(scope="module")
+def swept():
+    return response(gz.stroboscopic_map(rig()), "omega", HERTZ * np.linspace(4.0, 20.0, 65), starts=6)
+
+
+def linear(omega):
+    return FORCE / np.hypot(K - M * omega**2, C * omega)
+
+
+def admissible(result, kind):
+    real = (result.special_admissible.values == 1) & (result.special_type.values == kind)
+    return result.isel(special=np.flatnonzero(real))
+
+
+def test_grazes_and_the_fold_of_the_rig(swept):
+    grazes = admissible(swept, "gr")
+    free = grazes.special_value.values[grazes.special_impacts_per_period.values == 0.0] / HERTZ
+    half = K / M - 0.5 * (C / M) ** 2
+    edges = np.sqrt(half + np.array([-1.0, 1.0]) * np.sqrt(half**2 - (K / M) ** 2 + (FORCE / M / GAP) ** 2)) / HERTZ
+    np.testing.assert_allclose(edges, [5.951311, 12.922705], atol=5e-7)
+    np.testing.assert_allclose(np.sort(free), edges, rtol=1e-12)
+    grazing = grazes.isel(special=np.flatnonzero(grazes.special_impacts_per_period.values == 0.0))
+    np.testing.assert_allclose(grazing.special_amplitude.values, GAP, rtol=1e-12)
+    folds = admissible(swept, "lp").special_value.values / HERTZ
+    assert folds.max() == pytest.approx(16.58097, abs=5e-6)
+
+
+def test_up_and_down_differ_from_the_graze_to_the_fold(swept):
+    up, down = (swept.amplitude.sel(run=run).values for run in ("up", "down"))
+    hertz = swept.omega.values / HERTZ
+    between = (hertz >= 13.25) & (hertz <= 16.5)
+    np.testing.assert_allclose(down[between], linear(swept.omega.values[between]), rtol=1e-7)
+    assert (up[between] > 1.3 * down[between]).all()
+    above = hertz > 16.6
+    np.testing.assert_allclose(up[above], linear(swept.omega.values[above]), rtol=1e-7)
+    last = swept.isel(difference=-1)
+    assert (float(last.difference_low) / HERTZ, float(last.difference_high) / HERTZ) == pytest.approx((13.25, 16.5))
+    assert int(last.difference_values) == 14
+    assert float(swept.difference_high.values[0]) < HERTZ * 6.0  # the other fold, at 5.17 Hz, and the other graze
+
+
+def test_every_reading_is_that_of_a_trajectory(swept):
+    i = int(np.argmin(np.abs(swept.omega.values - HERTZ * 14.0)))
+    found = swept.isel(omega=i).sel(run="up")
+    assert (str(found.word.item()), int(found.period)) == ("1", 1)
+    omega = float(swept.omega[i])
+    # the same orbit as closed forms give it, flown long and sampled finely
+    orbit = next(one for one in gz.one_impact_orbits(rig(omega / HERTZ), 1) if one.stable and one.admissible)
+    T = HERTZ / omega
+    path = gz.trajectory(orbit.map.model, tuple(orbit.points[0]), until=400 * T, samples=500)
+    late = path.t.values >= 399.0 * T - 1e-9
+    u, v = path.u.values[late], path.v.values[late]
+    assert float(found.amplitude) == pytest.approx(0.5 * np.ptp(u), rel=1e-4)
+    assert float(found.peak_velocity) == pytest.approx(np.abs(v).max(), rel=1e-4)
+    assert float(found.impact_speed) == pytest.approx(-float(path.v_minus[-1]), rel=1e-7)
+    assert float(found.impulse) == pytest.approx(float(path.v_plus[-1] - path.v_minus[-1]), rel=1e-7)
+    # balance of momentum: nothing pushes on the mean but the spring and the stop
+    assert float(found.impulse) / T == pytest.approx(K / M * float(found["mean"]), rel=1e-6)
+
+
+def test_branches_carry_readings_and_pass_through_what_was_reached(swept):
+    alone = (swept.branch_stable.values == 1) & (swept.branch_admissible.values == 1) & (swept.branch_event.values == 0)
+    omega, amplitude = swept.branch_omega.values, swept.branch_amplitude.values
+    free = alone & (swept.branch_impacts.values == 0)
+    np.testing.assert_allclose(amplitude[free], linear(omega[free]), rtol=1e-12)
+    hitting = alone & (swept.branch_impacts.values == 1) & (omega > HERTZ * 13.0)
+    order = np.argsort(omega[hitting])
+    up = swept.amplitude.sel(run="up").values
+    some = (swept.omega.values > HERTZ * 13.1) & (swept.omega.values < HERTZ * 16.4)
+    drawn = np.interp(swept.omega.values[some], omega[hitting][order], amplitude[hitting][order])
+    np.testing.assert_allclose(up[some], drawn, rtol=2e-3)
+    unstable = (swept.branch_stable.values == 0) & (swept.branch_admissible.values == 1)
+    assert np.isfinite(amplitude[unstable]).all() and unstable.any()
+    special = swept.special_value.values[swept.special_admissible.values == 1]
+    at = (np.abs(omega[:, None] - special) < 1e-10).any(axis=1)
+    virtual = (swept.branch_admissible.values == 0) & ~at
+    assert np.isnan(amplitude[virtual]).all() and virtual.any()
+    assert np.bincount(swept.branch_impact_point.values).max() == 2
+
+
+def test_random_starts_reach_what_the_sweeps_reach(swept):
+    """Between graze and fold both attractors are reached; a start has the readings of the sweep it ended with."""
+    starts = [run for run in swept.run.values.tolist() if run.startswith("start")]
+    assert len(starts) == 6
+    hertz = swept.omega.values / HERTZ
+    between = swept.isel(omega=np.flatnonzero((hertz > 13.2) & (hertz < 16.4)))
+    both = between.amplitude.sel(run=["up", "down"]).values[:, None, :]
+    apart = np.abs(between.amplitude.sel(run=starts).values[:, :, None] / both - 1.0)
+    assert (apart.min(axis=2) < 1e-6).all()
+    assert (apart.argmin(axis=2) == 0).any()
+
+
+def test_numbers_do_not_depend_on_the_section_nor_on_threads_nor_on_the_order_of_values():
+    values = HERTZ * np.array([13.5, 14.5, 17.0])
+    say = dict(starts=3, transient=200, keep=8)
+    one = response(gz.stroboscopic_map(rig()), "omega", values, threads=1, **say)
+    other = response(gz.stroboscopic_map(rig(), phase=0.02), "omega", values[::-1], threads=2, **say)
+    np.testing.assert_array_equal(one.amplitude.values, other.amplitude.values[::-1])
+    assert one.attrs["title"] == "response of the stroboscopic map in omega"
+    config = json.loads(one.attrs["grazing_config"])
+    assert (config["study"], config["parameter"], config["period"], config["starts"]["random"]) == (
+        "response", "omega", 1, 3,
+    )  # fmt: skip
+
+
+def test_chaos_rest_and_what_ends_have_readings_or_none():
+    chaotic = gz.pinball(alpha=0.02, k=1.0, omega=2.8, d=0.0, V=0.0, r=0.8)
+    found = response(gz.stroboscopic_map(chaotic), "omega", [3.08, 3.1], starts=4, period=2)
+    assert np.isfinite(found.amplitude.values).all() and (found.period.values[1] == -1).all()
+    lies = gz.pinball(d=-3.0, V=0.0)
+    still = response(gz.stroboscopic_map(lies), "d", [-3.0, -2.0], starts=2)
+    assert (still.amplitude.values == 0.0).all() and (still.impacts_per_period.values == 0.0).all()
+    assert still.sizes["difference"] == 0
+
+
+def test_another_parameter_and_doubled_orbits():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    found = response(P, "d", np.linspace(0.1, 0.13, 13), starts=6, period=3)
+    windows = gz.windows(gz.pinball(V=0.4), "d", 3).isel(window=0)
+    doubling = admissible(found, "pd").special_value.values
+    assert np.abs(doubling - float(windows.high)).min() < 1e-9
+    assert set(found.branch_period.values.tolist()) <= {1, 2, 3}
+    assert set(found.period.values.ravel().tolist()) >= {2, 3}
+
+
+def test_saved_and_loaded(swept, tmp_path):
+    back = gz.load(gz.save(swept, tmp_path / "response.nc"))
+    np.testing.assert_array_equal(back.amplitude.values, swept.amplitude.values)
+    assert back.run.values.tolist() == swept.run.values.tolist()
+    assert {f"{front}{name}" for name in READINGS for front in ("", "branch_", "special_")} <= set(back.data_vars)
+    files = gz.to_csv(back, tmp_path / "response.csv")
+    assert {file.name for file in files} >= {"response.csv"}
+
+
+def test_progress_counts_all_three_scans():
+    seen = []
+    response(gz.stroboscopic_map(rig()), "omega", HERTZ * np.array([16.8, 17.0]), starts=2, transient=40, keep=4,
+             progress=lambda done, total: seen.append((done, total)))  # fmt: skip
+    assert seen[-1] == (6, 6) and [done for done, _total in seen] == sorted(done for done, _total in seen)
+
+
+def test_what_a_wrong_call_is_told():
+    P = gz.stroboscopic_map(rig())
+    with pytest.raises(gz.InputError, match="at least 2 different"):
+        response(P, "omega", [80.0, 80.0])
+    with pytest.raises(gz.InputError, match="a response is that of an oscillator"):
+        response(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.1, 0.2])
+    with pytest.raises(gz.InputError, match="a response is that of an oscillator"):
+        response(gz.impact_map(rig()), "omega", [80.0, 81.0])
+    with pytest.raises(gz.InputError, match="phase"):
+        response(P, "phase", [0.0, 0.1])
+    with pytest.raises(gz.InputError, match="period"):
+        response(P, "omega", [80.0, 81.0], period=0)
+    with pytest.raises(gz.InputError, match="omega"):
+        response(P, "omega", [-1.0, 81.0])
