@@ -193,8 +193,8 @@ def test_what_is_no_curve_is_refused(curve):
 
 
 def test_what_is_no_chart_is_refused():
-    with pytest.raises(InputError, match=r"by is 'word'; allowed are 'period', 'exponent', 'attractors'"):
-        plot.chart(results.chart(), by="word")
+    with pytest.raises(InputError, match=r"by is 'words'; allowed are 'period', 'word', 'exponent', 'attractors'"):
+        plot.chart(results.chart(), by="words")
     with pytest.raises(
         InputError, match=r"plot.chart finds no share in a result with period.*\(<first parameter>, <sec"
     ):

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from grazing import plot
 from grazing.outcome import InputError
+from tests.examples import examples
 from tests.plot import results
 
 KINDS = ("png", "pdf", "svg")
@@ -42,7 +43,7 @@ def test_there_and_back(tmp_path, kind, title):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(15), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(provenance=st.dictionaries(TEXT, JSON, max_size=4))
 def test_anything_that_json_holds(tmp_path, kind, provenance):
     path = plot.save(plot.figure(10, 10), tmp_path / f"a.{kind}", provenance=provenance)

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 import grazing as gz
 from grazing.studies.starts import checked_box, checked_seed, checked_starts, mixed, random_starts, uniform
+from tests.examples import examples
 
 MASK = 2**64 - 1
 
@@ -21,7 +22,7 @@ def test_first_number_of_splitmix64():
 
 
 @given(st.integers(0, MASK), st.floats(allow_nan=False), st.integers(0, 50), st.integers(0, 3))
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 def test_numbers_are_those_of_the_plain_twin(seed, value, lane, coordinate):
     bits = int(np.array([value + 0.0]).view(np.uint64)[0])
     key = twin(twin(seed) ^ twin(bits))

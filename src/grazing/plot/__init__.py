@@ -8,6 +8,7 @@ from grazing.plot.cobweb import cobweb
 from grazing.plot.coexistence import coexistence
 from grazing.plot.density import density
 from grazing.plot.graph import graph
+from grazing.plot.history import history
 from grazing.plot.ladder import ladder
 from grazing.plot.locus import locus
 from grazing.plot.lyapunov import lyapunov
@@ -15,6 +16,8 @@ from grazing.plot.manifold import manifolds
 from grazing.plot.map_graph import graph_of, map_graph
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance, provenance_of
+from grazing.plot.response import response
+from grazing.plot.spectrum import spectrum
 from grazing.plot.style import figure, panels, period_colour, rendered, save, styled
 from grazing.plot.trajectory import trajectory
 from grazing.plot.tree import tree
@@ -33,6 +36,7 @@ __all__ = [
     "figure",
     "graph",
     "graph_of",
+    "history",
     "ladder",
     "locus",
     "lyapunov",
@@ -44,7 +48,9 @@ __all__ = [
     "provenance",
     "provenance_of",
     "rendered",
+    "response",
     "save",
+    "spectrum",
     "styled",
     "trajectory",
     "tree",

@@ -85,11 +85,16 @@ def bifurcation_diagram(
 
 def branches_of(result: xr.Dataset, name: str) -> xr.Dataset:
     """Return the branches of a bifurcation diagram as a table of their own."""
+    coordinates = [str(key) for key in result.data_vars if result[key].dims == (name, "start", "n") and key != "letter"]
+    return branch_part(result, name, coordinates)
+
+
+def branch_part(result: xr.Dataset, name: str, coordinates: list[str]) -> xr.Dataset:
+    """Return the variables of branches in a result as the table of a branch, to be drawn in these coordinates."""
     keys = [str(key) for key in result.variables if str(key).startswith(("branch_", "special_"))]
     table = result[keys].drop_vars([key for key in result.coords if key not in keys], errors="ignore")
     front = "branch_"
     renamed = {key: key.removeprefix(front) for key in [*keys, *map(str, table.dims)] if key.startswith(front)}
     table = table.rename(renamed)
-    coordinates = [str(key) for key in result.data_vars if result[key].dims == (name, "start", "n") and key != "letter"]
     table.attrs = {"parameter": name, "coordinate_names": json.dumps(coordinates)}
     return table

@@ -164,6 +164,7 @@ def spread(ax: Axes, texts: list[Any]) -> None:
     """Move names that would cover each other to the first of eight places that is free; where none is, leave it out."""
     places = [(3, 3), (3, -8), (-11, 3), (-11, -8), (3, 10), (3, -15), (-11, 10), (-11, -15)]
     figure = root(ax)
+    ax.get_xlim()  # limits that wait to be found: before, every point lies outside and every name on the others
     canvas = figure.canvas
     renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     figure.set_canvas(canvas)

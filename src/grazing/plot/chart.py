@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm, to_rgba_array
+from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
@@ -19,6 +21,7 @@ from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
 from grazing.plot.stripes import striped
 from grazing.plot.style import ENDED, INK, axes, label, period_colour, root, styled
+from grazing.plot.words import worded
 
 Floats = NDArray[np.float64]
 
@@ -47,8 +50,9 @@ def chart(
         From :func:`grazing.chart`: ``period``, ``share`` and ``exponent`` on (first parameter, second one, "rank").
     ax : matplotlib Axes, optional
         Default: a new figure between one and two columns wide.
-    by : {"period", "exponent", "attractors"}
-        What is shown: the periods, each in its fixed colour; the largest Lyapunov exponent of the most common
+    by : {"period", "word", "exponent", "attractors"}
+        What is shown: the periods, each in its fixed colour; the words, so that orbits of one period
+        with and without impacts are told apart; the largest Lyapunov exponent of the most common
         attractor; how many attractors there are.
     stripes : bool
         Whether attractors that coexist share a cell: diagonal stripes about 1.5 mm apart, whatever the size of the
@@ -72,8 +76,8 @@ def chart(
         For another kind of result, or ``by``; for boundaries in other parameters.
     """
     plane = ("<first parameter>", "<second parameter>", "rank")
-    choice(by, "by", ("period", "exponent", "attractors"))
-    needed = {"period": plane, "share": plane} | ({"exponent": plane} if by == "exponent" else {})
+    choice(by, "by", ("period", "word", "exponent", "attractors"))
+    needed = {"period": plane, "share": plane} | ({by: plane} if by in ("exponent", "word") else {})
     first, second, _rank = expect(result, "chart", needed)
     curves = curves_of(curves, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
@@ -86,10 +90,15 @@ def chart(
             exponent = np.asarray(result["exponent"].values, np.float64)[i][:, j][..., 0]
             image, bar, beside = _exponents(ax, x, y, exponent, legend)
         else:
-            draw = _periods if by == "period" else _attractors
-            image, handles = draw(ax, x, y, period, share, stripes)
-            title = "period" if by == "period" else "attractors"
-            beside = legend_beside(ax, handles, title) if legend else None
+            if by == "attractors":
+                image, handles = _attractors(ax, x, y, period, share)
+            elif by == "word":
+                words = np.asarray(result["word"].values)[i][:, j][..., : period.shape[2]]
+                codes, _words, colours, entries = worded(period, words, share)
+                image, handles = _classes(ax, x, y, codes, share, stripes, colours.__getitem__, lambda _codes: entries)
+            else:
+                image, handles = _classes(ax, x, y, period, share, stripes, period_colour, patches_of)
+            beside = legend_beside(ax, handles, by) if legend else None
         drawn = lay_curves(ax, curves)
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
@@ -122,19 +131,27 @@ def _shown(result: xr.Dataset, i: NDArray[np.intp], j: NDArray[np.intp]) -> tupl
     return period, share
 
 
-def _periods(
-    ax: Axes, x: Floats, y: Floats, period: NDArray[Any], share: NDArray[Any], stripes: bool
+def _classes(
+    ax: Axes,
+    x: Floats,
+    y: Floats,
+    period: NDArray[Any],
+    share: NDArray[Any],
+    stripes: bool,
+    colour_of: Callable[[int], str],
+    entries_of: Callable[[list[int]], list[Patch]],
 ) -> tuple[Any, list[Any]]:
+    """Show the classes of orbits in each cell; those that have a period are numbered from 1 on."""
     used = (share > 0.0) & (period != UNUSED)
     used[..., 0] = True  # the most common one is shown in any case
     if not stripes:
         period, share, used = period[..., :1], share[..., :1], used[..., :1]
     codes, where = np.unique(np.where(used, period, UNUSED), return_inverse=True)
-    table = to_rgba_array([period_colour(int(code)) if code != UNUSED else "#ffffff" for code in codes])
+    table = to_rgba_array([colour_of(int(code)) if code != UNUSED else "#ffffff" for code in codes])
     colours = np.round(255.0 * table).astype(np.uint8)
     index = where.reshape(period.shape)
     several = used.sum(axis=-1) > 1
-    handles: list[Any] = list(patches_of(codes.tolist()))
+    handles: list[Any] = list(entries_of(codes.tolist()))
     if not several.any():
         return raster(ax, x, y, colours[index[..., 0]]), handles
     fine_x, fine_y, cells = striped(ax, x, y, index, np.where(used, share, 0.0), codes, colours)
@@ -142,9 +159,7 @@ def _periods(
     return raster(ax, fine_x, fine_y, cells, smooth=True), handles
 
 
-def _attractors(
-    ax: Axes, x: Floats, y: Floats, period: NDArray[Any], share: NDArray[Any], _stripes: bool
-) -> tuple[Any, list[Any]]:
+def _attractors(ax: Axes, x: Floats, y: Floats, period: NDArray[Any], share: NDArray[Any]) -> tuple[Any, list[Any]]:
     """Show how many attractors there are; undecided and ended orbits are none."""
     many = ((share > 0.0) & ((period >= 1) | (period == -1))).sum(axis=-1)
     most = len(HOW_MANY)

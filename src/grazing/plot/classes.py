@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.patches import Patch
 
-from grazing.plot.style import INK, PERIODS, ink_on, period_colour, root
+from grazing.plot.style import INK, PERIODS, ink_on, mathematics, period_colour, plain, root
 
 #: Codes of orbits without a period, in the order of legends, and what they are called.
 NAMES = {-1: "aperiodic", 0: "undecided", -2: "ended"}
@@ -94,8 +94,10 @@ def written(word: str) -> str:
     end = r"\ldots" if len(parts) > LETTERS else ""
     parts = parts[: LETTERS - 1] if end else parts
     if not end and all(count == 1 for _letter, count in parts):
-        return word
-    return "$" + "".join(rf"\mathrm{{{a}}}" + (f"^{{{n}}}" if n > 1 else "") for a, n in parts) + end + "$"
+        return plain(word)
+    formula = "".join(rf"\mathrm{{{a}}}" + (f"^{{{n}}}" if n > 1 else "") for a, n in parts) + end
+    short = word if not end else word[: sum(len(a) * n for a, n in parts)] + "..."
+    return mathematics(formula, short)
 
 
 def class_name(word: str, period: int) -> str:

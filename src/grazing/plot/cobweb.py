@@ -13,7 +13,7 @@ from grazing.outcome import InputError
 from grazing.plot.expected import expect
 from grazing.plot.map_graph import Graph, graph_of, map_graph
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import INK, axes, period_colour, root, styled
+from grazing.plot.style import INK, axes, mathematics, period_colour, root, styled
 from grazing.studies.cobweb import places_of
 
 
@@ -59,8 +59,8 @@ def cobweb(
         ax.set_xlim(low, high)
         ax.set_ylim(low, high)
         ax.set_aspect("equal")
-        ax.set_xlabel(f"${name}_n$")
-        ax.set_ylabel(f"${name}_{{n+1}}$")
+        ax.set_xlabel(mathematics(f"{name}_n", f"{name}, n"))
+        ax.set_ylabel(mathematics(f"{name}_{{n+1}}", f"{name}, n+1"))
     return {
         "figure": root(ax),
         "graph": pieces,

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError
-from grazing.plot.style import INK
+from grazing.plot.style import INK, drawable
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:
             text = ax.text(
                 float(here[0]),
                 float(here[1]),
-                name,
+                drawable(name),
                 rotation=float(np.degrees(np.arctan2(*(there - here)[::-1]))),
                 rotation_mode="anchor",
                 transform_rotates_text=True,

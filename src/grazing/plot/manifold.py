@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from grazing.plot.classes import legend_beside
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import INK, axes, label, root, styled
+from grazing.plot.style import INK, axes, label, plain, root, styled
 
 Floats = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def manifolds(
         if ends is not None:
             entries.append(Line2D([], [], ls="none", marker="o", label="cut: the map is not smooth", **dot))
         if marks is not None:
-            name = f"saddle {word}".strip()
+            name = plain(f"saddle {word}".strip())
             entries.append(Line2D([], [], ls="none", marker="X", ms=5.0, mfc="white", mec=INK, mew=0.9, label=name))
         beside = _legend(ax, entries) if legend else None
     return {

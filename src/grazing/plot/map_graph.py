@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from grazing.plot.style import INK, axes, root, styled
+from grazing.plot.style import INK, axes, mathematics, root, styled
 from grazing.studies.graph import Graph as Graph
 from grazing.studies.graph import graph_of as graph_of
 
@@ -61,4 +61,5 @@ def at_step(symbol: str, step: str) -> str:
     ('$u_{n+1}$', '$v_{\\mathrm{plus},n}$')
     """
     base, _, index = symbol.partition("_")
-    return f"${base}_{{\\mathrm{{{index}}},{step}}}$" if index else f"${base}_{{{step}}}$"
+    formula = f"{base}_{{\\mathrm{{{index}}},{step}}}" if index else f"{base}_{{{step}}}"
+    return mathematics(formula, f"{symbol}, {step}")

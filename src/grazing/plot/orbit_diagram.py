@@ -9,9 +9,10 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from grazing.plot.classes import legend_beside, patch, patches_of
-from grazing.plot.expected import expect
+from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
+from grazing.plot.words import worded
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
 GRAIN = 1 / 2400
@@ -22,6 +23,7 @@ def orbit_diagram(
     ax: Axes | None = None,
     coordinate: str | None = None,
     *,
+    by: str = "period",
     size: float = 1.1,
     longest: int = 24,
     legend: bool | None = None,
@@ -36,6 +38,8 @@ def orbit_diagram(
         Default: a new figure two columns wide.
     coordinate : str, optional
         Which coordinate is shown; default: the first variable.
+    by : {"period", "word"}
+        What colours tell apart: periods, or words, such as orbits of period 1 with and without impacts.
     size : float
         Diameter of a point in points.
     longest : int
@@ -46,44 +50,67 @@ def orbit_diagram(
     Returns
     -------
     dict
-        ``points``: mapping from period (0: none) to a line without strokes, rasterised in vector files; ``legend``, or
-        None; ``provenance``, ``figure``.
+        ``points``: mapping from period (0: none), or from word ("": none), to a line without strokes, rasterised in
+        vector files; ``legend``, or None; ``provenance``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For another kind of result, or ``by``.
     """
-    expect(result, "orbit_diagram", {"period": ("<parameter>", "start")})
+    choice(by, "by", ("period", "word"))
+    needed = {name: ("<parameter>", "start") for name in dict.fromkeys(("period", by))}
+    expect(result, "orbit_diagram", needed)
     name, _start, _n = result[_first(result, coordinate)].dims
     shown = _first(result, coordinate)
     values = np.asarray(result[name].values, dtype=np.float64)
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
-    drawn: dict[int, Any] = {}
+    chosen, colours, entries = (_by_period if by == "period" else _by_word)(result, period, longest)
+    drawn: dict[Any, Any] = {}
     beside = None
     with styled():
         alone = ax is None
         ax = axes(ax, DOUBLE, 80.0)
-        for N in sorted({int(p) if 1 <= p <= longest else 0 for p in np.unique(period)}):
-            chosen = period == N if N else (period < 1) | (period > longest)
-            x, z = _thinned(values, y, chosen)
-            (drawn[N],) = ax.plot(
+        for place, (key, those) in enumerate(chosen.items()):
+            x, z = _thinned(values, y, those)
+            (drawn[key],) = ax.plot(
                 x,
                 z,
                 "o",
                 ls="none",
-                ms=size if N else 0.9 * size,
+                ms=size if key else 0.9 * size,
                 mew=0,
                 rasterized=True,
-                color=period_colour(N) if N else CHAOS,
-                zorder=2.0 + 1.0 / (1 + N) if N else 1.9,
+                color=colours[key],
+                zorder=2.0 + 1.0 / (1 + place) if key else 1.9,
             )
         ax.set_xlim(float(values.min()), float(values.max()))
         ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
         ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
         if legend or (legend is None and alone):
-            present = [int(N) for N in np.unique(period) if N <= longest]
-            handles = patches_of(present)
-            if (period > longest).any():
-                handles.append(patch(CHAOS, f"above {longest}"))
-            beside = legend_beside(ax, handles, "period")
+            beside = legend_beside(ax, entries, by)
     return {"points": drawn, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)}
+
+
+def _by_period(_result: Any, period: NDArray[Any], longest: int) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
+    """Return which orbits belong to each period, 0 for those that are grey, the colours, and what the legend says."""
+    shown = np.where((period >= 1) & (period <= longest), period, 0)
+    chosen = {int(N): shown == N for N in np.unique(shown)}
+    entries = patches_of([int(N) for N in np.unique(period) if N <= longest])
+    if (period > longest).any():
+        entries.append(patch(CHAOS, f"above {longest}"))
+    return chosen, {N: period_colour(N) if N else CHAOS for N in chosen}, entries
+
+
+def _by_word(result: Any, period: NDArray[Any], longest: int) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
+    """Return the same by word, "" for those that are grey."""
+    seen = np.where(period <= longest, period, -1)
+    codes, words, colours, entries = worded(seen, result["word"].values, np.ones(period.shape))
+    grey = (codes < 1) | (codes > len(words))
+    chosen = {"": grey} if grey.any() else {}
+    chosen |= {word: codes == i for i, word in enumerate(words, 1)}
+    return chosen, {"": CHAOS} | {word: colours[i] for i, word in enumerate(words, 1)}, entries
 
 
 def _first(result: Any, coordinate: str | None) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from pathlib import Path
@@ -15,6 +17,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 
 from grazing.outcome import InputError, shown
 
@@ -250,4 +253,48 @@ def ink_on(colour: str) -> str:
 
 def label(name: str, symbol: str | None = None) -> str:
     """Return an axis label: the symbol in mathematics, or the name as it is."""
-    return f"${symbol}$" if symbol else name
+    return mathematics(symbol, name) if symbol else plain(name)
+
+
+def quantity(variable: Any) -> str:
+    """Return an axis label that says what a variable is: its long name, symbol and unit, as far as it has them."""
+    attrs = variable.attrs
+    words = [plain(str(attrs["long_name"]))] if "long_name" in attrs else []
+    if "symbol" in attrs or not words:
+        words.append(label(str(variable.name), attrs.get("symbol")))
+    unit = str(attrs.get("units", "1"))
+    return " ".join([*words, *([] if unit == "1" else [f"({plain(unit)})"])])
+
+
+def mathematics(formula: str, name: str) -> str:
+    r"""Return a formula as a text of a figure; where matplotlib cannot read it, the name instead, as it is.
+
+    Symbols may be names that somebody chose, and a figure must not break on them.
+
+    Examples
+    --------
+    >>> from grazing.plot.style import mathematics
+    >>> mathematics(r"\omega", "omega"), mathematics("a_b_c", "a_b_c")
+    ('$\\omega$', 'a_b_c')
+    """
+    ends = re.search(r"(?<!\\)\$", formula)  # a dollar would end the formula early
+    return plain(name) if ends or not _reads(f"${formula}$") else f"${formula}$"
+
+
+@lru_cache(maxsize=1024)
+def _reads(text: str) -> bool:
+    try:
+        MathTextParser("path").parse(text)
+    except ValueError:
+        return False
+    return True
+
+
+def drawable(text: str) -> str:
+    """Return a text that may hold mathematics between dollars; as it is where matplotlib cannot read that."""
+    return text if _reads(text) and not text.startswith("_") else plain(text)
+
+
+def plain(text: str) -> str:
+    """Return a text that a figure shows as it is: no mathematics, and no label that hides itself."""
+    return (" " if text.startswith("_") else "") + text.replace("$", r"\$")

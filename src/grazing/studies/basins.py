@@ -185,6 +185,7 @@ def plan(
         work=transient + keep,
         working=size_of_orbit(P, keep),
         finish=partial(_with_attractors, P, axes, preimages),
+        finish_work=partial(_finish_work, P, axes, preimages),
     )
 
 
@@ -265,15 +266,31 @@ def _first_in_order(candidates: Floats) -> Ints:
     return best
 
 
+def _same(P: Map, axes: Mapping[str, Floats]) -> Floats:
+    """Return by how much points of one attractor differ at most."""
+    extents = np.array([np.ptp(axes[name]) if name in axes else 0.0 for name in P.coordinates])
+    same: Floats = SAME * np.maximum(extents, np.array([high - low for low, high in P.box]))
+    return same
+
+
+def _finish_work(P: Map, axes: Mapping[str, Floats], preimages: int, result: xr.Dataset) -> float:
+    """Return about how many steps :func:`_with_attractors` takes: states are compared with one of each attractor."""
+    period, words = result["reached_period"].values.ravel(), result["reached_word"].values.ravel()
+    points = result["reached_point"].values.reshape(-1, P.dimension)
+    with np.errstate(all="ignore"):
+        places = np.where((period < 1)[:, None], 0.0, np.floor(points / _same(P, axes)))
+    _texts, code = np.unique(words.astype(np.str_), return_inverse=True)
+    kinds = np.unique(np.column_stack([period, code, places]), axis=0)
+    return 0.01 * len(period) * len(kinds) + float(CURVE) * 2.0 ** min(preimages, 400)
+
+
 def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result: xr.Dataset) -> xr.Dataset:
     """Replace what each state reached by tables of the attractors, and add what the whole grid says."""
     import xarray as xr
 
     period, words = result["reached_period"].values, result["reached_word"].values
     points = result["reached_point"].values.reshape(-1, P.dimension)
-    extents = np.array([np.ptp(axes[name]) if name in axes else 0.0 for name in P.coordinates])
-    box = np.array([high - low for low, high in P.box])
-    which, rows = attractors_of(period.ravel(), words.ravel(), points, SAME * np.maximum(extents, box))
+    which, rows = attractors_of(period.ravel(), words.ravel(), points, _same(P, axes))
     grid = which.reshape(period.shape)
     table: dict[str, Any] = {
         "basin": (tuple(axes), grid.astype(np.int32), {"long_name": "attractor that is reached, a row of the tables"}),

@@ -16,6 +16,8 @@ from grazing.studies.classify import APERIODIC, classify
 Floats = NDArray[np.float64]
 #: Impacts of one orbit at neighbouring values are no farther apart than this, in periods.
 NEAR = 0.25
+#: Steps of the map that take as long as to compare two attractors.
+PAIR = 1000.0
 
 
 class Change(NamedTuple):
@@ -72,6 +74,16 @@ def changes(
         found += [_change(values, i, j, words, period, a, None, "disappears") for a in gone]
         found += [_change(values, i, j, words, period, None, b, "appears") for b in new]
     return found
+
+
+def work_of(values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32], steps: int) -> float:
+    """Return about how many steps of the map :func:`changes` takes, for orbits of so many steps."""
+    total, order = 0.0, np.argsort(values, kind="stable").tolist()
+    there = [_attractors(reached[n], period) for n in order]
+    for here, next_ in pairwise(there):
+        gone, new = len(here - next_), len(next_ - here)
+        total += (gone + new) * float(steps) + PAIR * gone * new
+    return total
 
 
 def _attractors(reached: NDArray[np.int64], period: NDArray[np.int32]) -> set[int]:

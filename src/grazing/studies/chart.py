@@ -60,7 +60,7 @@ def chart(
     starts, transient, keep, seed, threads, arithmetic, box
         As in :func:`grazing.orbit_diagram`; periods up to keep/2 can be seen.
     exponent_steps : int
-        Steps along which the exponent of an attractor without a period is measured.
+        Steps along which the exponent of an attractor without a period is measured, 1 to 1,000,000.
     progress : callable, optional
         ``progress(done, total)``, with numbers of cells.
 
@@ -194,7 +194,7 @@ def grow(P: Map, rows: Floats, found: Columns, first: Ints, steps: int, arrays: 
     q, ranks = np.nonzero(period > ENDED)
     derived = P.derivative(rows)
     entry = grower(derived.tangent, derived.prepare, derived.kind, P.dimension)
-    which = np.column_stack([q, ranks, first[q, ranks]])
+    which = np.ascontiguousarray(np.column_stack([q, ranks, first[q, ranks]]))
     who = f"the step of {P.name}"
     call(entry, derived.rows, found.points, found.letters, which, period, steps, exponent, who=who)
     period[(period == APERIODIC) & (exponent < 0.0)] = UNDECIDED

@@ -133,7 +133,7 @@ def settle_columns(
         columns, row = np.unique(which[:, 0], return_inverse=True)
         derived = P.derivative(rows[columns])
         entry = settler(derived.tangent, derived.prepare, derived.kind, P.dimension)
-        places = np.column_stack([which, row, doubtful[doubtful > 0]])
+        places = np.ascontiguousarray(np.column_stack([which, row, doubtful[doubtful > 0]]))  # one kernel for all
         call(entry, derived.rows, *found, *sizes, places, period, who=f"the step of {P.name}")
     key, begin, length = np.empty(shape, np.int64), np.empty(shape, np.int32), np.empty(shape, np.int32)
     call(compiled_spelling(), found[1], period, key, begin, length)

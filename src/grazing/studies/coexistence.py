@@ -15,7 +15,7 @@ from grazing.maps.map import Map
 from grazing.maps.pieces import pieces
 from grazing.parameter import checked_name
 from grazing.studies import labels
-from grazing.studies.changes import changes
+from grazing.studies.changes import changes, work_of
 from grazing.studies.classify import settled_columns
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
@@ -131,6 +131,7 @@ def plan(
         work=2 * runs.work,
         working=runs.kept_size,
         finish=partial(_with_attractors, P, name, runs.settings.transient, runs.settings.keep),
+        finish_work=partial(_finish_work, name, runs.settings.transient + runs.settings.keep),
     )
 
 
@@ -203,20 +204,32 @@ def compiled_arrival() -> Any:
     return compiled(arrival, "strict")
 
 
-def _with_attractors(P: Map, name: str, transient: int, keep: int, result: xr.Dataset) -> xr.Dataset:
-    """Replace what each start reached by a table of the attractors, and add shares, lifetimes and changes."""
-    values, steps = result[name].values, result["steps"].values
+def _reached(result: xr.Dataset) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.object_]]:
+    """Return which attractor each start reached, and the table of these: periods and words."""
     both = zip(result["reached_period"].values.ravel(), result["reached_word"].values.ravel(), strict=True)
     pairs = np.array([f"{N} {word}" for N, word in both])
     texts, first, code = np.unique(pairs, return_index=True, return_inverse=True)
     order = np.argsort(first)
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
-    reached = place[code].reshape(steps.shape)
-    period = np.array([int(texts[i].split(" ")[0]) for i in order], np.int32)
-    words = np.array([texts[i].split(" ")[1] for i in order], object)
-    share, lifetime = np.zeros((len(values), len(order))), np.full((len(values), len(order)), np.nan)
-    for k in range(len(order)):
+    reached = place[code].reshape(result["reached_period"].shape)
+    period = np.array([int(texts[i].split(" ", 1)[0]) for i in order], np.int32)
+    words = np.array([texts[i].split(" ", 1)[1] for i in order], object)
+    return reached, period, words
+
+
+def _finish_work(name: str, steps: int, result: xr.Dataset) -> float:
+    """Return about how many steps :func:`_with_attractors` takes."""
+    reached, period, _words = _reached(result)
+    return work_of(result[name].values, reached, period, steps) + 0.01 * reached.size * len(period)
+
+
+def _with_attractors(P: Map, name: str, transient: int, keep: int, result: xr.Dataset) -> xr.Dataset:
+    """Replace what each start reached by a table of the attractors, and add shares, lifetimes and changes."""
+    values, steps = result[name].values, result["steps"].values
+    reached, period, words = _reached(result)
+    share, lifetime = np.zeros((len(values), len(period))), np.full((len(values), len(period)), np.nan)
+    for k in range(len(period)):
         here = reached == k
         share[:, k] = here.mean(axis=1)
         some = here.any(axis=1) & (period[k] > 0)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.kernel.compile import digest
+from grazing.kernel.content import digest
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import InputError, shown

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import digest, processor
+from grazing.kernel.compile import processor
+from grazing.kernel.content import digest
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
 

@@ -93,6 +93,8 @@ class Plan(ByValue):
         Further coordinates, as :class:`xarray.Dataset` takes them.
     finish : callable
         ``finish(result) -> result``: adds what is known only when all cells are there.
+    finish_work : callable, optional
+        ``finish_work(result)``: about how many steps of the map ``finish`` takes, which depends on the numbers.
     sequential : bool
         Whether a cell begins where its neighbour ended, so that the cells are one task.
     recipe : mapping, optional
@@ -112,6 +114,7 @@ class Plan(ByValue):
     axis_attrs: Mapping[str, labels.Attributes] = field(default_factory=dict)
     coords: Mapping[str, Any] = field(default_factory=dict)
     finish: Callable[[xr.Dataset], xr.Dataset] | None = None
+    finish_work: Callable[[xr.Dataset], float] | None = None
     sequential: bool = False
     recipe: Mapping[str, Any] | None = None
 
