@@ -1,13 +1,14 @@
 """Results as tidy tables."""
 
 import csv
+import sys
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from grazing import InputError, export
-from grazing.export import tables, to_csv
+from grazing.export import tables, to_csv, to_parquet
 
 
 def read(file):
@@ -105,6 +106,55 @@ def test_what_cannot_be_written_is_said_and_leaves_nothing(result, tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
         to_csv(result, tmp_path / "no" / "a.csv")
     (tmp_path / "a.csv").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="is a folder; give the name of a file"):
         to_csv(result, tmp_path / "a.csv")
     assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
+
+
+# ---- Parquet
+
+
+def parquet(file):
+    from pyarrow import parquet
+
+    return parquet.read_table(file)
+
+
+@pytest.mark.parametrize("rows", [3, 200_000])
+def test_parquet_holds_the_tables_of_csv_with_their_types_and_bits(result, tmp_path, monkeypatch, rows):
+    monkeypatch.setattr(export, "ROWS", rows)
+    files = to_parquet(result, tmp_path / "out.parquet")
+    assert [file.name for file in files] == ["out.parquet", "out-attractor.parquet"]
+    first, second = map(parquet, files)
+    kinds = {name: str(first.schema.field(name).type) for name in first.schema.names}
+    assert kinds == {
+        "d": "double", "start": "int64", "n": "int64", "phase": "int64", "u": "double", "period": "int32",
+        "mean": "double", "graze": "bool", "trust": "string",
+    }  # fmt: skip
+    assert first["u"].to_numpy().tobytes() == np.ascontiguousarray(result.u.values).tobytes()
+    mean = first["mean"].to_numpy()
+    assert np.isnan(mean).sum() == 8 and np.isinf(mean).sum() == 8 and first["mean"].null_count == 0
+    assert second["word"].to_pylist() == ["01", "a,b", 'say "x"']
+    said = to_csv(result, tmp_path / "out.csv")
+    for table, file in zip((first, second), said, strict=True):
+        rows = read(file)
+        assert table.num_rows == len(rows) and table.schema.names == list(rows[0])
+
+
+def test_parquet_leaves_out_rows_that_only_fill_up(tmp_path):
+    flags = {"flag_values": [0, -3], "flag_meanings": "undecided no_further_attractor"}
+    (file,) = to_parquet(xr.Dataset({"flow": ("rank", [2, 3, -3], flags)}), tmp_path / "a.parquet")
+    assert parquet(file)["flow"].to_pylist() == [2, 3]
+    (file,) = to_parquet(xr.Dataset({"a": ("x", np.zeros(0))}), tmp_path / "b.parquet")
+    assert parquet(file).num_rows == 0 and parquet(file).schema.names == ["x", "a"]
+
+
+def test_parquet_that_cannot_be_written_is_said_and_leaves_nothing(result, tmp_path, monkeypatch):
+    with pytest.raises(InputError, match=r"ends in '.csv'; allowed is '.parquet'"):
+        to_parquet(result, tmp_path / "a.csv")
+    with pytest.raises(InputError, match="cannot be written"):
+        to_parquet(result, tmp_path / "no" / "a.parquet")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(InputError, match=r"needs pyarrow: pip install 'grazing\[parquet\]'"):
+        to_parquet(result, tmp_path / "a.parquet")
+    assert not list(tmp_path.iterdir())

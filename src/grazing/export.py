@@ -1,24 +1,24 @@
-"""Write a result as tidy tables: one row an observation, one column a variable, for any program that reads CSV."""
+"""Write a result as tidy tables, CSV or Parquet: one row an observation, one column a variable, for any program."""
 
 from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterator
-from contextlib import suppress
-from itertools import compress
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
+from grazing.writing import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Columns of a table, some rows at a time.
+Pieces = Iterator[list[NDArray[Any]]]
 #: How the meaning of a flag begins that says that a row only fills up its table.
 FILLER = "no_further_"
 #: Letters of a dimension in the name of a file.
@@ -65,19 +65,64 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     ...     file.read_text().splitlines()[0]
     'mu,start,n,x,letter,period,word'
     """
+    return _tables_written(result, path, ".csv", _csv)
+
+
+def to_parquet(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
+    """Write a result as Parquet files, whole or not at all.
+
+    The tables are those of :func:`to_csv`, with a type for each column, NaN and all bits. Needs pyarrow:
+    ``pip install 'grazing[parquet]'``.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From any study.
+    path : path-like
+        Must end in ``.parquet``.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files, the one asked for first.
+
+    Raises
+    ------
+    InputError
+        For another ending, a folder that is missing or not writable, or without pyarrow.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import grazing as gz
+    >>> diagram = gz.orbit_diagram(gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.07], starts=1, keep=6)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [file.name for file in gz.to_parquet(diagram, pathlib.Path(folder) / "orbits.parquet")]
+    ['orbits.parquet']
+    """
+    return _tables_written(result, path, ".parquet", _parquet)
+
+
+def _tables_written(
+    result: xr.Dataset, path: str | os.PathLike[str], ending: str, write: Callable[[Path, list[str], Pieces], None]
+) -> list[Path]:
+    """Write each table of a result to a file of its own, piece by piece."""
     target = Path(path)
-    if target.suffix != ".csv":
-        raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.csv'")
+    if target.suffix != ending:
+        raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is {ending!r}")
     if not hasattr(result, "data_vars"):
         raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
     flat = _spread_names(result)
     parts = tables(flat)
-    files = [target, *(target.with_name(f"{target.stem}-{_part(dims)}.csv") for dims, _names in parts[1:])]
+    files = [target, *(target.with_name(f"{target.stem}-{_part(dims)}{ending}") for dims, _names in parts[1:])]
     if len({*files}) < len(files):
         raise InputError(
             f"tables of dimensions {', '.join(str(dims) for dims, _names in parts)} would share a file; rename some"
         )
-    return [_write(flat, dims, names, file) for (dims, names), file in zip(parts, files, strict=True)]
+    for (dims, names), file in zip(parts, files, strict=True):
+        with whole_file(file) as part:
+            write(part, [*dims, *names], _pieces(flat, dims, names))
+    return files
 
 
 def _part(dims: tuple[str, ...]) -> str:
@@ -118,29 +163,39 @@ def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
     return [(group, [name for name in names if home[name] == group]) for group in groups]
 
 
-def _write(result: xr.Dataset, dims: tuple[str, ...], names: list[str], target: Path) -> Path:
-    part = target.with_name(f".{target.stem}-{uuid4().hex}.partial")
+def _csv(file: Path, header: list[str], pieces: Pieces) -> None:
+    with file.open("w", encoding="utf-8", newline="") as opened:
+        rows = csv.writer(opened, lineterminator="\n")
+        rows.writerow(header)
+        for columns in pieces:
+            rows.writerows(zip(*map(_cells, columns), strict=True))
+
+
+def _parquet(file: Path, header: list[str], pieces: Pieces) -> None:
     try:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow([*dims, *names])
-            for columns in _pieces(result, dims, names):
-                rows.writerows(columns)
-        part.replace(target)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise InputError("a Parquet file needs pyarrow: pip install 'grazing[parquet]'") from None
+    writer = None
+    try:
+        for columns in pieces:
+            plain = [column.astype(str).astype(object) if column.dtype.kind in "OUS" else column for column in columns]
+            table = pyarrow.table([pyarrow.array(column) for column in plain], names=header)
+            if writer is None:
+                writer = parquet.ParquetWriter(file, table.schema)
+            writer.write_table(table)
     finally:
-        with suppress(OSError):  # a name that is too long, a folder that is none
-            part.unlink(missing_ok=True)
-    return target
+        if writer is not None:
+            writer.close()
 
 
-def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iterator[Iterator[tuple[Any, ...]]]:
-    """Yield the rows of a table, so many at a time: pieces along the first dimension."""
+def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Pieces:
+    """Yield the columns of a table, so many rows at a time, and at least once: pieces along the first dimension."""
     length = result.sizes[dims[0]] if dims else 1
     inner = max(1, int(np.prod([result.sizes[dim] for dim in dims[1:]], dtype=np.float64)))
     step = max(1, ROWS // inner)
-    for first in range(0, length, step):
+    for first in range(0, max(length, 1), step):
         part = result.isel({dims[0]: slice(first, first + step)}) if dims else result
         sizes = tuple(part.sizes[dim] for dim in dims)
         columns = []
@@ -148,12 +203,12 @@ def _pieces(result: xr.Dataset, dims: tuple[str, ...], names: list[str]) -> Iter
             along = part[dim].values if dim in part.coords else np.arange(sizes[i]) + (first if i == 0 else 0)
             shape = [1] * len(dims)
             shape[i] = sizes[i]
-            columns.append(_cells(np.broadcast_to(along.reshape(shape), sizes)))
-        columns += [_cells(_spread(part[name], dims, sizes)) for name in names]
+            columns.append(np.ravel(np.broadcast_to(along.reshape(shape), sizes)))
+        columns += [np.ravel(_spread(part[name], dims, sizes)) for name in names]
         filling = [(name, flags) for name in names if (flags := _filling(part[name]))]
         ends = [np.isin(_spread(part[name], dims, sizes), flags) for name, flags in filling]
-        rows = zip(*columns, strict=True)
-        yield compress(rows, np.ravel(~np.logical_and.reduce(ends)).tolist()) if ends else rows
+        said = np.ravel(~np.logical_and.reduce(ends)) if ends else slice(None)
+        yield [column[said] for column in columns]
 
 
 def _filling(variable: Any) -> list[Any]:
@@ -173,9 +228,8 @@ def _spread(variable: Any, dims: tuple[str, ...], sizes: tuple[int, ...]) -> NDA
 
 def _cells(values: NDArray[Any]) -> list[Any]:
     """Return what stands in the cells of a column; nothing for NaN, which every program takes for a missing number."""
-    cells = np.ravel(values)
-    plain: list[Any] = cells.tolist()
-    if cells.dtype.kind == "f":
-        for i in np.flatnonzero(np.isnan(cells)).tolist():
+    plain: list[Any] = values.tolist()
+    if values.dtype.kind == "f":
+        for i in np.flatnonzero(np.isnan(values)).tolist():
             plain[i] = ""
     return plain

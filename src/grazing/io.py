@@ -34,6 +34,8 @@ CREATED = "date_created"
 _OF_THE_FILE = {RECORD, CREATED, "coordinates", "dtype", "_Encoding"}
 #: Bytes of one variable beyond which NetCDF 3 cannot address it.
 LARGEST = 2**32 - 4
+#: Variables of a file, and bytes of its record, beyond which it is no result.
+MOST, LONGEST = 10_000, 2**24
 #: Dimension that holds the real and the imaginary part of a complex variable.
 PARTS = "real_imaginary"
 #: Types that NetCDF 3 stores as they are, and what the others are stored as; int64 goes where its numbers fit.
@@ -122,6 +124,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         try:
             return open_store(source)
         except InputError as error:
+            if (source / "zarr.json").exists() or (source / "manifest").exists():
+                raise
             raise InputError(
                 f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
             ) from error
@@ -142,6 +146,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
+            _refuse_long(source)
             # Attributes such as scale_factor are those of the result: they change no number.
             with xr.open_dataset(source, engine="scipy", decode_times=False, mask_and_scale=False) as opened:
                 if RECORD not in opened.attrs:
@@ -154,6 +159,17 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     except Exception as error:  # a damaged file can fail anywhere in the reader
         said = in_one_line(error)
         raise InputError(f"{source} is damaged and cannot be read: {said}") from error
+
+
+def _refuse_long(source: Path) -> None:
+    """Raise ValueError for a head that no result has: variables and JSON take many times their bytes to be opened."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(source, "r", mmap=True) as head:
+        if len(head.variables) > MOST:
+            raise ValueError(f"it has more than {MOST} variables")
+        if len(getattr(head, RECORD, b"")) > LONGEST:
+            raise ValueError(f"its record has more than {LONGEST} bytes")
 
 
 def _record(stored: xr.Dataset, source: Path) -> dict[str, Any]:
@@ -201,6 +217,8 @@ def _encoded(result: xr.Dataset) -> xr.Dataset:
     record: dict[str, Any] = {"format": FORMAT, "attrs": {}, "variables": {}}
     attrs = _encoded_attrs(result.attrs, "the dataset", record["attrs"])
     names = [*result.data_vars, *result.coords]
+    if len(names) > MOST:
+        raise InputError(f"the result has {len(names)} variables; a file holds at most {MOST}: save parts")
     variables: dict[Hashable, Any] = {}
     for name in names:
         if not isinstance(name, str):

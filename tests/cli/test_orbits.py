@@ -297,6 +297,46 @@ def test_scan_and_branches_together(folder, capsys):
     assert "no command: it was made in Python" in said(capsys, 0, "info", "python.nc")
 
 
+# ---- response
+
+
+RIG = ("--law", "newton", "--alpha", "3", "--k", "63.2455532", "--d", "0", "--cos=-3.125",
+       "--sigma=-0.0012", "--r", "0.7")  # fmt: skip
+
+
+def test_a_response_says_where_up_and_down_differ_and_the_grazes_and_folds_behind_it(folder, capsys):
+    tokens = ["response", "omega=50.3:119.4:23", *RIG, "--starts", "3", "-q"]
+    found = told(capsys, *tokens, "-o", "a.png", "-o", "a.nc", "-o", "a.csv")
+    forcing, law = gz.Forcing(omega=60.0, cos=(-3.125,)), gz.newton(0.7)
+    model = gz.Oscillator(alpha=3.0, k=63.2455532, forcing=forcing, sigma=-0.0012, reset=law)
+    expected = gz.response(gz.stroboscopic_map(model), "omega", np.linspace(50.3, 119.4, 23), starts=3)
+    assert [row["low"] for row in found["differences"]] == expected.difference_low.values.tolist()
+    assert [(row["type"], row["value"]) for row in found["special"]] == list(
+        zip(expected.special_type.values.tolist(), expected.special_value.values.tolist(), strict=True)
+    )
+    up = [row["amplitude"] for row in found["swept"] if row["run"] == "up"]
+    assert up == expected.amplitude.sel(run="up").values.tolist()
+    most = next(row for row in found["peaks"] if (row["run"], row["reading"]) == ("up", "amplitude"))
+    assert (most["greatest"], most["omega"]) == (max(up), expected.omega.values[int(np.argmax(up))])
+    said(capsys, 0, "plot", "a.nc", "-o", "b.png")
+    assert (folder / "a.png").read_bytes() == (folder / "b.png").read_bytes()
+    said(capsys, 0, "plot", "a.nc", "-o", "c.png", "--style", "by=impact_speed")
+    assert (folder / "a.png").read_bytes() != (folder / "c.png").read_bytes()
+    text = said(capsys, 0, *tokens)
+    assert "up and down differ at omega = 84.85 to 103.695 (7 values)\n" in text
+    assert "\nup    0.0023447 at omega = 103.695   " in text and "\ndown  " in text
+    assert "\ngr             81.1957472" in text and "\nlp             104.18131165" in text
+    gz.save(expected, "python.nc")
+    again = [json.loads(said(capsys, 0, "info", file, "--json"))["command"] for file in ("a.nc", "python.nc")]
+    assert again[0].startswith("grazing response omega=50.3:119.4:23 --law newton") and " --starts 3 " in again[0]
+    assert again[1].split(" -o ")[0] == again[0].split(" -o ")[0]
+
+
+def test_a_response_without_hysteresis_says_so(capsys):
+    text = said(capsys, 0, "response", "omega=110:119:3", *RIG, "--starts", "2", "-q")
+    assert "up and down agree at every value\n" in text and "no special point" in text
+
+
 # ---- configurations
 
 
@@ -308,6 +348,7 @@ def test_scan_and_branches_together(folder, capsys):
         {"study": "branch", "vary": {"V": "0:1"}, "settings": {"period": 2, "at": [0.2, 0.4], "step": 0.1}},
         {"study": "windows", "vary": {"d": "default"}, "settings": {"N": [2, 5], "sensitivity": True}},
         {"study": "bifurcations", "vary": {"d": "0.05:0.16:9"}, "settings": {"starts": 7, "period": 4}},
+        {"study": "response", "vary": {"omega": "2:3:9"}, "settings": {"starts": 7, "period": 2}},
     ],
     ids=lambda config: config["study"],
 )
@@ -364,6 +405,8 @@ def test_options_take_back_what_a_file_says(folder, capsys):
         (["windows", "d", "--map", "gap"], "nknown option"),
         (["bifurcations", "d=0.1:0.2"], "give start:stop:count"),
         (["bifurcations"], "nothing varies; bifurcations varies 1 parameter"),
+        (["response", "omega=2:3"], "give start:stop:count"),
+        (["response", "mu=0:1:5", *GAP], "a response is that of an oscillator"),
     ],
 )  # fmt: skip
 def test_bad_input_gets_one_message(tokens, text, capsys):

@@ -58,6 +58,30 @@ def test_curves_that_theory_does_not_know_are_refused_before_the_chart_is_comput
 # ---- info
 
 
+# ---- in another format
+
+
+@pytest.mark.parametrize("stored", ["a.nc", "a.zarr"])
+def test_a_stored_result_is_exported_as_it_would_have_been_written(folder, capsys, stored):
+    main([*CHART, "-o", stored, "-o", "direct.csv", "-o", "direct.parquet"])
+    text = said(capsys, 0, "export", stored, "again.csv")
+    assert text == "chart of the gap map in mu and l\nwritten: again.csv\n"
+    assert (folder / "again.csv").read_bytes() == (folder / "direct.csv").read_bytes()
+    assert json.loads(said(capsys, 0, "export", stored, "again.parquet", "--json"))["files"] == ["again.parquet"]
+    from pyarrow import parquet
+
+    assert parquet.read_table("again.parquet").equals(parquet.read_table("direct.parquet"))
+    said(capsys, 0, "export", stored, "again.nc")
+    assert gz.load("again.nc").equals(gz.load(stored) if stored == "a.nc" else gz.sweep.open_store(stored).load())
+
+
+def test_what_is_not_exported_is_said(folder, capsys):
+    main([*CHART, "-o", "a.nc"])
+    assert "allowed are nc, csv, parquet, in small letters" in said(capsys, 2, "export", "a.nc", "a.png")
+    assert "no.nc" in said(capsys, 2, "export", "no.nc", "a.csv")
+    assert not (folder / "a.csv").exists()
+
+
 @pytest.mark.parametrize("file", ["a.png", "a.pdf", "a.svg", "a.nc", "a.zarr"])
 def test_every_file_tells_the_command_that_makes_it(file, capsys):
     main([*CHART, "-o", file])

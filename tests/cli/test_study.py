@@ -194,7 +194,7 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("diagram d=0.1:0.2:5 --threads 0", "--threads = 0; allowed is a whole number >= 1"),
         (
             "diagram d=0.1:0.2:5 -o a.txt",
-            "-o a.txt: the ending chooses the format; allowed are png, pdf, svg, nc, csv, zarr",
+            "-o a.txt: the ending chooses the format; allowed are png, pdf, svg, nc, csv, parquet, zarr",
         ),
         ("diagram d=0.1:0.2:5 -o no/a.png", "there is no folder no; make it first"),
         ("diagram d=0.1:0.2:5 -o .png", "the ending chooses the format"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import sys
@@ -16,7 +17,7 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, 
 from grazing import __version__
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.outcome import GrazingError, InputError, OutsideForm
+from grazing.outcome import GrazingError, InputError, OutsideForm, shown
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
@@ -59,10 +60,15 @@ ORBITS = {
         "Show a scan and the branches through it, and where the two disagree.",
         "d=0.05:0.16:600 --V 0.4 -o bifurcations.png",
     ),
+    "response": (
+        "Show what instruments read going up, going down and from random starts, and the branches through it.",
+        "omega=2:3:200 --V 0.4 -o response.png",
+    ),
 }
 RESULTS = {
     "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
+    "export": ("grazing.cli.export:export", "Write a stored result as tables (csv, parquet) or in one file (nc)."),
     "info": ("grazing.cli.info:info", "Tell what a file is, and the command that makes it again."),
     "explore": ("grazing.cli.explore:explore", "Explore in a browser, which computes by the same kernels."),
     "config": ("grazing.cli.configuration:app", "Print the schema of configuration files, or what one says."),
@@ -128,6 +134,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
 def _guarded(tokens: list[str]) -> int:
     """Run a command; whatever it raises becomes one message and an exit code."""
     try:
+        _prepare_environment()
         result = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
         return result if isinstance(result, int) else DONE
     except CycloptsError as error:
@@ -146,6 +153,8 @@ def _guarded(tokens: list[str]) -> int:
     except ImportError as error:
         return _fail(f"a package that grazing needs cannot be imported ({error}); install grazing again.", FAILED)
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
         return _fail(str(error), FAILED)
     except MemoryError:
         return _fail(
@@ -160,6 +169,15 @@ def _guarded(tokens: list[str]) -> int:
             FAILED,
             "unexpected error",
         )
+
+
+def _prepare_environment() -> None:
+    """See to it that what stands in the environment is nothing that libraries stumble over."""
+    if "matplotlib" not in sys.modules:  # figures go to files, whatever backend there is, or is not
+        os.environ["MPLBACKEND"] = "agg"
+    stamp = os.environ.get("SOURCE_DATE_EPOCH", "0")
+    if not (stamp.isascii() and stamp.isdigit() and len(stamp) < 12):
+        raise InputError(f"SOURCE_DATE_EPOCH = {shown(stamp)}; give a whole number of seconds, or unset it")
 
 
 def _reworded(error: CycloptsError) -> str:

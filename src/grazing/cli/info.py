@@ -41,6 +41,9 @@ def info(
 
         print(toml_of(found["recipe"]), end="")
         return 0
+    from grazing.kernel.wide import PLAIN
+
+    found |= {"plain_forms": PLAIN or None}
     print(text.dumps(found, default=str) if json else "\n".join(lines(found)))
     return 0
 
@@ -56,7 +59,7 @@ def described(path: Path) -> dict[str, Any]:
     if not path.exists():
         raise InputError(f"there is no file {path}")
     kind = path.suffix.lower()
-    if kind == ".csv":
+    if kind in (".csv", ".parquet"):
         raise InputError(f"{path} is a table, which says nothing of where it comes from; ask a .nc of the same result")
     found: dict[str, Any] = {"file": str(path)}
     if kind == ".toml":
@@ -154,5 +157,7 @@ def lines(found: Mapping[str, Any]) -> list[str]:
         said += ["variables: " + ", ".join(found["variables"])]
     if found.get("config_sha256"):
         said.append(f"config:    sha256 {str(found['config_sha256'])[:16]}")
+    if found.get("plain_forms"):
+        said.append(f"here:      kernels are slower than they could be: {found['plain_forms']}")
     again = found["command"] or f"no command: {found['why_not']}"
     return [printable(line, newlines=False) for line in (*said, f"again:     {again}")]

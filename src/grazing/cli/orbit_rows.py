@@ -90,6 +90,31 @@ def diagram_rows(result: Any) -> dict[str, Any]:
     return {"windows": window_rows(result), "special": special_rows(result), "disagreements": differ}
 
 
+def response_rows(result: Any) -> dict[str, Any]:
+    """Return what the sweeps up and down read, where they differ, where each reading is greatest, special points."""
+    readings = [str(key) for key in result.data_vars if f"special_{key}" in result and key != "period"]
+    name, run = (str(dim) for dim in result["word"].dims)
+    grid, runs = result[name].values.tolist(), result[run].values.tolist()
+    swept, peaks = [], []
+    for i, way in enumerate(runs):
+        columns = {key: result[key].values[:, i].tolist() for key in (*readings, "period", "word")}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        if way in ("up", "down"):
+            swept += [{run: way, name: value, **row} for value, row in zip(grid, rows, strict=True)]
+        for reading in readings:
+            read = [(row[reading], value) for value, row in zip(grid, rows, strict=True)]
+            finite = [pair for pair in read if math.isfinite(pair[0])]
+            if finite:
+                most, where = max(finite)
+                peaks.append({run: way, "reading": reading, "greatest": most, name: where})
+    special = special_rows(result)
+    for reading in readings:
+        for row, value in zip(special, result[f"special_{reading}"].values.tolist(), strict=True):
+            row[reading] = value
+    differ = rows_of(result, {key: f"difference_{key}" for key in ("low", "high", "values")})
+    return {"differences": differ, "special": special, "peaks": peaks, "swept": swept}
+
+
 def meanings(variable: Any) -> dict[str, str]:
     """Return what the types of edges and special points mean."""
     pairs = [item.partition(": ") for item in str(variable.attrs.get("meaning", "")).split("; ")]
@@ -98,6 +123,7 @@ def meanings(variable: Any) -> dict[str, str]:
 
 TABLES: dict[str, Callable[[Any], dict[str, Any]]] = {
     "orbit": orbit_rows, "branch": branch_rows, "windows": edge_rows, "bifurcations": diagram_rows,
+    "response": response_rows,
 }  # fmt: skip
 
 

@@ -159,6 +159,31 @@ def diagram_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, A
     return [*said, *aligned(["disagreement", name, "values", "word", "period", "why"], rows), ""]
 
 
+def response_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> list[str]:
+    """Return where the sweeps differ, the greatest amplitudes and impact speeds, and the special points."""
+    [name] = recipe["vary"]
+    said = [f"up and down differ at {name} = {_between(one)}" for one in tables["differences"]]
+    said = said or ["up and down agree at every value"]
+    told = {"amplitude": "greatest amplitude", "impact_speed": "greatest speed of an impact"}
+    peaks = {(row["run"], row["reading"]): row for row in tables["peaks"]}
+    rows = []
+    for way in ("up", "down"):
+        found = [peaks[way, reading] for reading in told if (way, reading) in peaks]
+        if found:
+            rows.append([way, *(f"{short(row['greatest'])} at {name} = {short(row[name])}" for row in found)])
+    table = [*aligned(["", *told.values()], rows), ""] if rows else []
+    admissible = [row for row in tables["special"] if row["admissible"]]
+    return [*said, "", *table, *special_words(admissible, name, virtual=False)]
+
+
+def _between(one: Row) -> str:
+    """Return a range of values at which the sweeps differ, in words."""
+    if one["values"] == 1:
+        return short(one["low"])
+    return f"{short(one['low'])} to {short(one['high'])} ({one['values']} values)"
+
+
 WORDS: dict[str, Callable[[Mapping[str, Any], Any, Mapping[str, Any]], list[str]]] = {
     "orbit": orbit_words, "branch": branch_words, "windows": edge_words, "bifurcations": diagram_words,
+    "response": response_words,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""``grazing orbit``, ``branch``, ``windows`` and ``bifurcations``: their tables, figures and certificates."""
+"""``grazing orbit``, ``branch``, ``windows``, ``bifurcations``, ``response``: tables, figures and certificates."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def compute(
     study, start = recipe["study"], time.monotonic()
     target = None if save is None else certificates_at(save)
     found: Any = None
-    if study == "bifurcations":
+    if study in ("bifurcations", "response"):
         with progress.counted("values", quiet, "following the branches") as show:
             result = result_of(recipe, threads=threads, progress=show)
     else:

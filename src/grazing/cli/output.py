@@ -12,10 +12,11 @@ from grazing.outcome import InputError, shown
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE = ".zarr"
-ENDINGS = (*FIGURES, ".nc", ".csv", STORE)
+DATA = (".nc", ".csv", ".parquet")
+ENDINGS = (*FIGURES, *DATA, STORE)
 HELP = (
     "File to write; may be repeated. Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), "
-    "csv (tables), zarr (result, computed chunk by chunk and resumable)."
+    "csv or parquet (tables), zarr (result, computed chunk by chunk and resumable)."
 )
 
 
@@ -52,10 +53,10 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
 
         drawn = figure(result, **style)
         return [str(plot.save(drawn, path, result.attrs.get("title", ""), plot.provenance_of(result)))]
-    if kind == ".csv":
-        from grazing.export import to_csv
+    if kind in (".csv", ".parquet"):
+        from grazing.export import to_csv, to_parquet
 
-        return [str(file) for file in to_csv(result, path)]
+        return [str(file) for file in (to_csv if kind == ".csv" else to_parquet)(result, path)]
     from grazing.io import save
 
     return [str(save(result, path))]
@@ -87,7 +88,7 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
 
 DRAWN = (
     "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "graph",
-    "branch", "windows", "bifurcation_diagram",
+    "branch", "windows", "bifurcation_diagram", "response",
 )  # fmt: skip
 #: How the titles begin of results whose attributes do not name the function of their figure.
 TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}

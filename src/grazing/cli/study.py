@@ -38,7 +38,7 @@ def run_arguments(study: str) -> list[Argument]:
 
     files = output.HELP if study not in WHOLE else output.HELP.rpartition(", zarr")[0] + "."
     if study == "orbit":
-        files = "File to write; may be repeated. Its ending chooses the format: nc (result, NetCDF), csv (tables)."
+        files = "File to write; may be repeated. Its ending chooses the format: nc (result), csv or parquet (tables)."
     found = [
         one("out", list[Path] | None, None, files, name=("--out", "-o"), metavar="FILE"),
         one("config", Path | None, None, "TOML file that gives defaults; options override.", metavar="FILE"),
@@ -87,7 +87,7 @@ def command(study: str) -> Callable[..., int]:
         if dry_run:
             return estimated(plan_of(recipe), threads, json)
         files = output.targets(out, endings(study))
-        if study in ("orbit", "branch", "windows", "bifurcations"):
+        if study in ("orbit", "branch", "windows", "bifurcations", "response"):
             from grazing.cli.orbits import compute as found
 
             return found(recipe, files, threads, json, quiet, certify or save is not None, save)

@@ -1,0 +1,35 @@
+"""``grazing export``: write a stored result in another format."""
+
+from __future__ import annotations
+
+import json as text
+import warnings
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from grazing.cli import output
+from grazing.cli.plot import loaded
+from grazing.cli.streams import printable
+
+
+def export(
+    file: Annotated[Path, Parameter(name="RESULT", help="What a study saved: a file .nc or a store .zarr.")],
+    out: Annotated[Path, Parameter(name="FILE", help="File to write: nc (NetCDF), csv or parquet (tables).")],
+    /,
+    *,
+    json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
+) -> int:
+    """Write a stored result as tables or in one file.
+
+    A table says nothing of where it comes from; a file .nc does: 'grazing export chart.zarr chart.csv'.
+    """
+    (target,) = output.targets([out], output.DATA)
+    result = loaded(file)
+    if "grazing_incomplete" in result.attrs:
+        warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
+    written = output.write(result, target)
+    title = printable(str(result.attrs.get("title", "")), newlines=False)
+    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
+    return 0

@@ -1,0 +1,50 @@
+"""What stands around a command: its environment and its streams; whatever they are, it works or says what is wrong."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+import grazing as gz
+
+SURROUNDINGS = {
+    "SOURCE_DATE_EPOCH": ("abc", "-1", "1" * 30), "MPLBACKEND": ("nonsense", "module://theirs"), "TZ": (":../../x",),
+    "COLUMNS": ("abc",), "PYTHONWARNINGS": ("error",), "LC_ALL": ("C",), "TMPDIR": ("/nowhere",),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    G = gz.gap_map(lam=0.5, mu=0.1, l=0.2)
+    result = gz.orbit_diagram(G, "mu", [0.0, 0.05, 0.1], starts=2, transient=10, keep=8)
+    return gz.save(result, tmp_path_factory.mktemp("around") / "a.nc")
+
+
+@pytest.mark.parametrize("name", SURROUNDINGS)
+def test_the_environment_can_say_anything(name, file, tmp_path):
+    """A backend that there is not, or a date that is none, were unexpected errors, or a file that is "damaged"."""
+    for value in SURROUNDINGS[name]:
+        command = [sys.executable, "-m", "grazing", "plot", str(file), "-o", str(tmp_path / "a.svg")]
+        settings = {**os.environ, name: value, "PYTHONUTF8": "0"}
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=settings, cwd=tmp_path)
+        assert done.returncode in (0, 2) and "unexpected" not in done.stderr and "damaged" not in done.stderr, done
+        assert done.returncode == 0 or done.stderr.startswith(f"error: {name} = ")
+
+
+CLOSED = """
+import os, sys
+from grazing.cli import streams
+with streams.prepared():
+    said = open(sys.argv[1], "w")
+    print([os.readlink(f"/proc/self/fd/{i}") for i in range(3)], file=said)
+"""
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="needs the list of open files")
+def test_no_file_takes_the_place_of_a_closed_stream(tmp_path):
+    """What a library prints would go into it."""
+    (tmp_path / "say.py").write_text(CLOSED)
+    command = f"exec {sys.executable} {tmp_path}/say.py {tmp_path}/said <&- >&- 2>&-"
+    subprocess.run(["sh", "-c", command], timeout=60, check=False)
+    assert (tmp_path / "said").read_text() == f"{['/dev/null'] * 3}\n"
