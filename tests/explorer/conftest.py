@@ -26,7 +26,7 @@ def machines(described):
     return {name: Module((KERNELS / described[name]["file"]).read_bytes(), described[name]) for name in MODULES}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def address():
     """Where the page is served."""
     with server() as ours:
@@ -37,7 +37,7 @@ def address():
         thread.join()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser():
     playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
     if CHROMIUM is None:

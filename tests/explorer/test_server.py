@@ -127,6 +127,34 @@ def test_a_copy_is_renewed_and_other_files_stay(tmp_path):
     assert (tmp_path / "own.html").read_text() == "mine"
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="POSIX links and pipes")
+@pytest.mark.parametrize("kind", ["file", "hard", "folder", "pipe", "device"])
+def test_a_copy_goes_through_no_link_and_waits_for_no_pipe(tmp_path, kind):
+    """A folder that somebody handed over: its links lead to what is precious, its page is a pipe."""
+    precious, site = tmp_path / "precious", tmp_path / "site"
+    copy_to(site)
+    precious.mkdir()
+    (precious / "file").write_text("precious")
+    goal = site / "page" / "main.js"
+    if kind in ("file", "hard"):
+        goal.unlink()
+        goal.symlink_to(precious / "file") if kind == "file" else os.link(precious / "file", goal)
+        copy_to(site)
+        assert goal.read_bytes() == (FOLDER / "page" / "main.js").read_bytes()
+    else:
+        if kind == "folder":
+            (site / "page").rename(precious / "page")
+            (site / "page").symlink_to(precious / "page")
+        else:
+            (site / "page" / "index.html").unlink()
+            os.mkfifo(site / "page" / "index.html") if kind == "pipe" else (site / "page" / "index.html").symlink_to(
+                "/dev/zero"
+            )
+        with pytest.raises(InputError, match="not a copy of the explorer"):
+            copy_to(site)
+    assert (precious / "file").read_text() == "precious"
+
+
 def test_a_copy_that_was_interrupted_is_completed(monkeypatch, tmp_path):
     def copied(path, goal):
         if path.suffix == ".js":

@@ -11,8 +11,9 @@ WATCH = """
   const seen = globalThis.seen = {jobs: [], pictures: []};
   const send = Worker.prototype.postMessage;
   Worker.prototype.postMessage = function (message, ...more) {
-    if (message.job) seen.jobs.push({job: message.job, columns: message.given.values.length, steps: message.given.starts
-      * (message.given.transient + message.given.keep), row: [...message.given.row], id: message.id});
+    const {job, given, id} = message;
+    const columns = given?.values?.length ?? 1, steps = given?.starts * (given?.transient + given?.keep);
+    if (job) seen.jobs.push({job, columns, steps, row: [...given.row], id});
     return send.call(this, message, ...more);
   };
   const {batch} = diagram.pool; // what the page computes itself

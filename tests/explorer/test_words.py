@@ -1,6 +1,7 @@
 """What the explorer says of what it shows, in a real browser: true words and axes, and answers while it computes."""
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -52,19 +53,21 @@ def said(page):
 def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment):
     shown.open(f"{address}#version=1&view=edges")
     shown.page.evaluate(WATCH)
+    begun = time.perf_counter()
     show(shown, address, fragment)
     assert "Looking for what random starts settle on" in said(shown)
     shown.until("() => / of 16 starts/.test(document.getElementById('summary').textContent)")
+    took = 1000 * (time.perf_counter() - begun)
     assert "Looking" not in said(shown)
     if "ball" in fragment:
         shown.page.click("#step")
-    assert shown.page.evaluate("() => longest") < 600
+    assert shown.page.evaluate("() => longest") < took / 3  # a machine that is busy makes both longer
     shown.page.evaluate("() => longest = 0")
     if "ball" in fragment:
         show(shown, address, fragment + "&alpha=2")  # begin again, and leave
     shown.page.click("[data-view=edges]")
     shown.until("() => document.getElementById('summary').textContent.includes('Period 3')")
-    assert shown.page.evaluate("() => longest") < 600
+    assert shown.page.evaluate("() => longest") < took / 3
 
 
 # ---- axes

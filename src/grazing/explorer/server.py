@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 import sys
 from collections.abc import Callable
 from http import HTTPStatus
@@ -19,6 +20,8 @@ from grazing.outcome import InputError
 
 HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
+#: Bytes of a file that is looked at to see whose it is.
+LARGEST = 2**22
 #: Said by us and not by the machine: some name no type for modules, others a wrong one for scripts.
 TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -179,7 +182,10 @@ def serve(port: int, opened: Callable[[str], None]) -> None:
 def ours(file: Path) -> bool:
     """Whether a file is one of the explorer's, of whatever version."""
     try:
-        return b"grazing" in file.read_bytes()
+        if not stat.S_ISREG(os.lstat(file).st_mode):  # a pipe may never begin, and a device never end
+            return False
+        with file.open("rb") as opened:
+            return b"grazing" in opened.read(LARGEST)
     except OSError:
         return False
 
@@ -198,7 +204,7 @@ def copy_to(folder: Path) -> Path:
     for part, needed in PARTS.items():
         there = folder / part
         taken = any(there.iterdir()) if there.is_dir() else there.exists()
-        if taken and not ours(there / needed):
+        if there.is_symlink() or (taken and not ours(there / needed)):
             raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
     first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     try:
@@ -206,6 +212,8 @@ def copy_to(folder: Path) -> Path:
             if not name.endswith("/"):
                 goal = folder / name.lstrip("/")
                 goal.parent.mkdir(parents=True, exist_ok=True)
+                if goal.is_symlink() or (goal.exists() and not goal.samefile(path)):
+                    goal.unlink()  # a link: what it leads to is not ours
                 shutil.copyfile(path, goal)
     except OSError as error:
         raise InputError(

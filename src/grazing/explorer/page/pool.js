@@ -31,6 +31,8 @@ export class Pool {
   /** @type {{name: string, module: WebAssembly.Module, described: import("./machine.js").Module}[]} */ #given = [];
   #scene = "";
   #looking = 0;
+  /** Whether a worker could not be started, or broke: the page does what is still asked of the pool. */
+  #broken = false;
   next = 0;
   /** Workers that were ended in the middle of a job. */
   ended = 0;
@@ -47,9 +49,11 @@ export class Pool {
     worker.onmessage = ({ data }) => this.#done(worker, data);
     worker.onerror = (event) => {
       event.preventDefault?.();
+      this.#broken = true;
       for (const [id, task] of this.running) {
-        if (task.worker === worker) this.#done(worker, { id, found: null, error: event.message || "a worker could not be started" });
+        if (task.worker === worker && this.running.delete(id)) this.#inPage(task);
       }
+      this.#feed();
       this.failed();
     };
     for (const each of this.#given) worker.postMessage(each);
@@ -125,7 +129,20 @@ export class Pool {
     };
   }
 
+  /** Do in the page what no worker will do. @param {Task} task */
+  #inPage({ live, message: { machine, job, given }, resolve, reject }) {
+    setTimeout(() => {
+      if (!live()) return;
+      try {
+        resolve(JOBS[job](this.machines[machine], /** @type {any} */ (given)));
+      } catch (error) {
+        reject(/** @type {Error} */ (error));
+      }
+    });
+  }
+
   #feed() {
+    for (const task of this.#broken ? this.waiting.splice(0) : []) this.#inPage(task);
     for (;;) {
       const worker = this.idle.at(-1), at = this.waiting.findIndex(this.#wanted);
       if (!worker || at < 0) return;
