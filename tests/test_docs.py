@@ -1,10 +1,8 @@
 """The documentation does what it says: its code runs, its commands exist, its links lead somewhere."""
 
 import importlib.util
-import os
 import re
 import shlex
-import subprocess
 import sys
 import types
 from pathlib import Path
@@ -12,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import grazing
+from grazing.cli import main
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -52,6 +51,7 @@ def test_code_runs_when_pasted(page, tmp_path, monkeypatch, capsys):
     # One session per page, as a reader would paste it, in a folder of its own.
     monkeypatch.chdir(tmp_path)
     session = types.ModuleType("session")
+    monkeypatch.setitem(sys.modules, "session", session)  # as __main__ is: kernels on the disk say where they are from
     for text, line in blocks(page, "python"):
         # leading newlines: an error names its line in the page
         exec(compile("\n" * (line - 1) + text, str(page), "exec"), session.__dict__)
@@ -116,16 +116,13 @@ COMMANDS = [(page, tokens) for page in PAGES for tokens in commands(page)]
 
 
 @pytest.mark.parametrize(("page", "tokens"), [(p, t) for p, t in COMMANDS if ours(t) is not None])
-def test_commands_run(page, tokens, tmp_path):
+def test_commands_run(page, tokens, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     arguments = ours(tokens)
     if arguments[:1] == ["paper"]:  # the same command, but quick and in a folder of its own
         quick = {"--out": str(tmp_path / "out"), "--size": "small", "--figures": "3.1"}
         arguments += [token for option in quick.items() if option[0] not in arguments for token in option]
-    settings = os.environ | {"PYTHONPATH": str(ROOT / "src")}
-    run = subprocess.run(
-        [sys.executable, "-m", "grazing", *arguments], cwd=tmp_path, env=settings, capture_output=True, text=True
-    )
-    assert run.returncode == 0, run.stderr
+    assert main(arguments) == 0, capsys.readouterr().err
 
 
 def test_targets_of_make_exist():

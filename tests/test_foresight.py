@@ -162,6 +162,7 @@ CALLS = {
     "grazing_curve": dict(model=m), "ladder": dict(model=m, name="d", N=2), "lyapunov": dict(P=G, name="mu", values=v),
     "manifolds": dict(orbit=saddle), "one_impact_orbits": dict(model=m, N=2),
     "orbit_diagram": dict(P=G, name="mu", values=v), "periodic_orbits": dict(P=logistic, period=2),
+    "response": dict(P=gz.stroboscopic_map(m), name="d", values=v - 0.3),
     "sensitivity": dict(model=m, name="d", N=2), "trajectory": dict(model=m, state=(0.1, 0.0)),
     "validity": dict(model=m, params={"d": v, "V": v}), "windows": dict(model=m, name="d", N=2),
     "words": dict(letters=2, length=3, impacts=2), "zero_one": dict(series=np.sin(np.arange(200.0))),
@@ -204,13 +205,14 @@ print(peak())
 UNSIZED = {
     "active", "attractors", "certify", "check_certificate", "cite", "describe", "discontinuity_map", "enclose",
     "gap_map", "graph", "impact_map", "linearised_map", "load", "locus", "newton", "normal_form", "pinball", "reset",
-    "save", "stroboscopic_map", "to_csv", "triggered", "zdm", "zdm_points",
+    "sample", "save", "spectrum", "stroboscopic_map", "to_csv", "to_parquet", "to_wav", "triggered", "zdm",
+    "zdm_points",
 }  # fmt: skip
 #: What only takes time, or is an upper limit that other things end before; such a run is stopped at once by Ctrl-C.
 PASSING = {
     ("basins", "preimages"), ("bifurcation_diagram", "period"), ("continuation", "limit"),
     ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
-    ("manifolds", "steps"), ("words", "impacts"),
+    ("manifolds", "steps"), ("response", "period"), ("words", "impacts"),
 }  # fmt: skip
 
 

@@ -14,11 +14,11 @@ SOURCE = Path(__file__).parents[1] / "src"
 # siblings that do not know each other. `grazing` is the public list, which only the top may use.
 LAYERS = (
     ("outcome",),
-    ("parameter", "memory"),
+    ("parameter", "memory", "writing"),
     ("kernel", "theory"),
     ("copies",),
     ("oscillator",),
-    ("maps",),
+    ("maps", "signals"),
     ("orbits",),
     ("proof",),
     ("studies",),
@@ -29,7 +29,7 @@ LAYERS = (
     ("paper",),
     ("io", "export", "testing"),
     ("grazing", "explorer"),
-    ("citation",),
+    ("citation", "prepare"),
     ("cli",),
     ("__main__",),
 )

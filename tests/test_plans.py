@@ -76,11 +76,11 @@ def test_results_survive_a_file(name, tmp_path):
 
 
 def test_making_a_plan_computes_nothing():
-    before = time.perf_counter()
+    before = time.process_time()
     gz.plans.chart(G, {"mu": np.linspace(0, 1, 300), "l": np.linspace(0, 1, 300)}, transient=10**9)
     gz.plans.lyapunov(G, "mu", np.linspace(0, 1, 100), steps=10**9)
     gz.plans.coexistence(G, "mu", np.linspace(0, 1, 1000), transient=10**8)
-    assert time.perf_counter() - before < 5.0
+    assert time.process_time() - before < 5.0
 
 
 @pytest.mark.parametrize("name", ARGUMENTS)

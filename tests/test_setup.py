@@ -126,7 +126,8 @@ def program(folder, name, text):
 @pytest.mark.parametrize(("target", "job"), [("paper", "-m grazing paper"), ("test", "-m pytest")])
 def test_a_second_run_only_does_its_job(tmp_path, target, job):
     dry = make(with_environment(checkout(tmp_path)), "-n", target)
-    (line,) = dry.stdout.splitlines()
+    prepared, line = dry.stdout.splitlines()
+    assert prepared.startswith(".venv/bin/python -m grazing.prepare || ")  # it looks whether kernels are as the sources
     assert line.startswith(".venv/bin/python ")
     assert job in line
 

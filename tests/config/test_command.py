@@ -21,6 +21,7 @@ from grazing.config.build import map_in
 from grazing.studies import orbit_diagram
 from grazing.studies.plan import run_plan
 from grazing.studies.runs import checked_runs
+from tests.examples import examples
 
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
 BALL = {"alpha": 3.0, "k": 1.0, "omega": 2.2, "t0": -0.5, "cos": [1.0], "r": 0.8}
@@ -61,7 +62,7 @@ WAVES = st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=1, max_size=3)
 NAMES = {name: NUMBERS for name in ("alpha", "k", "omega", "t0", "sigma", "d", "r", "V", "trigger", "phase")}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(
     st.sampled_from([None, "active", "newton", "triggered"]),
     st.fixed_dictionaries({}, optional={**NAMES, "cos": WAVES, "sin": WAVES}),

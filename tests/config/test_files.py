@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import time
 import tomllib
 from pathlib import Path
 
@@ -176,3 +177,37 @@ def test_what_stands_beside_an_error_is_judged_by_values_that_are_sound(tmp_path
     file = tmp_path / "study.toml"
     file.write_text(study + wrong)
     assert str(file) in refused(file)
+
+
+M = 2**20
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a." * M + "b = 1", "[" + "a." * M + "b]", "x = {" + "a . " * (M // 2) + "b = 1}", "'a'." * (M // 2) + "b = 1",
+        '"\\""."\\"".' * (M // 6) + "b = 1", 'x = {a = """ " """, ' + "k." * (M - 40) + 'k = " "}',
+        "x = {a = ''' ' ''', " + "k." * (M - 40) + "k = ' '}", "# '\"\n" + "k." * (M - 9) + "k = 1",
+        "study = 'diagram'\nmap = '" + "a/" * (M - 40) + "b.py:P'",
+        "study = 'diagram'\nmodel = '" + "../" * 600_000 + ".py:P'",
+        "study = 'diagram'\nparameters.cos = [" + "1," * (M - 40) + "1]",
+    ],
+    ids=["key", "table", "inline", "quoted", "escaped", "behind a text", "behind another", "behind a comment", "file",
+         "above", "amplitudes"],
+)  # fmt: skip
+def test_two_megabytes_of_anything_are_refused_in_time(tmp_path, text):
+    """Dotted keys took TOML's reader hours, the name of a file three minutes, amplitudes one and 4 GB."""
+    file = tmp_path / "study.toml"
+    file.write_text(text if text.startswith("study") else text + "\n")
+    begun = time.process_time()
+    assert str(file) in refused(file)
+    assert time.process_time() - begun < 15.0
+
+
+def test_dots_that_are_none_of_a_key_are_read(tmp_path):
+    file = tmp_path / "study.toml"
+    many = ", ".join(["0.1"] * 99)
+    file.write_text(
+        f'# {"a." * 99}\nstudy = "diagram"\nvary.d = [{many}]\n"map" = "{"../" * 40}x.py:P" # {"a." * 40}\n'
+    )
+    assert len(load_config(file)["vary"]["d"]) == 99

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import os
 import pickle
 import tomllib
 
@@ -140,3 +141,20 @@ def test_only_what_a_call_names_can_be_executed(own):
     assert isinstance(plan.recipe["map"], Named)
     with pytest.raises(NotNamed):
         plan_of(json.loads(json.dumps(plan.recipe)))
+
+
+def test_what_lies_compiled_beside_a_file_is_not_run(tmp_path):
+    """Python takes __pycache__ for the file itself, if time and size fit: who reads the file reads something else."""
+    import importlib.util
+    import py_compile
+    import shutil
+
+    text = "import grazing as gz\nP = gz.gap_map(0.5, 0.1, {})\n"
+    file, evil = tmp_path / "mine.py", tmp_path / "evil.py"
+    file.write_text(text.format("0.2"))
+    evil.write_text(text.format("0.7"))
+    os.utime(evil, ns=(file.stat().st_atime_ns, file.stat().st_mtime_ns))
+    compiled = importlib.util.cache_from_source(str(file))
+    (tmp_path / "__pycache__").mkdir()
+    shutil.move(py_compile.compile(str(evil), str(tmp_path / "evil.pyc")), compiled)
+    assert own_object(Named(f"{file}:P")).params["l"] == 0.2

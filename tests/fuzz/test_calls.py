@@ -111,6 +111,7 @@ def calls():
         "one_impact_orbits": dict(model=t.m, N=3),
         "orbit_diagram": dict(P=t.P, name="d", values=D, sweep=None, **SMALL),
         "periodic_orbits": dict(P=t.G, period=2, word=None, virtual=False, starts=10, seed=0, threads=1),
+        "response": dict(P=t.P, name="d", values=D, **SMALL, period=1),
         "sensitivity": dict(model=t.m, name="d", N=3, span=(0.1, 0.12), samples=10),
         "trajectory": dict(model=t.m, state=(0.1, 0.0), start=0.0, until=5.0, samples=10),
         "validity": dict(model=t.m, params={"d": D, "V": np.array([0.3, 0.4])}, rung="gap", **SMALL),
@@ -125,6 +126,10 @@ def calls():
         "load": dict(path="nothing.nc"),
         "save": dict(result=t.diagram, path="/nowhere/a.nc"),
         "to_csv": dict(result=t.diagram, path="/nowhere/a.csv"),
+        "to_parquet": dict(result=t.diagram, path="/nowhere/a.parquet"),
+        "sample": dict(trajectory=t.flown, rate=20.0),
+        "spectrum": dict(recorded=gz.sample(t.flown, 20.0), of="u", window="hann"),
+        "to_wav": dict(trajectory=t.flown, path="/nowhere/a.wav", speed=100.0, of="v", rate=8000),
         "testing.check_map": dict(P=t.G, states=2, steps=2, seed=0),
         "config.checked": dict(
             mapping={
@@ -168,6 +173,8 @@ def calls():
         "plot.locus": dict(result=t.locus),
         "plot.orbit_diagram": dict(result=t.diagram),
         "plot.trajectory": dict(result=t.flown),
+        "plot.history": dict(result=t.flown),
+        "plot.spectrum": dict(result=gz.spectrum(gz.sample(t.flown, 20.0))),
         "plot.chart": dict(result=results.chart(5, 4), by="period", curves=None),
         "plot.basins": dict(result=results.basins(8)),
         "plot.density": dict(result=results.density(bins=5)),
@@ -251,6 +258,7 @@ COUNTS = {
     "states",
     "until",
     "spacing",
+    "rate",
 }
 
 
@@ -297,7 +305,15 @@ def test_every_public_function_is_called():
 
 
 def test_the_calls_work_as_they_are():
-    files = {"load", "save", "to_csv", "check_certificate", "config.load_config"}  # that are not there
+    files = {
+        "load",
+        "save",
+        "to_csv",
+        "to_parquet",
+        "to_wav",
+        "check_certificate",
+        "config.load_config",
+    }  # that are not there
     for name, given in calls().items():
         inner = [given["self"]] if "self" in given else []
         with contextlib.suppress(*[gz.InputError] if name in files else [gz.OutsideForm] if "theory" in name else []):

@@ -32,7 +32,7 @@ def test_an_interruption_leaves_the_old_file(tmp_path, monkeypatch, when):
 
 
 def test_what_a_killed_run_left_is_removed(tmp_path):
-    (tmp_path / ".a.txt.123.part").write_text("half")
+    (tmp_path / ".index.html.a1_b2c3d.part").write_text("half")
     (tmp_path / "kept.txt").write_text("kept")
     files.folder(tmp_path)
     assert os.listdir(tmp_path) == ["kept.txt"]
@@ -58,3 +58,12 @@ def test_a_disk_error_is_said(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="No space left on device"):
         files.write(tmp_path / "a", "text")
     assert os.listdir(tmp_path) == []
+
+
+def test_what_other_programs_have_left_stays(tmp_path):
+    theirs = [".film.mkv.part", ".index.html.part", ".thesis.tex.abcdefgh.part"]
+    ours = [".index.html.abcdefgh.part", ".figure-1.6.png.a_c0efgh.part"]
+    for name in theirs + ours:
+        (tmp_path / name).write_text("half")
+    files.folder(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(theirs)

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from grazing import theory
 from grazing.outcome import InputError
+from tests.examples import examples
 from tests.theory.test_words import WORDS
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(N=st.integers(1, 9), lam=st.floats(0.1, 0.98), l=st.just(0.0) | st.floats(1e-3, 3.0))
 def test_one_right_letter_has_the_edges_of_the_propositions(N, lam, l):
     word = "L" * (N - 1) + "R"

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from grazing import theory
 from grazing.outcome import OutsideForm
+from tests.examples import examples
 from tests.theory.naive import GAPS, LAMS, PERIODS, gap_map, product_of_slopes, true_right_point, word
 
 SHARES = st.floats(0.01, 0.99)
@@ -38,7 +39,7 @@ def test_the_points_are_an_orbit_of_the_map_with_the_word(N, lam, l, share):
         assert image == pytest.approx(following, abs=1e-12 * (abs(following) + mu + l))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(N=PERIODS, lam=LAMS, l=GAPS, share=SHARES)
 def test_the_right_point_and_the_multiplier_at_high_precision(N, lam, l, share):
     mu = inside(N, lam, l, share)

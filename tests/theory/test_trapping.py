@@ -6,12 +6,13 @@ from hypothesis import strategies as st
 
 from grazing import theory
 from grazing.outcome import OutsideForm
+from tests.examples import examples
 from tests.theory.naive import GAPS, LAMS, gap_map, iterate
 
 OFFSETS = st.just(0.0) | st.floats(1e-6, 50.0)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(lam=LAMS, mu=OFFSETS, l=GAPS, share=st.floats(0, 1))
 def test_the_map_takes_it_into_itself_for_every_mu(lam, mu, l, share):
     low, high = theory.trapping_interval(mu, l)

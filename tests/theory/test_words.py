@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from grazing import theory
 from grazing.outcome import InputError, OutsideForm
+from tests.examples import examples
 from tests.theory.naive import gap_map, slope
 
 LAMS = st.floats(0.05, 0.98) | st.floats(-1.6, -0.05) | st.floats(1.02, 1.6)
@@ -69,7 +70,7 @@ def test_no_solution_is_missed(word):
     assert found > 0
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(word=st.sampled_from(WORDS), lam=LAMS, mu=MUS, l=GAPS)
 def test_points_letters_and_multiplier_of_every_solution(word, lam, mu, l):
     orbits = theory.word_orbits(word, lam, mu, l)
