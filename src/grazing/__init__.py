@@ -54,6 +54,7 @@ _PUBLIC = {
     "adding_tree": "orbits.adding_tree",
     "manifolds": "orbits.manifold",
     "sensitivity": "orbits.sensitivity",
+    "response": "compare.response",
     "validity": "compare.validity",
     "words": "orbits.word",
     "locus": "orbits.locus",
@@ -71,8 +72,12 @@ _PUBLIC = {
     "lyapunov": "studies.lyapunov",
     "orbit_diagram": "studies.orbit_diagram",
     "zero_one": "studies.zero_one",
+    "sample": "signals.sample",
+    "spectrum": "signals.spectrum",
+    "to_wav": "signals.sound",
     "load": "io",
     "to_csv": "export",
+    "to_parquet": "export",
     "save": "io",
     "cite": "citation",
     "config": "",
@@ -95,8 +100,10 @@ if TYPE_CHECKING:
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
     from grazing.compare.ladder import ladder as ladder
+    from grazing.compare.response import response as response
     from grazing.compare.validity import validity as validity
     from grazing.export import to_csv as to_csv
+    from grazing.export import to_parquet as to_parquet
     from grazing.io import load as load
     from grazing.io import save as save
     from grazing.maps.discontinuity import discontinuity_map as discontinuity_map
@@ -144,6 +151,9 @@ if TYPE_CHECKING:
     from grazing.proof.certify import certify as certify
     from grazing.proof.check import check_certificate as check_certificate
     from grazing.proof.enclose import enclose as enclose
+    from grazing.signals.sample import sample as sample
+    from grazing.signals.sound import to_wav as to_wav
+    from grazing.signals.spectrum import spectrum as spectrum
     from grazing.studies.attractors import Attractor as Attractor
     from grazing.studies.attractors import attractors as attractors
     from grazing.studies.basins import basins as basins

@@ -7,7 +7,7 @@ from collections import namedtuple
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cache
 from itertools import islice
 from keyword import iskeyword
 from typing import Any
@@ -18,6 +18,8 @@ from grazing.outcome import InputError, shown
 MANY_PERIODS = 1000
 #: What a kernel can count to.
 LARGEST = 2**63 - 1
+#: What the names of types of named parameters begin with; no other name does.
+PREFIX = "Parameters:"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +70,19 @@ class Parameter:
         return number
 
 
-@lru_cache(maxsize=256)
+@cache
 def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
-    return namedtuple("Parameters", names or ("none",))  # compiled code cannot hold a tuple of nothing
+    made: Any = namedtuple("Parameters", names or ("none",))  # type: ignore[misc]  # no tuple of nothing in a kernel
+    made.__qualname__ = f"{PREFIX}{','.join(names)}"  # a name of its own, by which pickle finds it in any process
+    return made
+
+
+def __getattr__(name: str) -> Any:
+    """Return the type of named parameters that pickle asks for, see :func:`parameter_tuple`."""
+    if name.startswith(PREFIX):
+        return parameter_tuple(tuple(name.removeprefix(PREFIX).split(",")) if name != PREFIX else ())
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def parameters(params: Mapping[str, float]) -> Any:

@@ -16,12 +16,21 @@ from grazing.outcome import InputError, shown
 
 #: Bytes of a configuration: room for a hundred thousand values, where a range says most things in a line.
 LARGEST = 2**21
+#: Parts of a key: TOML's reader looks at each once for every other, which takes hours for a million of them.
+DEEPEST_KEY = 32
+#: What TOML consists of. Nothing fails and is tried again elsewhere, so that the time does not grow faster than a text.
+_TOKEN = re.compile(
+    r'''#[^\n]*+|"""(?:[^"\\]|\\[\s\S]|"(?!""))*+"{0,5}|"(?:[^"\\\n]|\\.)*+"?'''
+    r"""|'''(?:[^']|'(?!''))*+'{0,5}|'[^'\n]*+'?|[\w-]++|[ \t]++|[\s\S]"""
+)
 
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return what a TOML file says, unchecked, or raise InputError."""
     source = Path(path)
     text = read_text(source)
+    if _deepest_key(text) > DEEPEST_KEY:
+        raise InputError(f"{source} has a key of more than {DEEPEST_KEY} parts; no configuration has such tables")
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -30,14 +39,33 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{source} is not TOML: {error}") from None
 
 
+def _at_once(path: str, flags: int) -> int:
+    """Open a file; nothing waits for a pipe, not even for one that has just taken the place of a file."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def _deepest_key(text: str) -> int:
+    """Return how many dots follow each other between words, outside of comments and texts."""
+    if all(line.count(".") <= DEEPEST_KEY for line in text.split("\n")):
+        return 0
+    most = dots = 0
+    for found in _TOKEN.finditer(text):
+        token = found[0]
+        if token == ".":
+            dots += 1
+            most = max(most, dots)
+        elif not (token[0] in "\"'-_ \t" or token[0].isalnum()):
+            dots = 0
+    return most
+
+
 def read_text(source: Path) -> str:
     """Return the text of a regular file of bounded size: a device has no end, and a pipe may never begin."""
     try:
-        known = source.stat()
-        if not (stat.S_ISREG(known.st_mode) or stat.S_ISDIR(known.st_mode)):
-            raise InputError(f"{source} is a device or a pipe; give a file")
-        with source.open("rb") as file:
-            data = file.read(LARGEST + 1)
+        with open(source, "rb", opener=_at_once) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise InputError(f"{source} is a device or a pipe; give a file")
+            data = file.read(LARGEST + 1) or b""  # nothing yet, of what only looks like a file
     except FileNotFoundError:
         raise InputError(f"there is no file {source}") from None
     except (OSError, RuntimeError) as error:  # links in a circle, for one

@@ -7,6 +7,7 @@ only :func:`own_object`, which takes no other, executes a file. No decoder of an
 
 from __future__ import annotations
 
+import importlib.machinery
 import importlib.util
 import os
 import shlex
@@ -24,6 +25,8 @@ from grazing.outcome import GrazingError, InputError, UserCodeError, shown
 #: The keys of a configuration that can name code.
 KEYS = ("map", "model")
 TRUST = "trust"
+#: Letters of a name: no system opens a file with a longer one, and to look for it takes minutes.
+LONGEST = 4096
 
 
 class Named(str):
@@ -44,6 +47,8 @@ def is_own(text: str) -> bool:
 def located(text: str, folder: str | Path) -> str:
     """Return ``file.py:name`` with the file's whole path, found from a folder."""
     file, _, name = text.rpartition(":")
+    if len(text) > LONGEST:  # which is said where it is opened
+        return text
     try:
         return type(text)(f"{os.path.realpath(Path(folder) / file)}:{name}")
     except (OSError, ValueError):  # it cannot be the name of a file, which is said where it is opened
@@ -85,10 +90,15 @@ def refuse_unnamed(config: Mapping[str, Any]) -> None:
 
 def not_named(text: str, key: str) -> NotNamed:
     """Return what is said of code that a file names and the present call does not."""
+    text = _cut(text)
     return NotNamed(
         f"{key} = {text!r} is code that a file names, and reading a file runs no code. If you trust it, name it in "
         f"this call: --{key} {shlex.quote(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
     )
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
 def own_object(text: str, key: str = "map") -> Map | Oscillator:
@@ -134,13 +144,22 @@ def own_object(text: str, key: str = "map") -> Map | Oscillator:
     return found
 
 
+class _Source(importlib.machinery.SourceFileLoader):
+    """What runs is the text of the file that is named, never what lies compiled beside it."""
+
+    def get_code(self, fullname: str) -> Any:
+        """Return the code of the text."""
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 def _module(path: Path) -> Any:
     """Return the module of a file; run it once per process and state of the file."""
     name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
+    loader = _Source(name, str(path.resolve()))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
+    if path.suffix != ".py" or spec is None or spec.loader is None:
         raise InputError(f"{path} is no Python file; give file.py:name")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module

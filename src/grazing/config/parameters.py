@@ -16,8 +16,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 from grazing.config import values
 from grazing.maps.gap import PARAMETERS as GAP_MAP
 from grazing.oscillator import reset as laws
-from grazing.oscillator.model import describe_parameter, pinball
+from grazing.oscillator.model import MOST_HARMONICS, describe_parameter, pinball
 from grazing.oscillator.reset import Reset
+from grazing.outcome import InputError
 from grazing.parameter import Parameter
 
 LAWS: dict[str, Callable[..., Reset]] = {"active": laws.active, "newton": laws.newton, "triggered": laws.triggered}
@@ -85,7 +86,10 @@ def meaning(name: str) -> str:
 
 def _amplitudes_field(name: str) -> Any:
     def check(value: Any) -> list[float] | None:
-        return None if value is None else values.numbers(value, name, 0)
+        found = None if value is None else values.numbers(value, name, 0)
+        if found is not None and len(found) > MOST_HARMONICS:
+            raise InputError(f"{name} has {len(found)} amplitudes; allowed are at most {MOST_HARMONICS}")
+        return found
 
     word = describe_parameter(f"{name}1").meaning.partition(" ")[0]
     kind = Annotated[

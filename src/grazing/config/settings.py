@@ -59,11 +59,14 @@ STUDIES = {
     "bifurcations": Study(
         "bifurcation_diagram", "compare.bifurcation_diagram", 1, 1, ONE, "a scan and the branches through it"
     ),
+    "response": Study(
+        "response", "compare.response", 1, 1, ONE, "what instruments read going up, going down and from random starts"
+    ),
 }
 #: Studies of one orbit, which begins at a state that is given.
 SINGLE = ("trajectory", "cobweb")
 #: Studies that are computed as a whole: they have no cells to sweep.
-WHOLE = (*SINGLE, "graph", "orbit", "branch", "windows", "bifurcations")
+WHOLE = (*SINGLE, "graph", "orbit", "branch", "windows", "bifurcations", "response")
 
 
 def _setting(check: Callable[[Any, str], Any], schema: Mapping[str, Any], says: str) -> Callable[[str, Any], Any]:
@@ -131,7 +134,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "coordinate": _setting(_text, {"type": "string"}, "coordinate that is counted; the first one if not given"),
     "range": _setting(values.pair, PAIR, "low:high of the coordinate; found from the orbits if not given"),
     "steps": _whole(1, "steps along which exponents are averaged; of a cobweb, those that are drawn"),
-    "exponent_steps": _whole(1, "steps along which the exponent of each attractor is averaged"),
+    "exponent_steps": _whole(1, "steps along which the exponent of each attractor is averaged, at most 1000000"),
     "fixed": _setting(
         values.by_name,
         {"type": "object", "additionalProperties": {"type": "number"}},
@@ -161,7 +164,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     ),
     "step": _setting(values.number, {"type": "number"}, "longest step along a branch, in units of the range"),
     "limit": _whole(2, "most points of one piece of a branch"),
-    "N": _setting(values.wholes, WHOLES, "periods of the forcing between impacts: 3, 2,3 or 2:7"),
+    "N": _setting(values.wholes, WHOLES, "periods of the forcing between impacts, 1 to 1000: 3, 2,3 or 2:7"),
     "sensitivity": _switch("add the derivatives of all edges in every parameter"),
 }
 #: Settings that say something else in one study.
@@ -171,6 +174,7 @@ OWN = {
     ("branch", "starts"): _SEARCH,
     ("windows", "samples"): _whole(2, "cells of the first grid"),
     ("bifurcations", "period"): _whole(1, "longest period of an attractor that is followed"),
+    ("response", "period"): _whole(1, "longest period of an attractor that is followed"),
 }
 #: Arguments of the functions that are no settings: what is studied, and what the numbers do not depend on.
 ARGUMENTS = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "order", "threads", "progress"}

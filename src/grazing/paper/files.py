@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from pathlib import Path
 
 from grazing.outcome import InputError
+
+#: What an interruption leaves of a file of the report.
+_PART = re.compile(r"\.(index\.html|claims\.json|figure-[0-9.]+\.[a-z]+)\.[a-z0-9_]{8}\.part")
 
 
 def write(path: Path, data: bytes | str) -> Path:
@@ -58,7 +62,8 @@ def folder(path: str | Path) -> Path:
     try:
         place.mkdir(parents=True, exist_ok=True)
         for part in place.glob(".*.part"):
-            part.unlink(missing_ok=True)
+            if _PART.fullmatch(part.name):  # other programs name theirs so, too
+                part.unlink(missing_ok=True)
         with tempfile.NamedTemporaryFile(dir=place, suffix=".part", prefix="."):
             pass
     except OSError as error:
