@@ -1,0 +1,149 @@
+"""The page of the literature: its own calls, held to each paper's equation by SciPy and to closed forms."""
+
+import contextlib
+import io
+import re
+import sys
+import types
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+import grazing as gz
+from tests.test_docs import ROOT, blocks, read
+
+PAGE = ROOT / "docs" / "from-the-literature.md"
+
+
+@pytest.fixture(scope="module")
+def page():
+    """The names that the page defines, and what each of its blocks printed."""
+    session = types.ModuleType("literature")
+    session.printed = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "literature", session)
+        for text, line in blocks(PAGE, "python"):
+            with contextlib.redirect_stdout(io.StringIO()) as out:
+                exec(compile("\n" * (line - 1) + text, str(PAGE), "exec"), session.__dict__)
+            session.printed.append((text, out.getvalue()))
+        yield session
+
+
+def test_each_comment_is_what_its_line_prints(page):
+    for text, printed in page.printed:
+        said = [line.split(")  # ", 1)[1] for line in text.splitlines() if line.startswith("print(")]
+        assert said and said == printed.splitlines()
+
+
+def test_each_paper_has_a_table_and_a_call():
+    sections = re.split(r"^## ", read(PAGE), flags=re.MULTILINE)[1:]
+    for section in sections:
+        assert "| theirs | here |" in section and "```python\nimport grazing as gz\n" in section, section[:40]
+        assert re.search(r"^    \S.*(=|→).*$", section, re.MULTILINE), section[:40]
+
+
+# ---- a paper's equation, integrated
+
+
+def flown(force, wall, side, law, state, span, count):
+    """Impacts of x'' = force(t, x, x'), kept on one side of a wall: rows (time, x' before, x' after).
+
+    ``wall(t)`` is (position, velocity); side 1 for x above it, -1 for x below; ``law`` acts on the velocity relative
+    to the wall.
+    """
+
+    def gap(t, y):
+        return side * (y[0] - wall(t)[0])
+
+    def field(t, y):
+        return y[1], force(t, *y)
+
+    gap.terminal, gap.direction = True, -1.0
+    (t, end), rows = span, []
+    while len(rows) < count:
+        run = solve_ivp(field, (t, end), state, events=gap, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.05)
+        assert run.t_events[0].size, "too few impacts"
+        t = run.t_events[0][0]
+        at, speed = wall(t)
+        before = run.y_events[0][0, 1]
+        state = (at, speed + law(before - speed))
+        rows.append((t, before, state[1]))
+    return np.array(rows)
+
+
+def same_flight(model, state, force, wall, law=None, *, side=-1, r=None, count=6):
+    """Hold the impacts of a model to those of a paper's equation with a fixed wall; side -1: x = -u."""
+    law = law or (lambda v: -r * v)
+    theirs = flown(force, lambda t: (wall, 0.0), side, law, state, (0.0, 200.0), count)
+    ours = gz.trajectory(model, (side * state[0], side * state[1]), until=theirs[-1, 0] + 1e-3)
+    rows = np.stack([ours.impact_time, side * ours.v_minus, side * ours.v_plus], axis=-1)
+    assert rows.shape == theirs.shape
+    np.testing.assert_allclose(rows, theirs, rtol=0.0, atol=1e-7)
+
+
+# ---- orbits with one impact in n periods, from the matrix exponential
+
+
+class OneImpact:
+    """x'' + c x' + K x = F cos(phase), phase = omega t + phi at an impact, wall at s: all one-impact orbits by phi.
+
+    The impact's phase fixes the forced response; that the flight closes and the law holds is linear in s.
+    """
+
+    def __init__(self, c, K, F, omega, r, n, phi):
+        G = F / complex(K - omega * omega, c * omega) * np.exp(1j * phi)
+        X, W = G.real, (1j * omega * G).real
+        E = expm(np.array([[0.0, 1.0], [-K, -c]]) * 2.0 * np.pi * n / omega)
+        up = (1.0 - E[0, 0]) / E[0, 1]
+        arrives = E[1, 0] + E[1, 1] * up
+        d = -(1.0 + r) * W / (up + r * arrives)
+        self.wall = X + d
+        self.before = W + d * arrives
+        after = -r * self.before
+        f = F * np.cos(phi) - K * self.wall
+        jump = ((f - c * after) + r * (f - c * self.before)) / self.before
+        self.jacobian = np.array([[-r, 0.0], [jump, -r]]) @ E
+
+    def test(self, multiplier):
+        """det(J - multiplier), for a multiplier 1 or -1."""
+        J = self.jacobian
+        return 1.0 - multiplier * np.trace(J) + np.linalg.det(J)
+
+
+def doubling_at_zero(c, r, n, low, high):
+    """Frequency at which the (1, n) orbit with its wall at 0 doubles, K = 1: the amplitude drops out."""
+
+    def height(omega):
+        def wall(phi):
+            return OneImpact(c, 1.0, 1.0, omega, r, n, phi).wall
+
+        phis = np.linspace(0.0, np.pi, 50)  # phi + pi is the same orbit, mirrored
+        i = next(i for i in range(49) if wall(phis[i]) * wall(phis[i + 1]) <= 0.0)
+        return OneImpact(c, 1.0, 1.0, omega, r, n, brentq(wall, phis[i], phis[i + 1], xtol=1e-15)).test(-1.0)
+
+    return brentq(height, low, high, xtol=1e-14)
+
+
+# ---- the papers
+
+
+@pytest.mark.parametrize("values", [(0.05, 1.0, 2.0, 0.1, 0.8), (0.2, 2.5, 1.3, -0.4, 0.5)])
+def test_shaw_and_holmes_fly_as_their_equation_says(page, values):
+    alpha, beta, omega, x0, r = values
+    same_flight(
+        page.shaw_holmes(*values),
+        (x0 - 0.7, 0.4),
+        lambda t, x, v: beta * np.cos(omega * t) - 2.0 * alpha * v - x,
+        x0,
+        r=r,
+    )
+
+
+@pytest.mark.parametrize("beta", [1.0, 2.5])
+def test_shaw_and_holmes_double_where_the_multipliers_say(page, beta):
+    found = gz.windows(page.shaw_holmes(0.05, beta, 2.0, 0.0, 0.8), "omega", N=1, span=(1.2, 3.5))
+    edges = [doubling_at_zero(0.1, 0.8, 1, *span) for span in ((1.2, 1.5), (2.3, 3.2))]
+    assert [found.low.item(), found.high.item()] == pytest.approx(edges, abs=1e-10)
