@@ -34,8 +34,8 @@ def page():
 
 def test_each_comment_is_what_its_line_prints(page):
     for text, printed in page.printed:
-        said = [line.split(")  # ", 1)[1] for line in text.splitlines() if line.startswith("print(")]
-        assert said and said == printed.splitlines()
+        said = [line.split(")  # ", 1)[1] for line in text.splitlines() if line.lstrip().startswith("print(")]
+        assert said and "; ".join(said) == "; ".join(printed.splitlines())
 
 
 def test_each_paper_has_a_table_and_a_call():
@@ -147,3 +147,30 @@ def test_shaw_and_holmes_double_where_the_multipliers_say(page, beta):
     found = gz.windows(page.shaw_holmes(0.05, beta, 2.0, 0.0, 0.8), "omega", N=1, span=(1.2, 3.5))
     edges = [doubling_at_zero(0.1, 0.8, 1, *span) for span in ((1.2, 1.5), (2.3, 3.2))]
     assert [found.low.item(), found.high.item()] == pytest.approx(edges, abs=1e-10)
+
+
+@pytest.mark.parametrize("values", [(0.05, 1.0, 2.2, 1.0), (0.1, 0.7, 3.9, 0.9)])
+def test_thompson_and_ghaffari_fly_as_their_equation_says(page, values):
+    zeta, F, omega, r = values
+    same_flight(
+        page.thompson_ghaffari(*values),
+        (0.3, 0.5),
+        lambda t, x, v: F * np.sin(omega * t) - 2.0 * zeta * v - x,
+        0.0,
+        side=1,
+        r=r,
+    )
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_thompson_and_ghaffari_hit_at_resonance_as_the_closed_form_says(page, n):
+    # half a free swing takes n periods and keeps e of its speed: v- = X' - e w, v+ = X' + w = -v-, X' where X = 0
+    zeta, F = 0.05, 1.3
+    damped = np.sqrt(1.0 - zeta**2)
+    omega = 2.0 * n * damped
+    e = np.exp(-zeta * np.pi / damped)
+    crossing = omega * F / np.hypot(1.0 - omega**2, 2.0 * zeta * omega)
+    orbits = gz.one_impact_orbits(page.thompson_ghaffari(zeta, F, omega), n)
+    (orbit,) = [orbit for orbit in orbits if orbit.admissible]
+    assert -orbit.v_minus == pytest.approx(crossing * (1.0 + e) / (1.0 - e), rel=1e-12)
+    assert orbit.stable
