@@ -48,7 +48,7 @@ def test_each_paper_has_a_table_and_a_call():
 # ---- a paper's equation, integrated
 
 
-def flown(force, wall, side, law, state, span, count):
+def flown(force, wall, side, law, state, span, count, longest=0.05):
     """Impacts of x'' = force(t, x, x'), kept on one side of a wall: rows (time, x' before, x' after).
 
     ``wall(t)`` is (position, velocity); side 1 for x above it, -1 for x below; ``law`` acts on the velocity relative
@@ -64,8 +64,8 @@ def flown(force, wall, side, law, state, span, count):
     gap.terminal, gap.direction = True, -1.0
     (t, end), rows = span, []
     while len(rows) < count:
-        run = solve_ivp(field, (t, end), state, events=gap, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.05)
-        assert run.t_events[0].size, "too few impacts"
+        run = solve_ivp(field, (t, end), state, events=gap, method="DOP853", rtol=1e-12, atol=1e-13, max_step=longest)
+        assert run.t_events[0].size and run.t_events[0][0] > t, "too few impacts, or a flight shorter than a step"
         t = run.t_events[0][0]
         at, speed = wall(t)
         before = run.y_events[0][0, 1]
@@ -74,10 +74,10 @@ def flown(force, wall, side, law, state, span, count):
     return np.array(rows)
 
 
-def same_flight(model, state, force, wall, law=None, *, side=-1, r=None, count=6):
+def same_flight(model, state, force, wall, law=None, *, side=-1, r=None, count=6, longest=0.05):
     """Hold the impacts of a model to those of a paper's equation with a fixed wall; side -1: x = -u."""
     law = law or (lambda v: -r * v)
-    theirs = flown(force, lambda t: (wall, 0.0), side, law, state, (0.0, 200.0), count)
+    theirs = flown(force, lambda t: (wall, 0.0), side, law, state, (0.0, 200.0), count, longest)
     ours = gz.trajectory(model, (side * state[0], side * state[1]), until=theirs[-1, 0] + 1e-3)
     rows = np.stack([ours.impact_time, side * ours.v_minus, side * ours.v_plus], axis=-1)
     assert rows.shape == theirs.shape
@@ -120,7 +120,7 @@ def doubling_at_zero(c, r, n, low, high):
         def wall(phi):
             return OneImpact(c, 1.0, 1.0, omega, r, n, phi).wall
 
-        phis = np.linspace(0.0, np.pi, 50)  # phi + pi is the same orbit, mirrored
+        phis = 0.01 + np.linspace(0.0, np.pi, 50)  # phi + pi is the same orbit, mirrored
         i = next(i for i in range(49) if wall(phis[i]) * wall(phis[i + 1]) <= 0.0)
         return OneImpact(c, 1.0, 1.0, omega, r, n, brentq(wall, phis[i], phis[i + 1], xtol=1e-15)).test(-1.0)
 
@@ -174,3 +174,38 @@ def test_thompson_and_ghaffari_hit_at_resonance_as_the_closed_form_says(page, n)
     (orbit,) = [orbit for orbit in orbits if orbit.admissible]
     assert -orbit.v_minus == pytest.approx(crossing * (1.0 + e) / (1.0 - e), rel=1e-12)
     assert orbit.stable
+
+
+@pytest.mark.parametrize("values", [(2.8, 0.2, 0.8), (1.7, -0.3, 0.6)])
+def test_budd_and_dux_fly_as_their_equation_says(page, values):
+    omega, sigma, r = values
+    same_flight(page.budd_dux(*values), (sigma - 0.6, -0.3), lambda t, x, v: np.cos(omega * t) - x, sigma, r=r)
+
+
+@pytest.mark.parametrize(("n", "spans"), [(1, ((1.1, 1.5), (2.3, 3.0))), (2, ((3.1, 3.6), (4.3, 5.0)))])
+def test_budd_and_dux_double_where_the_trace_says(page, n, spans):
+    r = 0.8
+
+    def height(omega):
+        C = np.cos(2.0 * np.pi * n / omega)
+        return 1.0 + (1.0 + r) ** 2 * (1.0 - omega**2) * (1.0 + C) / 2.0 - 2.0 * r * C + r * r
+
+    edges = [brentq(height, *span, xtol=1e-15) for span in spans]
+    # the same by the matrix exponential, which knows no trace in closed form
+    assert edges == pytest.approx([doubling_at_zero(0.0, r, n, *span) for span in spans], abs=1e-11)
+    found = gz.windows(page.budd_dux(2.0, 0.0, r), "omega", N=n, span=(1.05, 6.0))
+    assert [found.low.item(), found.high.item()] == pytest.approx(edges, abs=1e-11)
+
+
+def test_budd_and_dux_chatter_as_their_equation_says(page):
+    omega, sigma, r = 2.0, 0.3, 0.8
+    m = page.budd_dux(omega, sigma, r)
+    same_flight(m, (sigma, -0.02), lambda t, x, v: np.cos(omega * t) - x, sigma, r=r, count=12, longest=5e-4)
+    speeds = gz.trajectory(m, (-sigma, 0.02), until=0.6).v_minus.values
+    ratios = speeds[1:] / speeds[:-1]
+    assert len(ratios) > 50 and ratios[-1] == pytest.approx(r, abs=1e-6)
+    late = (ratios - r)[-20:]
+    np.testing.assert_allclose(late[1:] / late[:-1], r, rtol=1e-3)  # what is left falls with the speed
+    released = gz.impact_map(m).iterate((0.0, 0.02), 60)
+    rest = released[released[:, 1] == 0.0]
+    assert len(rest) and rest[0, 0] == pytest.approx(np.arccos(sigma) / omega, abs=1e-14)
