@@ -209,3 +209,63 @@ def test_budd_and_dux_chatter_as_their_equation_says(page):
     released = gz.impact_map(m).iterate((0.0, 0.02), 60)
     rest = released[released[:, 1] == 0.0]
     assert len(rest) and rest[0, 0] == pytest.approx(np.arccos(sigma) / omega, abs=1e-14)
+
+
+def longest_climb(N, alpha, gamma, tau):
+    """Ends in rho of the orbit L...LR of period N of Chin et al.: {"pd": rho, "gr": rho}, by linear algebra.
+
+    With z = sqrt(x) at the point x > 0 the orbit is linear in (z^2, y, rho), and 1 + tr + det = 0 linear in 1/z.
+    """
+    A = np.array([[alpha, 1.0], [-gamma, 0.0]])
+    power = np.linalg.matrix_power(A, N - 1)
+    total = sum((np.linalg.matrix_power(A, k) for k in range(N - 1)), np.zeros((2, 2)))
+    e = np.array([1.0, 0.0])
+
+    def closed(z):
+        """(y, rho) of the orbit with its point at x = z^2, and the last point before it."""
+        right = power @ np.array([-z, -gamma * tau**2 * z * z])
+        M = np.stack([power @ e - np.array([0.0, 1.0]), (power + total) @ e], axis=1)
+        y, rho = np.linalg.solve(M, np.array([z * z, 0.0]) - right)
+        return y, rho, np.linalg.solve(A, np.array([z * z - rho, y]))
+
+    # J = power @ ((-1/2z, 1), (-gamma tau^2, 0))
+    bend = power @ np.array([[-0.5, 0.0], [0.0, 0.0]])
+    rest = power @ np.array([[0.0, 1.0], [-gamma * tau**2, 0.0]])
+    det = np.linalg.det(power) * gamma * tau**2
+    doubling = closed(-np.trace(bend) / (1.0 + np.trace(rest) + det))[1]
+    border = closed(brentq(lambda z: closed(z)[2][0], 1e-9, 2.0, xtol=1e-15))[1]
+    return {"pd": doubling, "gr": border}
+
+
+@pytest.mark.parametrize(("alpha", "gamma", "tau", "rho", "N"), [(0.5, 0.05, 0.8, 0.05, 3), (0.6, 0.02, 0.5, 0.1, 3)])
+def test_chin_et_al_lose_their_orbits_where_algebra_says(page, alpha, gamma, tau, rho, N):
+    found = page.window(page.chin(alpha, gamma, tau, rho), "L" * (N - 1) + "R")
+    assert found == pytest.approx(longest_climb(N, alpha, gamma, tau), rel=1e-9)
+
+
+def test_chin_et_al_without_gamma_are_the_gap_map(page):
+    found = page.window(page.chin_damped(0.5, 0.05), "LLR")
+    assert [*found.values()] == pytest.approx([3.0 / 112.0, 1.0 / 9.0], rel=1e-12)
+    assert [*longest_climb(3, 0.5, 1e-300, 0.8).values()] == pytest.approx([3.0 / 112.0, 1.0 / 9.0], rel=1e-9)
+
+
+def test_the_regimes_of_chin_et_al_are_where_windows_meet_and_vanish():
+    # gamma = 0, N large: the window of N is (3/4 (1 - a) a^(2N - 2), (1 - a)^2 a^(2N - 4)), and that of N + 1 below it
+    def vanishes(a):
+        return 0.75 * (1.0 - a) * a**2 - (1.0 - a) ** 2
+
+    def meets(a):
+        return 0.75 * (1.0 - a) - (1.0 - a) ** 2
+
+    gone, apart = brentq(vanishes, 0.5, 0.9, xtol=1e-15), brentq(meets, 0.1, 0.5, xtol=1e-15)
+    assert (gone, apart) == pytest.approx((2.0 / 3.0, 0.25), abs=1e-14)
+    names = [gz.theory.regime(a + d).name for a in (apart, gone) for d in (-1e-9, 1e-9)]
+    assert names == ["overlapping", "separated", "separated", "chaotic"]
+
+
+def test_the_symbols_of_chin_et_al_are_those_of_a_normal_form(page):
+    # trace and determinant of a period without impact, by the matrix exponential
+    m = page.shaw_holmes(0.05, 1.0, 1.7, 0.5, 0.8)
+    nf = gz.normal_form(m, "sigma")
+    E = expm(np.array([[0.0, 1.0], [-1.0, -0.1]]) * 2.0 * np.pi / 1.7)
+    assert (nf.lam, nf.det, nf.r) == pytest.approx((np.trace(E), np.linalg.det(E), 0.8), abs=1e-12)
