@@ -269,3 +269,41 @@ def test_the_symbols_of_chin_et_al_are_those_of_a_normal_form(page):
     nf = gz.normal_form(m, "sigma")
     E = expm(np.array([[0.0, 1.0], [-1.0, -0.1]]) * 2.0 * np.pi / 1.7)
     assert (nf.lam, nf.det, nf.r) == pytest.approx((np.trace(E), np.linalg.det(E), 0.8), abs=1e-12)
+
+
+@pytest.mark.parametrize("values", [(0.05, 1.0, 1.9, 0.3, 0.8), (0.1, 2.0, 2.7, 0.1, 0.6)])
+def test_foale_flies_as_the_equation_says(page, values):
+    zeta, F, omega, a, r = values
+    same_flight(page.foale(*values), (a - 0.4, 0.3), lambda t, x, v: F * np.cos(omega * t) - 2.0 * zeta * v - x, a, r=r)
+
+
+@pytest.mark.parametrize(("shift", "kind", "multiplier"), [(-0.05, "lp", 1.0), (0.05, "pd", -1.0)])
+def test_foale_folds_below_the_resonance_and_doubles_above(page, shift, kind, multiplier):
+    zeta, F, r = 0.05, 1.0, 0.8
+    omega = 2.0 * np.sqrt(1.0 - zeta**2) + shift
+
+    def orbit(phi):
+        return OneImpact(2.0 * zeta, 1.0, F, omega, r, 1, phi)
+
+    # the orbit grows out of the graze, whose phase is that of the response's maximum
+    top = -np.angle(1.0 / complex(1.0 - omega**2, 2.0 * zeta * omega))
+    phis = top + np.linspace(-0.5, 0.5, 401) + 1e-5
+    tests = np.array([orbit(phi).test(multiplier) for phi in phis])
+    walls = [orbit(brentq(lambda phi: orbit(phi).test(multiplier), phis[i], phis[i + 1], xtol=1e-15)).wall
+             for i in np.flatnonzero(tests[1:] * tests[:-1] < 0.0)]  # fmt: skip
+    a, found = page.edge(zeta, F, omega, r)
+    assert found == kind
+    assert min(abs(np.array(walls) - a)) < 1e-10
+
+
+def test_foale_meets_all_three_at_twice_the_damped_frequency(page):
+    zeta, F, r = 0.05, 1.0, 0.8
+    resonance = 2.0 * np.sqrt(1.0 - zeta**2)
+    for sign in (-1.0, 1.0):
+        distances = []
+        for shift in (0.01, 0.02):
+            omega = resonance + sign * shift
+            graze = F / np.hypot(1.0 - omega**2, 2.0 * zeta * omega)
+            assert gz.normal_form(page.foale(zeta, F, omega, 0.3, r), "sigma").graze == pytest.approx(-graze, abs=1e-13)
+            distances.append(page.edge(zeta, F, omega, r)[0] - graze)
+        assert distances[1] / distances[0] == pytest.approx(4.0, rel=0.1)  # a touch, not a crossing
