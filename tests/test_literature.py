@@ -307,3 +307,63 @@ def test_foale_meets_all_three_at_twice_the_damped_frequency(page):
             assert gz.normal_form(page.foale(zeta, F, omega, 0.3, r), "sigma").graze == pytest.approx(-graze, abs=1e-13)
             distances.append(page.edge(zeta, F, omega, r)[0] - graze)
         assert distances[1] / distances[0] == pytest.approx(4.0, rel=0.1)  # a touch, not a crossing
+
+
+def test_luck_and_mehta_fly_as_their_equation_says(page):
+    g, omega, eta, Gamma = 9.81, 30.0, 0.7, 2.3
+    A = Gamma * g / omega**2
+
+    def table(t):
+        return A * np.sin(omega * t), A * omega * np.cos(omega * t)
+
+    z, w = 2.0 * A, 0.3
+    theirs = flown(lambda t, x, v: -g, table, 1, lambda v: -eta * v, (z, w), (0.0, 10.0), 6, longest=0.002)
+    s, drift = table(theirs[:, 0])
+    theirs[:, 1:] -= drift[:, None]
+    s, drift = table(0.0)
+    units = {"luck_mehta": (omega, g / omega), "si": (1.0, 1.0)}  # of 1/time and of speed
+    si = gz.Forcing(omega=omega, offset=-g, cos=(), sin=(A * omega**2,))
+    models = {"luck_mehta": page.luck_mehta(Gamma, eta), "si": gz.Oscillator(0, 0, si, gz.newton(eta))}
+    for name, (rate, speed) in units.items():
+        start = (z - s) * rate / speed, (w - drift) / speed
+        ours = gz.trajectory(models[name], start, until=theirs[-1, 0] * rate + 1e-4)
+        rows = np.stack([ours.impact_time / rate, ours.v_minus * speed, ours.v_plus * speed], axis=-1)
+        np.testing.assert_allclose(rows, theirs, rtol=0.0, atol=1e-8, err_msg=name)
+
+
+@pytest.mark.parametrize(("eta", "n"), [(0.5, 1), (0.5, 2), (0.8, 3), (0.0, 1), (0.0, 2)])
+def test_luck_and_mehta_lock_between_their_closed_forms(page, eta, n):
+    found = gz.windows(page.luck_mehta(2.0, eta), "sin1", N=n, span=(0.5, 8.0))
+    first = n * np.pi * (1.0 - eta) / (1.0 + eta)
+    low = first if eta > 0.0 else np.hypot(1.0, n * np.pi)
+    high = np.hypot(first, 2.0 * (1.0 + eta**2) / (1.0 + eta) ** 2)
+    assert (found.low.item(), found.high.item()) == pytest.approx((low, high), rel=1e-14)
+
+
+@pytest.mark.parametrize("alpha", [0.4, 0.9])
+def test_holmes_is_the_ball_of_luck_and_mehta_high_above_the_table(page, alpha):
+    # units of g = omega = 1; the table at Gamma sin(t), so that phi = t + pi
+    Gamma, t, w = 3.0, 0.7, 5e5
+    flight = brentq(
+        lambda s: Gamma * (np.sin(t) - np.sin(t + s)) + w * s - 0.5 * s * s, 2.0 * w - 1.0, 2.0 * w + 1.0, xtol=1e-9
+    )
+    drift = Gamma * np.cos(t + flight)
+    after = drift - alpha * (w - flight - drift)
+    (phi, v), _letter = page.holmes(alpha, 2.0 * (1.0 + alpha) * Gamma)((t + np.pi, 2.0 * w))
+    assert np.exp(1j * phi) == pytest.approx(np.exp(1j * (t + flight + np.pi)), abs=1e-4)
+    assert v - 2.0 * alpha * w == pytest.approx(2.0 * (after - alpha * w), abs=1e-4 * Gamma)
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_holmes_bounces_between_his_closed_forms(page, n):
+    alpha = 0.5
+    low = 2.0 * np.pi * n * (1.0 - alpha)
+    high = 2.0 * np.hypot(n * np.pi * (1.0 - alpha), 1.0 + alpha)
+    H = page.holmes(alpha, 0.5 * (low + high))
+    (orbit,) = [o for o in gz.periodic_orbits(H, 1) if o.stable and abs(o.points[0, 1] - 2.0 * np.pi * n) < 1.0]
+    assert orbit.points[0, 1] == pytest.approx(2.0 * np.pi * n, rel=1e-12)
+    ends = {point.type: point.value for point in gz.continuation(H, orbit, "gamma", (0.9 * low, 1.1 * high)).special}
+    assert ends == pytest.approx({"lp": low, "pd": high}, rel=1e-9)
+    # Gamma = gamma/(2 (1 + alpha)): the saddle-node is that of the exact ball
+    exact = gz.windows(page.luck_mehta(low, alpha), "sin1", N=n, span=(0.5, 8.0)).low.item()
+    assert low / (2.0 * (1.0 + alpha)) == pytest.approx(exact, rel=1e-14)
