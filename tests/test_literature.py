@@ -367,3 +367,62 @@ def test_holmes_bounces_between_his_closed_forms(page, n):
     # Gamma = gamma/(2 (1 + alpha)): the saddle-node is that of the exact ball
     exact = gz.windows(page.luck_mehta(low, alpha), "sin1", N=n, span=(0.5, 8.0)).low.item()
     assert low / (2.0 * (1.0 + alpha)) == pytest.approx(exact, rel=1e-14)
+
+
+def climb_ends(n, a, b, l):
+    """Ends in mu of the orbit L^n R of Jain and Banerjee, where a point next to the border reaches it."""
+    S = (1.0 - a**n) / (1.0 - a)
+    return sorted([-(a**n) * l / (S + a**n), -(a**n) * l / (S + a**n * (1.0 + b) - 1.0)])
+
+
+@pytest.mark.parametrize(("a", "b", "l"), [(0.5, 0.5, -1.0), (0.7, 0.3, -0.6), (0.5, -0.5, -1.0)])
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_jain_and_banerjee_have_windows_where_their_lines_say(page, a, b, l, n):
+    low, high = climb_ends(n, a, b, l)
+    P = page.jain_banerjee(a, b, 0.4 * low + 0.6 * high, l)
+    assert page.existence(P, "L" * n + "R") == pytest.approx([low, high], abs=1e-12)
+
+
+def test_jain_and_banerjee_are_mirrored_by_turning_x_round(page):
+    # x -> -x takes (a, b, mu, l) to (b, a, -mu - l, l): R^n L exists where L^n R does after that
+    low, high = climb_ends(2, 0.5, 0.5, -1.0)
+    P = page.jain_banerjee(0.5, 0.5, 0.75, -1.0)
+    assert page.existence(P, "LRR") == pytest.approx([1.0 - high, 1.0 - low], abs=1e-12)
+
+
+def test_jain_and_banerjee_add_periods_or_let_them_coexist(page):
+    values = [0.1, 0.148, 0.25, 0.36, 0.6]
+    sets = {}
+    for b in (0.5, -0.5):
+        diagram = gz.orbit_diagram(page.jain_banerjee(0.5, b, 0.5, -1.0), "mu", values, starts=200)
+        sets[b] = [set(row.tolist()) for row in diagram.period.values]
+    assert all(len(periods) == 1 and min(periods) > 1 for periods in sets[0.5])
+    ends = {n + 1: climb_ends(n, 0.5, -0.5, -1.0) for n in range(1, 12)}
+    assert sets[-0.5] == [{period for period, (low, high) in ends.items() if low < mu < high} for mu in values]
+    assert [len(periods) for periods in sets[-0.5]] == [1, 2, 1, 2, 1]
+
+
+def test_jain_and_banerjee_have_two_fixed_points_for_a_jump_up(page):
+    a, b, mu, l = 0.5, 0.3, -0.4, 1.0
+    found = gz.periodic_orbits(page.jain_banerjee(a, b, mu, l), 1, starts=400)
+    points = {orbit.word: orbit.points[0, 0] for orbit in found if orbit.stable}
+    assert points == pytest.approx({"L": mu / (1.0 - a), "R": (mu + l) / (1.0 - b)}, abs=1e-12)
+
+
+@pytest.mark.parametrize("values", [(0.0, 2.2, 0.1, 0.6), (0.1, 1.4, -0.2, 0.9)])
+def test_peterka_flies_as_the_equation_says(page, values):
+    beta, eta, rho, R = values
+    same_flight(page.peterka(*values), (rho - 0.5, 0.2), lambda t, x, v: np.cos(eta * t) - 2.0 * beta * v - x, rho, r=R)
+
+
+@pytest.mark.parametrize(("n", "eta", "rho"), [(1, 2.2, 0.1), (1, 1.4, 0.1), (2, 3.5, 0.1), (1, 2.2, -0.05)])
+def test_peterka_hits_as_fast_as_the_closed_form_says(page, n, eta, rho):
+    # X = q cos(s) + q t sin(s) + response, s from the impact: both ends of the flight lie at rho
+    R, t = 0.6, np.tan(np.pi * n / eta)
+    side = (t * (1.0 - R) / ((1.0 + R) * eta)) ** 2
+    q = np.roots([1.0 + side, -2.0 * rho, rho * rho - (1.0 - eta * eta) ** -2])
+    speeds = 2.0 * abs(t * q) / (1.0 + R)
+    orbits = gz.one_impact_orbits(page.peterka(0.0, eta, rho, R), n)
+    stable = [orbit for orbit in orbits if orbit.stable and orbit.admissible]
+    assert len(stable) == 1 and sum(int(letter) for letter in stable[0].word) == 1 and len(stable[0].word) == n
+    assert [min(abs(speeds / -orbit.v_minus - 1.0)) < 1e-12 for orbit in stable] == [True]
