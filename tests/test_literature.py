@@ -40,6 +40,7 @@ def test_each_comment_is_what_its_line_prints(page):
 
 def test_each_paper_has_a_table_and_a_call():
     sections = re.split(r"^## ", read(PAGE), flags=re.MULTILINE)[1:]
+    assert len(sections) == 9
     for section in sections:
         assert "| theirs | here |" in section and "```python\nimport grazing as gz\n" in section, section[:40]
         assert re.search(r"^    \S.*(=|→).*$", section, re.MULTILINE), section[:40]
@@ -117,17 +118,30 @@ def doubling_at_zero(c, r, n, low, high):
     """Frequency at which the (1, n) orbit with its wall at 0 doubles, K = 1: the amplitude drops out."""
 
     def height(omega):
-        def wall(phi):
-            return OneImpact(c, 1.0, 1.0, omega, r, n, phi).wall
-
-        phis = 0.01 + np.linspace(0.0, np.pi, 50)  # phi + pi is the same orbit, mirrored
-        i = next(i for i in range(49) if wall(phis[i]) * wall(phis[i + 1]) <= 0.0)
-        return OneImpact(c, 1.0, 1.0, omega, r, n, brentq(wall, phis[i], phis[i + 1], xtol=1e-15)).test(-1.0)
+        # the wall is a sine of the phase: two values say where it is at 0
+        first, second = (OneImpact(c, 1.0, 1.0, omega, r, n, 0.3 + quarter).wall for quarter in (0.0, np.pi / 2.0))
+        return OneImpact(c, 1.0, 1.0, omega, r, n, 0.3 + np.arctan2(-first, second)).test(-1.0)
 
     return brentq(height, low, high, xtol=1e-14)
 
 
 # ---- the papers
+
+
+def test_the_general_call_flies_as_its_equation_says(page):
+    zeta, omega0, P, F, omega, phi, sigma, r = 0.04, 1.7, 0.3, 1.2, 2.3, 0.9, 0.15, 0.7
+
+    def force(t, x, v):
+        return P + F * np.cos(omega * t + phi) - 2.0 * zeta * omega0 * v - omega0**2 * x
+
+    same_flight(page.wall_above(zeta, omega0, P, F, omega, phi, sigma, r), (sigma - 0.5, 0.2), force, sigma, r=r)
+
+
+@pytest.mark.parametrize("P", [0.0, 0.7])
+def test_the_general_call_grazes_at_the_amplitude_of_the_free_response(page, P):
+    m = page.wall_above(0.05, 3.0, P, 2.0, 4.0, 0.5, 0.1, 0.8)
+    top = P / 9.0 + 2.0 / np.hypot(9.0 - 16.0, 2.0 * 0.05 * 3.0 * 4.0)
+    assert -gz.normal_form(m, "sigma").graze == pytest.approx(top, abs=1e-13)
 
 
 @pytest.mark.parametrize("values", [(0.05, 1.0, 2.0, 0.1, 0.8), (0.2, 2.5, 1.3, -0.4, 0.5)])
@@ -269,6 +283,13 @@ def test_the_symbols_of_chin_et_al_are_those_of_a_normal_form(page):
     nf = gz.normal_form(m, "sigma")
     E = expm(np.array([[0.0, 1.0], [-1.0, -0.1]]) * 2.0 * np.pi / 1.7)
     assert (nf.lam, nf.det, nf.r) == pytest.approx((np.trace(E), np.linalg.det(E), 0.8), abs=1e-12)
+    # an impact multiplies the determinant of a period by the square of the restitution, as theirs does
+    P = gz.stroboscopic_map(nf.model.replace(sigma=nf.graze + 0.01))
+    start = P.iterate((1.0, 0.0), 40)[-1]
+    (_new, hits), J = P(start), P.jacobian(start)
+    assert hits == 1 and np.linalg.det(J) == pytest.approx(nf.det * 0.8**2, rel=1e-10)
+    C = page.chin(nf.lam, nf.det, nf.r, 0.0)
+    assert np.linalg.det(C.jacobian((0.1, 0.0))) == pytest.approx(nf.det * 0.8**2, rel=1e-8)
 
 
 @pytest.mark.parametrize("values", [(0.05, 1.0, 1.9, 0.3, 0.8), (0.1, 2.0, 2.7, 0.1, 0.6)])
@@ -322,8 +343,7 @@ def test_luck_and_mehta_fly_as_their_equation_says(page):
     theirs[:, 1:] -= drift[:, None]
     s, drift = table(0.0)
     units = {"luck_mehta": (omega, g / omega), "si": (1.0, 1.0)}  # of 1/time and of speed
-    si = gz.Forcing(omega=omega, offset=-g, cos=(), sin=(A * omega**2,))
-    models = {"luck_mehta": page.luck_mehta(Gamma, eta), "si": gz.Oscillator(0, 0, si, gz.newton(eta))}
+    models = {"luck_mehta": page.luck_mehta(Gamma, eta), "si": page.luck_mehta_si(A, omega, g, eta)}
     for name, (rate, speed) in units.items():
         start = (z - s) * rate / speed, (w - drift) / speed
         ours = gz.trajectory(models[name], start, until=theirs[-1, 0] * rate + 1e-4)
