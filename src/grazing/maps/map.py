@@ -23,7 +23,7 @@ from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import Derived
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, shown, told
+from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
     checked_box,
@@ -187,8 +187,8 @@ class Map(ByValue):
         return _built_again, ({item.name: packed(getattr(self, item.name)) for item in fields(self) if item.init},)
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
-        return f"<Map {self.name}: ({', '.join(self.coordinates)}); {values}>"
+        values = listed(f"{name}={value:g}" for name, value in self.params.items())
+        return f"<Map {self.name}: ({listed(self.coordinates)}); {values}>"
 
     @property
     def _linked(self) -> bool:
