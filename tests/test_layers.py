@@ -14,7 +14,7 @@ SOURCE = Path(__file__).parents[1] / "src"
 # siblings that do not know each other. `grazing` is the public list, which only the top may use.
 LAYERS = (
     ("outcome",),
-    ("parameter", "memory", "writing"),
+    ("parameter", "memory", "writing", "units"),
     ("kernel", "theory"),
     ("copies",),
     ("oscillator",),

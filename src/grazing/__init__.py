@@ -78,6 +78,7 @@ _PUBLIC = {
     "load": "io",
     "to_csv": "export",
     "to_parquet": "export",
+    "in_units": "units",
     "save": "io",
     "cite": "citation",
     "config": "",
@@ -164,6 +165,7 @@ if TYPE_CHECKING:
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
     from grazing.studies.zero_one import zero_one as zero_one
+    from grazing.units import in_units as in_units
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,49 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) 
     if len(stores) > 1:
         raise InputError(f"-o {' -o '.join(stores)}: one store at a time")
     return paths
+
+
+UNITS = "Units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s."
+
+
+def checked_units(units: str | None) -> tuple[str, ...]:
+    """Return units that a text names, commas between them, or raise InputError for what is none."""
+    if units is None:
+        return ()
+    from grazing.units import magnitude
+
+    found = tuple(unit.strip() for unit in units.split(","))
+    for unit in found:
+        magnitude(f"1 {unit}", unit, "--units")
+    return found
+
+
+def converted(result: Any, units: Sequence[str]) -> Any:
+    """Return a result in other units, as it is without any."""
+    if not units:
+        return result
+    from grazing.units import in_units
+
+    return in_units(result, *units)
+
+
+def converted_or_not(result: Any, units: Sequence[str]) -> Any:
+    """Return a result that was just computed in other units; as it is, with a warning, where these do not fit."""
+    try:
+        return converted(result, units)
+    except InputError as error:
+        warnings.warn(f"--units: {error}; nothing is converted", stacklevel=2)
+        return result
+
+
+def units_of(result: Any) -> dict[str, list[str]]:
+    """Return the units of a result, each with the names of what has it."""
+    found: dict[str, list[str]] = {}
+    for name, variable in result.variables.items():
+        unit = str(variable.attrs.get("units", "1"))
+        if unit != "1":
+            found.setdefault(unit, []).append(str(name))
+    return found
 
 
 def write(result: Any, path: Path, **style: Any) -> list[str]:

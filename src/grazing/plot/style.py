@@ -256,14 +256,24 @@ def label(name: str, symbol: str | None = None) -> str:
     return mathematics(symbol, name) if symbol else plain(name)
 
 
+def symbol(variable: Any) -> str:
+    """Return an axis label of a variable: its symbol, or its name, and its unit."""
+    return f"{label(str(variable.name), variable.attrs.get('symbol'))}{unit_of(variable)}"
+
+
+def unit_of(variable: Any) -> str:
+    """Return the unit of a variable as a label ends with it, nothing if there is none."""
+    unit = str(variable.attrs.get("units", "1"))
+    return "" if unit == "1" else f" ({plain(unit)})"
+
+
 def quantity(variable: Any) -> str:
     """Return an axis label that says what a variable is: its long name, symbol and unit, as far as it has them."""
     attrs = variable.attrs
     words = [plain(str(attrs["long_name"]))] if "long_name" in attrs else []
     if "symbol" in attrs or not words:
         words.append(label(str(variable.name), attrs.get("symbol")))
-    unit = str(attrs.get("units", "1"))
-    return " ".join([*words, *([] if unit == "1" else [f"({plain(unit)})"])])
+    return " ".join(words) + unit_of(variable)
 
 
 def mathematics(formula: str, name: str) -> str:
