@@ -45,15 +45,15 @@ def si_numbers(
     With x upwards from the place where the spring is relaxed, m x'' + c x' + k x = F(t) + load, and z the motion of
     the base, y = x - z is what a moving stop sees. Then u = y for a stop below, u = -y for one above.
     """
-    if side not in SIDES:
+    if not isinstance(side, str) or side not in SIDES:
         raise InputError(f"side = {shown(side)}; allowed are 'above' and 'below', where the stop is")
-    if moves not in MOVES:
+    if not isinstance(moves, str) or moves not in MOVES:
         raise InputError(
             f"moves = {shown(moves)}; allowed are 'both', 'spring' and 'stop', what the base carries along"
         )
     mass, damping, stiffness = _checked(M, m), _checked(C, c), _checked(K, k)
-    distance = magnitude(gap, GAP.units, "gap")
-    if isinstance(distance, (int, float)) and -inf < distance < 0.0:
+    distance = real(magnitude(gap, GAP.units, "gap"), "gap", f"allowed is {GAP.allowed} ({GAP.meaning})")
+    if distance < 0.0:
         other = "below" if side == "above" else "above"
         raise InputError(
             f"gap = {distance:g} m; it is a distance, >= 0, and side says where the stop is: for one on the other side "
@@ -72,7 +72,7 @@ def si_numbers(
         sin.append(sign * damper + 0.0)  # no negative zero
     return Numbers(
         mass, damping / mass, sqrt(stiffness / mass), w, sign * _checked(LOAD, load) + 0.0, tuple(cos), tuple(sin),
-        0.0 - _checked(GAP, distance),
+        0.0 - distance,
     )  # fmt: skip
 
 
