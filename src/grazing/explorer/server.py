@@ -17,6 +17,8 @@ from threading import Thread
 from urllib.parse import unquote, urlsplit
 
 from grazing.outcome import InputError
+from grazing.paths import path_of
+from grazing.writing import whole_file
 
 HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
@@ -190,7 +192,7 @@ def ours(file: Path) -> bool:
         return False
 
 
-def copy_to(folder: Path) -> Path:
+def copy_to(folder: str | Path) -> Path:
     """Copy the page and its kernels to a folder, for any web server; return the page.
 
     A copy that is there already is renewed; other files in the folder stay.
@@ -200,23 +202,24 @@ def copy_to(folder: Path) -> Path:
     InputError
         If the folder cannot be written to, or holds a ``page`` or ``kernels`` of somebody else.
     """
-    source = files()
-    for part, needed in PARTS.items():
-        there = folder / part
-        taken = any(there.iterdir()) if there.is_dir() else there.exists()
-        if there.is_symlink() or (taken and not ours(there / needed)):
-            raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
+    source, to = files(), path_of(folder)
     first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     try:
+        for part, needed in PARTS.items():
+            there = to / part
+            taken = any(there.iterdir()) if os.path.isdir(there) else os.path.exists(there)
+            if os.path.islink(there) or (taken and not ours(there / needed)):
+                raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
         for name, path in sorted(source.items(), key=lambda item: item[0] not in first):
             if not name.endswith("/"):
-                goal = folder / name.lstrip("/")
+                goal = to / name.lstrip("/")
                 goal.parent.mkdir(parents=True, exist_ok=True)
-                if goal.is_symlink() or (goal.exists() and not goal.samefile(path)):
-                    goal.unlink()  # a link: what it leads to is not ours
-                shutil.copyfile(path, goal)
+                if os.path.exists(goal) and not os.path.islink(goal) and goal.samefile(path):
+                    raise shutil.SameFileError("its page is the same file")
+                with whole_file(goal) as new:
+                    shutil.copyfile(path, new)
     except OSError as error:
         raise InputError(
             f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"
         ) from None
-    return folder / "page" / "index.html"
+    return to / "page" / "index.html"

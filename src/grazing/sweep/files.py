@@ -125,7 +125,7 @@ def is_own(root: Path, key: str) -> bool:
     here = root
     for part in key.split("/"):
         here = here / part
-        if here.is_symlink() or not here.is_dir():
+        if os.path.islink(here) or not os.path.isdir(here):
             return False
     return True
 
@@ -135,9 +135,9 @@ def is_plain(root: Path, key: str) -> bool:
     here = root
     for part in key.split("/")[:-1]:
         here = here / part
-        if here.is_symlink():
+        if os.path.islink(here):
             return False
-    return not (root / key).is_symlink() and (root / key).is_file()
+    return not os.path.islink(root / key) and os.path.isfile(root / key)
 
 
 def clear_way(root: Path, key: str) -> None:

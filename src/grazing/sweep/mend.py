@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -45,7 +46,7 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
     InputError
         If what is left does not say what was there.
     """
-    if not (path / MANIFEST).is_dir() and _format(path) != FORMAT:
+    if not os.path.isdir(path / MANIFEST) and _format(path) != FORMAT:
         return []
     mended = []
     try:
@@ -138,7 +139,7 @@ def _candidates(path: Path, plan: Plan | None) -> Iterator[bytes]:
         prints: dict[str, Print] = {
             file.relative_to(path).as_posix(): print_of(read_file(file)) for file in files if file.is_file()
         }
-        if all((path / name).is_dir() for name in names):
+        if all(os.path.isdir(path / name) for name in names):
             yield manifest_of(path, names, prints)
     except (OSError, *MISFIT):
         layout = None
