@@ -290,8 +290,9 @@ class Store:
             for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
                     found = PARTIAL.fullmatch(file)
-                    if found and Path(folder, found["name"]).relative_to(self.path).as_posix() in ours:
-                        Path(folder, file).unlink(missing_ok=True)
+                    where = Path(folder).relative_to(self.path).as_posix()
+                    if found and f"{where}/{found['name']}" in ours:
+                        remove_file(self.path, f"{where}/{file}")
 
 
 def _inside(part: Slices) -> Any:
