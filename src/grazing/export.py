@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
+from grazing.paths import path_of
 from grazing.writing import whole_file
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _tables_written(
     result: xr.Dataset, path: str | os.PathLike[str], ending: str, write: Callable[[Path, list[str], Pieces], None]
 ) -> list[Path]:
     """Write each table of a result to a file of its own, piece by piece."""
-    target = Path(path)
+    target = path_of(path)
     if target.suffix != ending:
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is {ending!r}")
     if not hasattr(result, "data_vars"):

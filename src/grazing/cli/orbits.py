@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+import os
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -48,7 +49,7 @@ def check(
     """
     from grazing.proof.check import check_certificate
 
-    if not Path(file).is_file():
+    if not os.path.isfile(Path(file)):
         raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
     law = None
     if model is not None:

@@ -34,11 +34,11 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) 
         if path.suffix not in allowed or not path.stem:
             endings = ", ".join(ending.lstrip(".") for ending in allowed)
             raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}, in small letters")
-        if not path.parent.is_dir():
+        if not os.path.isdir(path.parent):
             raise InputError(f"-o {path}: there is no folder {path.parent}; make it first")
-        if path.is_dir() and path.suffix != STORE:
+        if os.path.isdir(path) and path.suffix != STORE:
             raise InputError(f"-o {path}: that is a folder; give the name of a file")
-        if not os.access(path if path.exists() and path.suffix != STORE else path.parent, os.W_OK):
+        if not os.access(path if os.path.exists(path) and path.suffix != STORE else path.parent, os.W_OK):
             raise InputError(f"-o {path} cannot be written: permission denied; choose another folder")
     stores = [str(path) for path in paths if path.suffix == STORE]
     if len(stores) > 1:

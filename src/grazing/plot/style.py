@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -20,6 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 
 from grazing.outcome import InputError, shown
+from grazing.paths import path_of
+from grazing.writing import whole_file
 
 #: Widths in millimetres: one column and two columns of a journal page.
 SINGLE, DOUBLE = 85.0, 174.0
@@ -231,17 +232,10 @@ def save(
     -------
     Path
     """
-    path = Path(path)
+    path = path_of(path)
     data = rendered(fig, path.suffix.lstrip(".").lower(), title, provenance)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with whole_file(path) as part:
         part.write_bytes(data)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise InputError(
-            f"cannot write {path}: {error.strerror}; choose a folder that exists and can be written to"
-        ) from None
     return path
 
 
