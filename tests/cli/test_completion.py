@@ -1,13 +1,14 @@
-"""Completion in a real bash: options, words that are allowed, and names of files."""
+"""Completion in a real bash, zsh and fish: options, words that are allowed, and names of files."""
 
+import os
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from grazing.cli.app import app
 
-pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 # COMP_WORDS as bash makes them: `=` stands alone between the two words around it
 ASK = """
 source completion
@@ -23,22 +24,56 @@ def folder(tmp_path_factory):
     for name in ("study.toml", "a result.nc", "orbit.json", "own.py"):
         (folder / name).touch()
     (folder / "store.zarr").mkdir()
-    (folder / "completion").write_text(app.generate_completion(prog_name="grazing", shell="bash"))
+    (folder / "functions").mkdir()
+    files = {"bash": "completion", "zsh": "functions/_cyclopts_grazing", "fish": "completion.fish"}
+    for shell, name in files.items():
+        (folder / name).write_text(app.generate_completion(prog_name="grazing", shell=shell))
     return folder
 
 
-def offered(folder, *words):
+def in_bash(folder, *words):
     command = ["bash", "--norc", "-c", ASK, "bash", "grazing", *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
-    return set(done.stdout.split("\n")) - {""}
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
 
 
+def in_zsh(folder, *words):
+    for name in ("offered", "ready", "ended"):
+        (folder / name).unlink(missing_ok=True)
+    (folder / "offered").touch()
+    line = " ".join(["grazing", *words]).replace(" = ", "=")
+    command = ["zsh", "-f", str(Path(__file__).with_name("completed.zsh")), "functions", line]
+    subprocess.run(command, cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, check=True, timeout=60)
+    assert (folder / "ended").exists()
+    return (folder / "offered").read_text().replace("\\ ", " ")
+
+
+def in_fish(folder, *words):
+    line = " ".join(["grazing", *words]).replace(" = ", "=")
+    command = ["fish", "--no-config", "-c", "source completion.fish; complete -C $argv[1]", line]
+    env = {**os.environ, "HOME": str(folder), "XDG_DATA_HOME": str(folder)}
+    said = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True, env=env).stdout
+    found = [row.partition("\t")[0].rstrip("/") for row in said.splitlines()]
+    return "\n".join(one.rpartition("=")[2] if "=" in line else one for one in found)
+
+
+SHELLS = {"bash": in_bash, "zsh": in_zsh, "fish": in_fish}
+
+
+def offered(shell, folder, *words):
+    if shutil.which(shell) is None:
+        pytest.skip(f"needs {shell}")
+    return {one.strip() for one in SHELLS[shell](folder, *words).split("\n")} - {""}
+
+
+@pytest.mark.parametrize("shell", SHELLS)
 @pytest.mark.parametrize(
     ("words", "some"),
     [
         (["diagram", "--law", ""], {"active", "newton", "triggered"}),
         (["diagram", "--law", "=", "n"], {"newton"}),
         (["chart", "--map", "ga"], {"gap"}),
+        (["chart", "--map", ""], {"gap", "own.py"}),
+        (["chart", "--map", "=", "ow"], {"own.py"}),
         (["density", "--arithmetic", ""], {"fast", "strict"}),
         (["graph", "--order", ""], {"none", "lowest"}),
         (["paper", "--size", ""], {"small", "large"}),
@@ -60,8 +95,43 @@ def offered(folder, *words):
         (["paper", "--out", "sto"], {"store.zarr"}),
     ],
 )
-def test_words_and_files_are_offered(folder, words, some):
-    assert some <= offered(folder, *words)
+def test_words_and_files_are_offered(shell, folder, words, some):
+    assert some <= offered(shell, folder, *words)
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_what_begins_otherwise_is_not_offered(shell, folder):
+    assert offered(shell, folder, "chart", "--map", "ga") == {"gap"}
+    assert "trajectory" not in offered(shell, folder, "dia")
+
+
+def quotes_close(script):
+    """Whether every quote of a script is closed."""
+    quote, i = "", 0
+    while i < len(script):
+        c = script[i]
+        if c == "\\" and quote != "'":
+            i += 1
+        elif quote:
+            quote = "" if c == quote else quote
+        elif c in "'\"":
+            quote = c
+        elif c == "#" and script[i - 1] in " \n":
+            i = script.index("\n", i)
+        i += 1
+    return not quote
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_the_script_is_whole_in_every_shell_and_offers_what_the_others_do(shell):
+    """Without the shells: every command, option and word stands in each script, and its quotes close."""
+    script = app.generate_completion(prog_name="grazing", shell=shell)
+    assert quotes_close(script) and not quotes_close(script[:-2] + "'")
+    for one in ("diagram", "basins", "install-completion", "active", "newton", "normal-form", "*.py", "dump-config"):
+        assert one in script
+    if shutil.which(shell):
+        checked = subprocess.run([shell, "-n", "/dev/stdin"], input=script, text=True, capture_output=True)
+        assert checked.returncode == 0 and not checked.stderr
 
 
 def test_every_option_with_choices_or_a_file_offers_them(folder):

@@ -106,7 +106,9 @@ def test_words(capsys):
     assert main(["diagram", *SMALL, "-q"]) == 0
     out, err = capsys.readouterr()
     assert not err
-    assert out.startswith("orbit diagram of the gap map in mu\nsizes:   mu 5, start 3, n 8\ntime:    ")
+    head, found, rest = out.split("\n\n")
+    assert head == "orbit diagram of the gap map in mu" and found.startswith("word ")
+    assert rest.startswith("sizes:   mu 5, start 3, n 8\ntime:    ")
     assert "written: nothing; -o diagram.png" in out
 
 

@@ -76,16 +76,27 @@ RESULTS = {
 
 
 class Commands(App):
-    """All commands, with a completion for bash that takes names of files with spaces, and folders for folders."""
+    """All commands, with completion that offers files of one's own for --map, and in bash names with spaces."""
 
     def generate_completion(self, **where: Any) -> str:
         """Return the script that completes our commands in a shell."""
         found: str = super().generate_completion(**where)
-        return found.replace(
-            "COMPREPLY=( $(compgen -f", "local IFS=$'\\n'; compopt -o filenames 2>/dev/null; COMPREPLY=( $(compgen -f"
-        )
+        for before, after in COMPLETED:
+            found = found.replace(before, after)
+        return found
 
 
+#: What the scripts of completion say, and what they should: bash, zsh (--map=VALUE, then --map VALUE), fish.
+COMPLETED = (
+    ("COMPREPLY=( $(compgen -f", "local IFS=$'\\n'; compopt -o filenames 2>/dev/null; COMPREPLY=( $(compgen -f"),
+    ('"normal-form")', '"normal-form" $(compgen -G "*.py"))'),
+    ("'gap' 'normal-form'", "'gap' 'normal-form' *.py(N)"),
+    (
+        ":map:(stroboscopic impact discontinuity gap normal-form)",
+        ":map:{compadd -- stroboscopic impact discontinuity gap normal-form *.py(N)}",
+    ),
+    ("gap normal-form' -d", 'gap normal-form (string match -- "*.py" *)\' -d'),
+)
 app = Commands(
     name="grazing",
     help="Oscillators that hit things: impacts, grazing bifurcations and the maps that describe them.",

@@ -15,12 +15,15 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output, progress
+from grazing.cli.found_words import words_of
 from grazing.cli.options import RUN, recipe_from, signature_of
+from grazing.cli.orbit_rows import plain
 from grazing.cli.whole import whole_number
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
 from grazing.parameter import whole
+from grazing.studies.found import found as found_in
 
 DONE, INCOMPLETE = 0, 3
 #: Names of variables that a line of units shows, of each unit.
@@ -134,6 +137,7 @@ def compute(
     for file in files:
         if file not in stores:
             written += output.write(result, file, **style)
+    found = found_in(recipe["study"], result)
     summary = {
         "study": recipe["study"],
         "title": str(result.attrs.get("title", "")),
@@ -143,8 +147,10 @@ def compute(
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
         "command": command_of(recipe, [str(file) for file in files]),
+        "found": plain(found),
     }
-    print(text.dumps(summary) if json else "\n".join(lines(summary)))
+    head, *rest = lines(summary)
+    print(text.dumps(summary) if json else "\n".join([head, "", *words_of(recipe["study"], found), *rest]))
     sys.stdout.flush()
     return DONE
 
