@@ -18,7 +18,7 @@ export MPLBACKEND := Agg
 export MPLCONFIGDIR ?= $(CURDIR)/.venv/matplotlib
 export GRAZING_CACHE ?= $(CURDIR)/.venv/kernels
 
-.PHONY: help prepared paper test test-long check lint types types-page layers bench docs explorer clean
+.PHONY: help prepared paper test test-long coverage check lint types types-page layers bench docs explorer clean
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-10s %s\n", $$1, $$2 }' Makefile
@@ -31,6 +31,9 @@ test: .venv/ready-test prepared ## run the tests and every example in the docume
 
 test-long: .venv/ready-test prepared ## run the tests that take long, and those of properties with all examples
 	$(PYTEST) -m "long or hypothesis" --hypothesis-profile=thorough $(ARGS)
+
+coverage: .venv/ready-test prepared ## run the tests and report the share of lines that they run; of kernels, as Python
+	$(PYTEST) --cov --cov-report=term $(ARGS)
 
 test-numba: .venv/ready-test ## run the tests of kernels with the oldest numba that is allowed, and with the newest
 	@sh scripts/numba.sh oldest $(ARGS)

@@ -111,12 +111,12 @@ def test_no_attribute_changes_a_number(attrs, values, tmp_path):
 def test_a_pipe_is_not_waited_for(tmp_path):
     if not hasattr(os, "mkfifo"):
         pytest.skip("no pipes here")
-    for name in ("a.nc", "a.png", "a.json", "a.toml", "a.zarr"):
-        os.mkfifo(tmp_path / name)
-        done = subprocess.run(
-            [sys.executable, "-m", "grazing", "info", str(tmp_path / name)], capture_output=True, text=True, timeout=30
-        )
-        assert done.returncode == 2, done
+    paths = [str(tmp_path / name) for name in ("a.nc", "a.png", "a.json", "a.toml", "a.zarr")]
+    for path in paths:
+        os.mkfifo(path)
+    program = "import sys; from grazing.cli import main; print([main(['info', path]) for path in sys.argv[1:]])"
+    done = subprocess.run([sys.executable, "-c", program, *paths], capture_output=True, text=True, timeout=60)
+    assert done.stdout == f"{[2] * len(paths)}\n", done
 
 
 def head_of(record, count):
@@ -133,11 +133,75 @@ def test_a_head_that_takes_for_ever_is_not_read(tmp_path):
     for record, count in ((b"{}", 100_000), (b"[" + b"[]," * 6_000_000 + b"[]]", 0)):
         (tmp_path / "a.nc").write_bytes(head_of(record, count))
         begun = time.process_time()
-        with pytest.raises(InputError, match=r"is damaged and cannot be read: it(s record)? has more than"):
+        with pytest.raises(InputError, match=r"is damaged and cannot be read: it(s record)? (has|names) more than"):
             gz.load(tmp_path / "a.nc")
         assert time.process_time() - begun < 15.0
     with pytest.raises(InputError, match="at most 10000"):
         gz.save(xr.Dataset({f"x{i}": 0 for i in range(10_001)}), tmp_path / "b.nc")
+
+
+@pytest.mark.parametrize("dense", [False, True])
+def test_a_file_that_counts_for_ever_is_not_read(tmp_path, dense):
+    """Two thousand million dimensions of no name in a file that takes no room, or some millions in one that does."""
+    count = 5_000_000 if dense else 2**31 - 1
+    with open(tmp_path / "a.nc", "wb") as file:
+        file.write(b"CDF\x02" + struct.pack(">III", 0, 10, count))
+        file.truncate(8 * count)
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    os.truncate(tmp_path / "a.png", 2**38)
+    begun = time.process_time()
+    with pytest.raises(InputError, match=r"names more than it holds|would take .* GB"):
+        gz.load(tmp_path / "a.nc")
+    with pytest.raises(InputError, match="it has more than 100000 parts"):
+        gz.plot.provenance(tmp_path / "a.png")
+    assert time.process_time() - begun < 10.0
+
+
+CUT = """
+import os, sys
+import grazing as gz, grazing.io
+
+def cutting(module, name, path):
+    real = getattr(module, name)
+
+    def call(*arguments, **options):
+        os.truncate(path, 100)
+        return real(*arguments, **options)
+
+    setattr(module, name, call)
+
+result, figure = sys.argv[1:]
+cutting(grazing.io, "_record", result)
+print(gz.load(result).x.values.sum())
+gz.plot.provenance
+cutting(sys.modules["grazing.plot.provenance"], "_pdf", figure)
+print(gz.plot.provenance(figure)["title"])
+"""
+
+
+def test_a_file_that_another_process_cuts_off_while_it_is_read(tmp_path):
+    """What is mapped into memory ends the process when it goes away."""
+    gz.save(xr.Dataset({"x": ("d", np.ones(10**6))}), tmp_path / "a.nc")
+    gz.plot.save(gz.plot.figure(), tmp_path / "a.pdf", title="a title")
+    done = subprocess.run(
+        [sys.executable, "-c", CUT, str(tmp_path / "a.nc"), str(tmp_path / "a.pdf")], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, "1000000.0\na title\n"), done
+
+
+def test_an_attribute_is_not_taken_for_a_part_of_the_reader(tmp_path):
+    """SciPy keeps attributes among its own: mode, data, variables, ... One broke the file, others its reader."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(tmp_path / "b.nc", "w") as file:
+        own = sorted({*dir(file), *dir(file.createVariable("x", "i", ()))})
+    for of in ("file", "variable"):
+        for name in own:
+            result = xr.Dataset({"x": ("d", [1.0, 2.0])})
+            (result if of == "file" else result.x).attrs = {name: 3, "kept": 1}
+            with pytest.raises(InputError, match=r"rename it"):
+                gz.save(result, tmp_path / "a.nc")
+    assert not (tmp_path / "a.nc").exists()
 
 
 # ---- tables

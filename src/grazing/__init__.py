@@ -77,7 +77,9 @@ _PUBLIC = {
     "to_wav": "signals.sound",
     "load": "io",
     "to_csv": "export",
+    "to_dataframe": "export",
     "to_parquet": "export",
+    "in_units": "units",
     "save": "io",
     "cite": "citation",
     "config": "",
@@ -103,6 +105,7 @@ if TYPE_CHECKING:
     from grazing.compare.response import response as response
     from grazing.compare.validity import validity as validity
     from grazing.export import to_csv as to_csv
+    from grazing.export import to_dataframe as to_dataframe
     from grazing.export import to_parquet as to_parquet
     from grazing.io import load as load
     from grazing.io import save as save
@@ -164,6 +167,7 @@ if TYPE_CHECKING:
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
     from grazing.studies.zero_one import zero_one as zero_one
+    from grazing.units import in_units as in_units
 
 
 def __getattr__(name: str) -> Any:

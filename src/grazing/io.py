@@ -7,22 +7,23 @@ says what they were, so that :func:`load` gives back the very types, order and a
 
 from __future__ import annotations
 
+import io
 import json
 import os
-import stat
 import warnings
 from collections.abc import Hashable
-from contextlib import suppress
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from uuid import uuid4
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError, in_one_line, shown
+from grazing.paths import opened, path_of
+from grazing.writing import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +37,8 @@ _OF_THE_FILE = {RECORD, CREATED, "coordinates", "dtype", "_Encoding"}
 LARGEST = 2**32 - 4
 #: Variables of a file, and bytes of its record, beyond which it is no result.
 MOST, LONGEST = 10_000, 2**24
+#: Pieces in which a file is read at most: a result has some ten for each variable and attribute.
+PIECES = 10**6
 #: Dimension that holds the real and the imaginary part of a complex variable.
 PARTS = "real_imaginary"
 #: Types that NetCDF 3 stores as they are, and what the others are stored as; int64 goes where its numbers fit.
@@ -79,20 +82,11 @@ def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         raise InputError(f"cannot save {type(result).__name__}; give the xarray.Dataset that a study returns")
     stored = _encoded(result)
     stored.attrs[CREATED] = datetime.now(UTC).isoformat(timespec="seconds")
-    partial = target.with_name(f".{target.stem}-{uuid4().hex}.partial")
-    try:
-        stored.to_netcdf(partial, engine="scipy", format="NETCDF3_64BIT")
-        os.replace(partial, target)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
-    except (
-        ValueError,
-        NotImplementedError,
-    ) as error:  # such as an attribute whose name NetCDF keeps for itself: int, real, double, ...
-        raise InputError(f"{target} cannot be written: {error}; rename it or make it text") from error
-    finally:
-        with suppress(OSError):  # a name that is too long, a folder that is none
-            partial.unlink(missing_ok=True)
+    with whole_file(target) as part:
+        try:
+            stored.to_netcdf(part, engine="scipy", format="NETCDF3_64BIT")
+        except (ValueError, NotImplementedError) as error:  # such as a name that NetCDF keeps for itself: int, real
+            raise InputError(f"{target} cannot be written: {error}; rename it or make it text") from error
     return target
 
 
@@ -115,61 +109,72 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     InputError
         For a file that is missing, damaged or not written by :func:`save`.
     """
-    import xarray as xr
-
-    source = Path(path)
-    if source.is_dir():
+    source = path_of(path)
+    if os.path.isdir(source):
         from grazing.sweep import open_store
 
         try:
             return open_store(source)
         except InputError as error:
-            if (source / "zarr.json").exists() or (source / "manifest").exists():
+            if any(os.path.lexists(source / name) for name in ("zarr.json", "manifest")):
                 raise
             raise InputError(
                 f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
             ) from error
-    try:
-        if not stat.S_ISREG(os.stat(source).st_mode):  # a pipe may never begin
-            raise InputError(f"{source} is a device or a pipe; give a file")
-        with open(source, "rb") as file:
-            ours = file.read(3) == b"CDF"
-    except FileNotFoundError:
-        raise InputError(f"there is no file {source}") from None
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
+    with opened(source) as file:
+        if file.read(3) != b"CDF":
+            raise _foreign(source)
+        refuse_too_large(os.fstat(file.fileno()).st_size, f"{source} cannot be opened here")
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
+                return _read(_Once(file), source)
+        except InputError:
             raise
-        raise InputError(f"{source} cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    foreign = InputError(f"{source} was not written by gz.save; open it with xarray.open_dataset instead")
-    if not ours:
-        raise foreign
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
-            _refuse_long(source)
-            # Attributes such as scale_factor are those of the result: they change no number.
-            with xr.open_dataset(source, engine="scipy", decode_times=False, mask_and_scale=False) as opened:
-                if RECORD not in opened.attrs:
-                    raise foreign
-                record = _record(opened, source)
-                refuse_too_large(_size(opened, record), f"{source} cannot be opened here")
-                return _decoded(opened.load(), record)
-    except InputError:
-        raise
-    except Exception as error:  # a damaged file can fail anywhere in the reader
-        said = in_one_line(error)
-        raise InputError(f"{source} is damaged and cannot be read: {said}") from error
+        except Exception as error:  # a damaged file can fail anywhere in the reader
+            raise InputError(f"{source} is damaged and cannot be read: {in_one_line(error)}") from error
 
 
-def _refuse_long(source: Path) -> None:
-    """Raise ValueError for a head that no result has: variables and JSON take many times their bytes to be opened."""
-    from scipy.io import netcdf_file
+class _Once(io.BufferedReader):
+    """A file that gives each of its bytes once, in so many pieces: no file takes more memory, or time, than it has.
 
-    with netcdf_file(source, "r", mmap=True) as head:
-        if len(head.variables) > MOST:
-            raise ValueError(f"it has more than {MOST} variables")
-        if len(getattr(head, RECORD, b"")) > LONGEST:
-            raise ValueError(f"its record has more than {LONGEST} bytes")
+    A map of the file into memory would end the process where another one cuts the file off.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        super().__init__(file.raw)  # type: ignore[attr-defined]
+        self.seek(0)
+        self._left, self._pieces = os.fstat(file.fileno()).st_size, PIECES
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Return the next bytes."""
+        found = super().read(self._left if size is None or size < 0 else min(size, self._left))
+        self._left, self._pieces = self._left - len(found), self._pieces - 1
+        if (size and not found) or not self._pieces:
+            raise ValueError("it names more than it holds")
+        return found
+
+
+def _read(file: _Once, source: Path) -> xr.Dataset:
+    import xarray as xr
+    from xarray.backends import ScipyDataStore
+
+    store = ScipyDataStore(file)
+    if len(store.ds.variables) > MOST:  # they and JSON take many times their bytes to be opened
+        raise ValueError(f"it has more than {MOST} variables")
+    if len(getattr(store.ds, RECORD, b"")) > LONGEST:
+        raise ValueError(f"its record has more than {LONGEST} bytes")
+    # Attributes such as scale_factor are those of the result: they change no number.
+    with xr.open_dataset(store, decode_times=False, mask_and_scale=False) as stored:
+        if RECORD not in stored.attrs:
+            raise _foreign(source)
+        record = _record(stored, source)
+        refuse_too_large(_size(stored, record), f"{source} cannot be opened here")
+        return _decoded(stored.load(), record)
+
+
+def _foreign(source: Path) -> InputError:
+    return InputError(f"{source} was not written by gz.save; open it with xarray.open_dataset instead")
 
 
 def _record(stored: xr.Dataset, source: Path) -> dict[str, Any]:
@@ -186,7 +191,7 @@ def _size(stored: xr.Dataset, record: dict[str, Any]) -> int:
     """Return the bytes that a file takes in memory; it can name the same bytes, or wide types, many times over."""
     types = {name: _type(kept["dtype"], "biufcUO") for name, kept in record["variables"].items()}
     sizes = {name: (item.size, item.dtype.itemsize) for name, item in stored.variables.items()}
-    return sum(count * (stands + types[str(name)].itemsize) for name, (count, stands) in sizes.items())
+    return sum(count * (2 * stands + types[str(name)].itemsize) for name, (count, stands) in sizes.items())
 
 
 def _type(name: Any, kinds: str) -> np.dtype[Any]:
@@ -197,12 +202,10 @@ def _type(name: Any, kinds: str) -> np.dtype[Any]:
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
-    target = Path(path)
+    target = path_of(path)
     if target.suffix != ".nc":
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.nc' (NetCDF)")
-    if target.is_dir():
-        raise InputError(f"{target} is a folder; give the name of a file")
-    if not target.parent.is_dir():
+    if not os.path.isdir(target.parent):
         raise InputError(f"there is no folder {target.parent}; make it first")
     return target
 
@@ -269,7 +272,7 @@ def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str
         of = f"attribute {name!r} of {where}"
         if not isinstance(name, str):
             raise InputError(f"{of} has no text for a name; rename it")
-        if name in _OF_THE_FILE:
+        if name in _OF_THE_FILE or name in _of_scipy():
             raise InputError(f"{of} has a name that a NetCDF file keeps for itself; rename it")
         if isinstance(value, str):
             stored[name] = value
@@ -281,6 +284,15 @@ def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str
         plain = "python" if isinstance(value, (int, float, list)) and not isinstance(value, np.generic) else ""
         record[name] = f"{plain} {array.ndim} {array.dtype.name}"
     return stored
+
+
+@cache
+def _of_scipy() -> set[str]:
+    """Return what SciPy's files and variables have themselves: it takes an attribute of that name for that."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(io.BytesIO(), "w") as file:
+        return {*dir(file), *dir(file.createVariable("x", "i", ()))}
 
 
 def _decoded_attrs(attrs: dict[Any, Any], record: dict[str, str]) -> dict[str, Any]:

@@ -38,6 +38,8 @@ class Parameter:
         Allowed range, ends included unless ``open`` says otherwise.
     open : str
         ``"low"`` when the lower end itself is not allowed, else empty.
+    units : str
+        Of its values: ``"1"`` for a number, empty where nobody knows.
 
     Examples
     --------
@@ -51,6 +53,13 @@ class Parameter:
     low: float = -math.inf
     high: float = math.inf
     open: str = ""
+    units: str = "1"
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What stands beside its values in a result, as CF names it."""
+        said = {"long_name": self.meaning, "units": self.units, "symbol": self.symbol}
+        return said if self.units else {key: text for key, text in said.items() if key != "units"}
 
     @property
     def allowed(self) -> str:

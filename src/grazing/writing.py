@@ -3,30 +3,42 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
 from grazing.outcome import InputError
+from grazing.paths import path_of
+
+#: What is left of a file whose writer was killed.
+PARTIAL = re.compile(r"\.[0-9a-f]{32}\.partial")
+_EFFECTIVE = os.access in os.supports_effective_ids
 
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give another name beside a file, and that file's own once what is written there is complete.
+    """Give another name beside a file, and that file's own once what is written there is complete and on the disk.
+
+    What is written has the rights of any new file. A link that has the name is replaced; what it leads to stays.
 
     Raises
     ------
     InputError
         If it cannot be written; what was there stays.
     """
-    target = Path(path)
+    target = path_of(path)
+    if os.path.isdir(target):
+        raise InputError(f"{target} is a folder; give the name of a file")
     part = target.with_name(f".{uuid4().hex}.partial")
     try:
-        if target.is_dir():
-            raise InputError(f"{target} is a folder; give the name of a file")
+        if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=_EFFECTIVE):
+            raise InputError(f"{target} is protected against writing; give another name")
         yield part
-        part.replace(target)
+        with open(part, "rb+") as written:  # else a power cut can leave the name to nothing
+            os.fsync(written.fileno())
+        os.replace(part, target)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
     finally:

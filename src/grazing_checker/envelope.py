@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
+from stat import S_ISREG
 from typing import Any
 
 from grazing_checker.reading import Rejected
@@ -99,14 +101,20 @@ def _written(document: Mapping[str, Any]) -> str:
 
 def _read(source: str | Path) -> str:
     try:
-        path = Path(source)
-        if not path.is_file():  # a device or a pipe may have no end
-            raise OSError("there is no such file")
-        if path.stat().st_size > LARGEST:
-            raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
-        return path.read_text(encoding="utf-8")
-    except (OSError, TypeError, UnicodeDecodeError) as error:
+        with open(Path(source), "rb", opener=_at_once) as file:
+            if not S_ISREG(os.fstat(file.fileno()).st_mode):  # a device or a pipe may have no end
+                raise OSError("there is no such file")
+            text = file.read(LARGEST + 1).decode()
+    except (OSError, TypeError, ValueError) as error:
         raise Rejected(f"no certificate can be read from {source!r}: {error}; give its path or the document") from None
+    if len(text) > LARGEST:
+        raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
+    return text
+
+
+def _at_once(path: str, flags: int) -> int:
+    """Open a file; nothing waits for a pipe, not even for one that has just taken the place of a file."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _check_envelope(document: Any) -> None:

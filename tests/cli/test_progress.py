@@ -126,10 +126,23 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left():
     assert b"\x1b[2K" in shown  # the line is erased
 
 
+#: The command line, which says when its study begins.
+BEGUN = """
+import runpy
+from grazing.studies import plan
+run_tasks = plan.run_tasks
+def told(*given):
+    print("begun", flush=True)
+    run_tasks(*given)
+plan.run_tasks = told
+runpy.run_module("grazing", run_name="__main__", alter_sys=True)
+"""
+
+
 def study_that_takes_for_ever(folder, *study):
     given = [*study, "--map", "gap", *([] if "chart" in study else ["--lam", "0.5"]), "--l", "0.1"]
     return subprocess.Popen(
-        [sys.executable, "-m", "grazing", *given, "--transient", "10000000", "-o", "a.png"],
+        [sys.executable, "-c", BEGUN, *given, "--transient", "10000000", "-o", "a.png"],
         env=os.environ | {"PYTHONPATH": str(SOURCE)}, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
@@ -141,12 +154,18 @@ def test_ctrl_c_stops_a_study_at_once_and_leaves_no_file(tmp_path):
         study_that_takes_for_ever(tmp_path, "diagram", "mu=0:0.1:3000"),
         study_that_takes_for_ever(tmp_path, "chart", "mu=0:0.1:60", "lam=0.1:0.9:60"),
     ]
-    time.sleep(6.0)
-    for process in processes:
-        if process.poll() is None:
+    try:
+        for process in processes:
+            assert process.stdout.readline() == "begun\n"
+        time.sleep(1.0)  # into the kernels
+        for process in processes:
             process.send_signal(signal.SIGINT)
-    for process in processes:
-        out, err = process.communicate(timeout=30)
-        assert process.returncode == 130, err
-        assert not out and "stopped: interrupted" in err and "Traceback" not in err
+        for process in processes:
+            out, err = process.communicate(timeout=30)
+            assert process.returncode == 130, err
+            assert not out and "stopped: interrupted" in err and "Traceback" not in err
+    finally:
+        for process in processes:
+            process.kill()
+            process.communicate()
     assert list(tmp_path.iterdir()) == []

@@ -14,7 +14,7 @@ from grazing.cli import main
 from grazing.config import load_config
 from grazing.config.parameters import GAP_MAP, parameter_names
 from grazing.config.settings import STUDIES, settings_of
-from grazing.oscillator.model import describe_parameter
+from grazing.oscillator.parameters import describe_parameter
 
 GAP = ["--map", "gap", "--lam", "0.5", "--l", "0.1"]
 SMALL = ["mu=0:0.1:5", *GAP, "--starts", "3", "--keep", "8"]

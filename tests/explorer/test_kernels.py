@@ -322,7 +322,7 @@ def test_modules_import_nothing(machines):
 
 
 def test_fields_are_described_as_in_python(described):
-    from grazing.oscillator.model import describe_parameter
+    from grazing.oscillator.parameters import describe_parameter
 
     fields = {field["name"]: field for field in described["oscillator"]["fields"]}
     assert fields["law"]["choices"] == list(LAWS)

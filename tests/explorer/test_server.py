@@ -8,7 +8,9 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 import webbrowser
+from contextlib import suppress
 
 import pytest
 
@@ -246,6 +248,82 @@ def test_whatever_is_sent_is_answered_or_dropped_and_nothing_is_said(running, ca
     assert asked(running, "/page/")[0] == 200
     told = capfd.readouterr()
     assert (told.out, told.err) == ("", "")
+
+
+PAGE = b"GET /page/ HTTP/1.1\r\nHost: localhost\r\n\r\n"
+
+
+def closed_within(seconds, connection, say):
+    """Whether the server closes a connection on which something is said again and again."""
+    end = time.monotonic() + seconds
+    connection.settimeout(0.05)
+    while time.monotonic() < end:
+        try:
+            connection.sendall(say)
+            if say == b"x" and not connection.recv(1):
+                return True
+        except TimeoutError:
+            continue
+        except OSError:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("say", [b"x", PAGE], ids=["writes a letter now and then", "reads nothing"])
+def test_who_is_slow_on_purpose_is_not_served_for_ever(running, monkeypatch, capfd, say):
+    monkeypatch.setattr("grazing.explorer.server.PATIENCE", 0.5)
+    with socket.create_connection(running.server_address[:2]) as slow:
+        if say == b"x":
+            slow.sendall(b"GET /")
+        assert closed_within(15.0, slow, say)
+    monkeypatch.undo()
+    assert asked(running, "/page/")[0] == 200 and capfd.readouterr() == ("", "")
+
+
+def test_who_asks_again_and_again_keeps_the_connection(running, monkeypatch):
+    monkeypatch.setattr("grazing.explorer.server.PATIENCE", 1.5)
+    connection = http.client.HTTPConnection(*running.server_address[:2], timeout=10)
+    connection.connect()
+    first = connection.sock
+    for _ in range(5):
+        connection.request("GET", "/page/main.js")
+        assert connection.getresponse().read() and connection.sock is first
+        time.sleep(0.5)
+    connection.close()
+
+
+def test_many_who_say_nothing_leave_room_for_the_page(running):
+    held = [socket.create_connection(running.server_address[:2], timeout=10) for _ in range(150)]
+    for each in held:
+        with suppress(OSError):
+            each.sendall(b"GET /page/ HT")
+    assert asked(running, "/page/")[0] == 200
+    for _ in range(100):
+        if threading.active_count() < 90:
+            break
+        time.sleep(0.1)
+    assert threading.active_count() < 90
+    for each in held:
+        each.close()
+
+
+@pytest.mark.parametrize(
+    "how", [b"Content-Length: %d\r\n\r\n%s", b"Transfer-Encoding: chunked\r\n\r\n%x\r\n%s\r\n0\r\n\r\n"]
+)
+def test_a_body_is_not_taken_for_the_next_request(running, how):
+    with socket.create_connection(running.server_address[:2], timeout=10) as asking:
+        asking.sendall(PAGE[:-2] + how % (len(PAGE), PAGE))
+        said = b""
+        with suppress(ConnectionError):
+            while part := asking.recv(65536):
+                said += part
+    assert said.count(b"HTTP/1.1 ") == 1
+
+
+def test_a_file_that_went_away_is_not_found_and_nothing_is_said(running, capfd, monkeypatch):
+    monkeypatch.setitem(running.files, "/page/gone.js", FOLDER / "page" / "gone.js")
+    assert asked(running, "/page/gone.js")[0] == 404
+    assert capfd.readouterr() == ("", "")
 
 
 def test_two_at_once_have_their_own_ports(running):

@@ -127,6 +127,20 @@ def calls():
         "save": dict(result=t.diagram, path="/nowhere/a.nc"),
         "to_csv": dict(result=t.diagram, path="/nowhere/a.csv"),
         "to_parquet": dict(result=t.diagram, path="/nowhere/a.parquet"),
+        "Oscillator.from_si": dict(
+            m=0.8,
+            c=2.4,
+            k="3.2 N/mm",
+            gap="1.2 mm",
+            reset=gz.newton(0.7),
+            force=[2.5, 0.1],
+            side="above",
+            base=1e-3,
+            moves="stop",
+            load=-0.5,
+            frequency=14.0,
+        ),
+        "in_units": dict(result=t.flown),
         "sample": dict(trajectory=t.flown, rate=20.0),
         "spectrum": dict(recorded=gz.sample(t.flown, 20.0), of="u", window="hann"),
         "to_wav": dict(trajectory=t.flown, path="/nowhere/a.wav", speed=100.0, of="v", rate=8000),
@@ -287,7 +301,7 @@ def trial(seed, names=None):
             given[key] = changed
     inner = given.pop("self", None)
     function = function_of(name)
-    positional = () if "Map." not in name and "Oscillator." not in name else (inner,)
+    positional = () if inner is None else (inner,)
     try:
         found = defect(lambda: function(*positional, **given))
     finally:

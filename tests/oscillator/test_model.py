@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.oscillator.model import describe_parameter
+from grazing.oscillator.parameters import describe_parameter
 from tests.models import MODELS
 
 

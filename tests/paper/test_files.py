@@ -24,7 +24,7 @@ def test_an_interruption_leaves_the_old_file(tmp_path, monkeypatch, when):
     def interrupt(*_args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(*((os, "fsync") if when == "fsync" else (type(path), "replace")), interrupt)
+    monkeypatch.setattr(os, when, interrupt)
     with pytest.raises(KeyboardInterrupt):
         files.write(path, "new, and much longer")
     assert path.read_text() == "old"
@@ -32,7 +32,9 @@ def test_an_interruption_leaves_the_old_file(tmp_path, monkeypatch, when):
 
 
 def test_what_a_killed_run_left_is_removed(tmp_path):
-    (tmp_path / ".index.html.a1_b2c3d.part").write_text("half")
+    left = tmp_path / f".{'0' * 32}.partial"
+    left.write_text("half")
+    os.utime(left, (0, 0))
     (tmp_path / "kept.txt").write_text("kept")
     files.folder(tmp_path)
     assert os.listdir(tmp_path) == ["kept.txt"]
@@ -61,9 +63,11 @@ def test_a_disk_error_is_said(tmp_path, monkeypatch):
 
 
 def test_what_other_programs_have_left_stays(tmp_path):
-    theirs = [".film.mkv.part", ".index.html.part", ".thesis.tex.abcdefgh.part"]
-    ours = [".index.html.abcdefgh.part", ".figure-1.6.png.a_c0efgh.part"]
-    for name in theirs + ours:
+    theirs = [".film.mkv.part", ".index.html.partial", f".{'g' * 32}.partial", f".a-{'0' * 32}.partial"]
+    for name in theirs:
         (tmp_path / name).write_text("half")
+        os.utime(tmp_path / name, (0, 0))
+    growing = f".{'0' * 32}.partial"  # of another run, right now
+    (tmp_path / growing).write_text("half")
     files.folder(tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(theirs)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*theirs, growing])

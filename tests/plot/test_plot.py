@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import grazing as gz
 from grazing import plot
 from grazing.maps.discontinuity import zdm_points
 from grazing.maps.gap import gap_map
@@ -83,11 +84,18 @@ def test_a_graph_alone_has_no_legend_and_shows_a_piece_of_one_point():
     assert [line.get_marker() for line in pieces] == ["None", "o"]
 
 
+def halved(state, p):
+    return (p.a * state[0],)
+
+
 def test_a_coordinate_with_an_index_is_set_as_mathematics(tmp_path):
     drawn = plot.graph(step_of(impact_map(pinball()), "v_plus", [0.4, 0.5]), coordinate="tau")
     (ax,) = drawn["figure"].axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$v_{\mathrm{plus},n}$", r"$\tau_{n+1}$")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$v^+_{n}$", r"$\tau_{n+1}$")
     plot.save(drawn, tmp_path / "a.png")  # which sets them
+    own = gz.Map(halved, params={"a": 0.5}, coordinates=("x_in",), box=((0.0, 1.0),))
+    (ax,) = plot.graph(step_of(own, "x_in", [0.4, 0.5]))["figure"].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$x_{\mathrm{in},n}$", r"$x_{\mathrm{in},n+1}$")
 
 
 def test_what_is_no_graph():
@@ -229,7 +237,7 @@ def test_saving(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
     with pytest.raises(InputError, match="figure format 'jpg'; allowed are png, pdf, svg"):
         plot.save(fig, tmp_path / "a.jpg")
-    with pytest.raises(InputError, match=r"cannot write .*choose a folder that exists"):
+    with pytest.raises(InputError, match=r"cannot be written: No such file or directory"):
         plot.save(fig, tmp_path / "none" / "a.png")
 
 

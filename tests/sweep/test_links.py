@@ -1,6 +1,7 @@
 """Links in a store that somebody handed over: what lies behind them is neither removed nor written."""
 
 import os
+import shutil
 from contextlib import suppress
 
 import pytest
@@ -11,6 +12,7 @@ from grazing.sweep import files
 from grazing.sweep.store import open_existing
 from grazing.sweep.task import note_run, note_time
 from tests.sweep.plans import plan
+from tests.sweep.swaps import at_call
 from tests.sweep.test_forged import around
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="links need rights there")
@@ -129,6 +131,60 @@ def test_a_folder_that_becomes_a_link_after_it_was_looked_at_leads_nowhere(store
     }
     act[call]()
     assert swapped and around(store) == before
+
+
+ACTIONS = {
+    "unlock": lambda store: sweep.unlock(store, force=True),
+    "resume": lambda store: sweep.resume(store, plan(7), threads=1),
+    "repair": lambda store: sweep.verify(store, plan=plan(7), repair=True, threads=1),
+}
+
+
+def swapped_at(call, store, key, action):
+    """Do something in a store of which a folder becomes a link before that call; return how many calls there were."""
+    theirs = store.parent / "theirs"
+    before = {path: path.is_file() and path.read_bytes() for path in theirs.rglob("*")}
+
+    def swap():
+        if (store / key).is_dir() and not (store / key).is_symlink():
+            (store / key).rename(store.parents[1] / "before")
+            (store / key).symlink_to(theirs, target_is_directory=True)
+
+    def during():
+        with suppress(GrazingError):
+            ACTIONS[action](store)
+
+    calls = at_call(call, swap, during)
+    assert {path: path.is_file() and path.read_bytes() for path in theirs.rglob("*")} == before
+    return calls
+
+
+@pytest.mark.skipif(os.open not in os.supports_dir_fd, reason="needs open folders")
+@pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.parametrize("every", [61, pytest.param(2, marks=pytest.mark.long)])
+def test_a_folder_that_becomes_a_link_before_any_call_leads_nowhere(store, tmp_path, action, every):
+    """Whenever it happens: nothing of theirs is touched, and there is no other error than a sentence."""
+    for inner in ("locks", "chunks"):
+        shutil.copytree(store.parent / "theirs", tmp_path / inner)
+        shutil.move(tmp_path / inner, store.parent / "theirs" / inner)
+    for key in ("mean/c/1", "manifest/seal"):
+        (store / key).with_name(f"{(store / key).name}.{'0123456789abcdef' * 2}.partial").write_text(
+            "left by a killed one"
+        )
+    if action == "repair":
+        (store / "manifest" / "chunks" / "0").write_bytes(b"rubbish")
+    whole = tmp_path / "whole"
+    store.parent.rename(whole)
+    for i, key in enumerate(FOLDERS):
+        call = 1 + i if action == "unlock" else 1 + 7 * i % every
+        while True:
+            shutil.copytree(whole, store.parent)
+            calls = swapped_at(call, store, key, action)
+            shutil.rmtree(store.parent)
+            shutil.rmtree(tmp_path / "before", ignore_errors=True)
+            if calls is not None:
+                break
+            call += every
 
 
 @pytest.mark.parametrize("key", [".grazing/locks/gate", ".grazing/history.jsonl"])

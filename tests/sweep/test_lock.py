@@ -132,7 +132,7 @@ def test_a_folder_that_went_away(folder):
 
 @pytest.mark.parametrize("without", ["flock", "link"])
 def test_where_the_system_has_no_locks_or_links(folder, monkeypatch, without):
-    def refused(*_args):
+    def refused(*_args, **_options):
         raise OSError(95, "Operation not supported")
 
     monkeypatch.setattr(lock.fcntl if without == "flock" else os, without, refused)

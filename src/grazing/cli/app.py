@@ -156,6 +156,9 @@ def _guarded(tokens: list[str]) -> int:
     except GrazingError as error:
         return _fail(str(error), FAILED)
     except KeyboardInterrupt as stop:
+        # Python keeps in mind that an interrupt left code it was given as text, as that of a named tuple, and then ends
+        # by the signal, not with our exit code, although it was caught. The next such code makes it forget.
+        exec("")
         return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
     except BrokenPipeError:
         return DONE

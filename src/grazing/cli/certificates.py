@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -62,14 +63,14 @@ def proof_row(proof: Any) -> Row:
 
 def certificates_at(target: Path) -> Path:
     """Return where certificates go, checked before anything is computed."""
-    if target.suffix == ".json" and not target.is_dir():
+    if target.suffix == ".json" and not os.path.isdir(target):
         output.targets([target], (".json",))
         return target
-    if target.suffix and not target.is_dir():
+    if target.suffix and not os.path.isdir(target):
         raise InputError(f"--save {target}: give a file that ends in .json, or a folder")
-    if target.exists() and not target.is_dir():
+    if os.path.exists(target) and not os.path.isdir(target):
         raise InputError(f"--save {target}: that is a file and does not end in .json; give a file .json, or a folder")
-    if not (target if target.exists() else target.parent).is_dir():
+    if not os.path.isdir(target if os.path.exists(target) else target.parent):
         raise InputError(f"--save {target}: there is no folder {target.parent}; make it first")
     return target
 

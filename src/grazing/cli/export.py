@@ -19,6 +19,7 @@ def export(
     out: Annotated[Path, Parameter(name="FILE", help="File to write: nc (NetCDF), csv or parquet (tables).")],
     /,
     *,
+    units: Annotated[str | None, Parameter(help=output.UNITS, metavar="LIST")] = None,
     json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
 ) -> int:
     """Write a stored result as tables or in one file.
@@ -29,7 +30,7 @@ def export(
     result = loaded(file)
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
-    written = output.write(result, target)
+    written = output.write(output.converted(result, output.checked_units(units)), target)
     title = printable(str(result.attrs.get("title", "")), newlines=False)
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
     return 0

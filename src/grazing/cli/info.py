@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -56,7 +57,7 @@ def described(path: Path) -> dict[str, Any]:
     InputError
         If it is missing, or nothing of ours.
     """
-    if not path.exists():
+    if not os.path.exists(path):
         raise InputError(f"there is no file {path}")
     kind = path.suffix.lower()
     if kind in (".csv", ".parquet"):
@@ -80,13 +81,13 @@ def described(path: Path) -> dict[str, Any]:
     from grazing.cli.plot import axes_of, loaded
 
     result = loaded(str(path))
-    found |= {"kind": "store" if path.is_dir() else "result", "title": result.attrs.get("title")}
+    found |= {"kind": "store" if os.path.isdir(path) else "result", "title": result.attrs.get("title")}
     found |= {"source": result.attrs.get("source"), "created": result.encoding.get("date_created")}
     found |= {"config_sha256": result.attrs.get("grazing_config_sha256")}
     found |= {"versions": versions(result.attrs)}
     found |= {"sizes": {str(name): size for name, size in result.sizes.items()}}
     found |= {"variables": {str(name): str(item.attrs.get("long_name", "")) for name, item in result.data_vars.items()}}
-    if path.is_dir():
+    if os.path.isdir(path):
         from grazing.sweep import status
 
         known = status(path)

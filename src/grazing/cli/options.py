@@ -38,6 +38,8 @@ RUN = Group("Run and output", sort_key=4)
 
 Recipe = dict[str, Any]
 Place = tuple[str, ...]
+#: What stands for a value in the help.
+METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER"}
 #: Options whose values are files, and those for which completion offers words though others are allowed.
 FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
@@ -85,11 +87,11 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (of_model and key not in ("model", "law")):
+        if key not in fields or (of_model and key not in ("model", "law", "mass", "si")):
             continue
         choices = _choices(fields[key])
         group = STUDY if key in DRAWN.get(study, ()) else MAP
-        metavar = "LIST" if key == "curves" else "" if choices else "NAME"
+        metavar = METAVARS.get(key, "" if choices else "NAME")
         arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})
     described = config_of(study).model_json_schema()["$defs"]["Parameters"]["properties"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+import os
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -48,7 +49,7 @@ def check(
     """
     from grazing.proof.check import check_certificate
 
-    if not Path(file).is_file():
+    if not os.path.isfile(Path(file)):
         raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
     law = None
     if model is not None:
@@ -69,8 +70,8 @@ def check(
 
 
 def compute(
-    recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool, certify: bool,
-    save: Path | None,
+    recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, units: Sequence[str], json: bool,
+    quiet: bool, certify: bool, save: Path | None,
 ) -> int:  # fmt: skip
     """Compute a recipe, write its files, prove what is to be proven, and say what was found."""
     study, start = recipe["study"], time.monotonic()
@@ -86,7 +87,8 @@ def compute(
                 result = orbits_as_table(found, dict(recipe))
             else:
                 result = result_of(recipe, threads=threads)
-    tables = TABLES[study](result)
+    shown = output.converted_or_not(result, units)
+    tables = TABLES[study](shown)
     good = True
     if certify:
         with progress.said("proving", quiet):
@@ -94,12 +96,13 @@ def compute(
         good = all(proof["proven"] or not proof["due"] for proof in proofs)
         tables["proofs"] = written_proofs(proofs, target)
     seconds = time.monotonic() - start
-    written = [name for file in files for name in output.write(result, file)]
+    written = [name for file in files for name in output.write(shown, file)]
     written += [proof["file"] for proof in tables.get("proofs", ()) if proof.get("file")]
     summary = {
         "study": study,
         "title": str(result.attrs.get("title", "")),
         "sizes": {str(name): size for name, size in result.sizes.items()},
+        "units": output.units_of(shown),
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
@@ -111,7 +114,7 @@ def compute(
         head, *rest = lines(summary)
         if study == "orbit" and not written:
             rest[-1] = "written: nothing; -o orbits.nc keeps the table, --save folder the proofs"
-        print("\n".join([head, "", *WORDS[study](tables, result, recipe), *proof_lines(tables), *rest]))
+        print("\n".join([head, "", *WORDS[study](tables, shown, recipe), *proof_lines(tables), *rest]))
     sys.stdout.flush()
     return DONE if good else FAILED
 

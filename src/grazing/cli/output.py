@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -33,16 +34,59 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) 
         if path.suffix not in allowed or not path.stem:
             endings = ", ".join(ending.lstrip(".") for ending in allowed)
             raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}, in small letters")
-        if not path.parent.is_dir():
+        if not os.path.isdir(path.parent):
             raise InputError(f"-o {path}: there is no folder {path.parent}; make it first")
-        if path.is_dir() and path.suffix != STORE:
+        if os.path.isdir(path) and path.suffix != STORE:
             raise InputError(f"-o {path}: that is a folder; give the name of a file")
-        if not os.access(path if path.exists() and path.suffix != STORE else path.parent, os.W_OK):
+        if not os.access(path if os.path.exists(path) and path.suffix != STORE else path.parent, os.W_OK):
             raise InputError(f"-o {path} cannot be written: permission denied; choose another folder")
     stores = [str(path) for path in paths if path.suffix == STORE]
     if len(stores) > 1:
         raise InputError(f"-o {' -o '.join(stores)}: one store at a time")
     return paths
+
+
+UNITS = "Units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s."
+
+
+def checked_units(units: str | None) -> tuple[str, ...]:
+    """Return units that a text names, commas between them, or raise InputError for what is none."""
+    if units is None:
+        return ()
+    from grazing.units import magnitude
+
+    found = tuple(unit.strip() for unit in units.split(","))
+    for unit in found:
+        magnitude(f"1 {unit}", unit, "--units")
+    return found
+
+
+def converted(result: Any, units: Sequence[str]) -> Any:
+    """Return a result in other units, as it is without any."""
+    if not units:
+        return result
+    from grazing.units import in_units
+
+    return in_units(result, *units)
+
+
+def converted_or_not(result: Any, units: Sequence[str]) -> Any:
+    """Return a result that was just computed in other units; as it is, with a warning, where these do not fit."""
+    try:
+        return converted(result, units)
+    except InputError as error:
+        warnings.warn(f"--units: {error}; nothing is converted", stacklevel=2)
+        return result
+
+
+def units_of(result: Any) -> dict[str, list[str]]:
+    """Return the units of a result, each with the names of what has it."""
+    found: dict[str, list[str]] = {}
+    for name, variable in result.variables.items():
+        unit = str(variable.attrs.get("units", "1"))
+        if unit != "1":
+            found.setdefault(unit, []).append(str(name))
+    return found
 
 
 def write(result: Any, path: Path, **style: Any) -> list[str]:

@@ -38,6 +38,7 @@ def plot(
         str | None,
         Parameter(help="Periods whose exact boundary curves are drawn on a chart: 2,3,5 or 2:7.", metavar="LIST"),
     ] = None,
+    units: Annotated[str | None, Parameter(help=output.UNITS, metavar="LIST")] = None,
     map: OwnMap = None,
     model: OwnModel = None,
     json: Annotated[bool, Parameter(help="Print a summary as one JSON object.", show_default=False)] = False,
@@ -54,6 +55,7 @@ def plot(
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, curves, file, map, model)
+    result = output.converted(result, output.checked_units(units))
     try:
         written = [name for path in files for name in output.write(result, path, **arguments)]
     except MISFIT as error:  # a file may say anything; what we computed ourselves is drawn elsewhere

@@ -26,6 +26,8 @@ from grazing.parameter import whole
 from grazing.studies.found import found as found_in
 
 DONE, INCOMPLETE = 0, 3
+#: Names of variables that a line of units shows, of each unit.
+MOST = 3
 #: What a study can prove.
 PROVEN = {"orbit": "each admissible orbit", "windows": "the edges of the windows"}
 #: What follows when all cells are computed, where that takes long.
@@ -59,6 +61,7 @@ def run_arguments(study: str) -> list[Argument]:
         found.append(one("dry_run", bool, False, "Print size, memory and estimated time, and compute nothing."))
     return [
         *found,
+        one("units", str | None, None, output.UNITS, metavar="LIST"),
         one("dump_config", bool, False, "Print the configuration as TOML, complete, and compute nothing."),
         one("json", bool, False, "Print a summary as one JSON object."),
         one("quiet", bool, False, "Show no progress.", alias="-q"),
@@ -73,6 +76,7 @@ def command(study: str) -> Callable[..., int]:
         out: list[Path] | None = None,
         config: Path | None = None,
         threads: int | None = None,
+        units: str | None = None,
         dry_run: bool = False,
         dump_config: bool = False,
         json: bool = False,
@@ -89,12 +93,12 @@ def command(study: str) -> Callable[..., int]:
             whole(threads, "--threads", 1)
         if dry_run:
             return estimated(plan_of(recipe), threads, json)
-        files = output.targets(out, endings(study))
+        files, shown = output.targets(out, endings(study)), output.checked_units(units)
         if study in ("orbit", "branch", "windows", "bifurcations", "response"):
             from grazing.cli.orbits import compute as found
 
-            return found(recipe, files, threads, json, quiet, certify or save is not None, save)
-        return compute(recipe, files, threads, json, quiet)
+            return found(recipe, files, threads, shown, json, quiet, certify or save is not None, save)
+        return compute(recipe, files, threads, shown, json, quiet)
 
     run.__signature__ = signature_of(study, run_arguments(study))  # type: ignore[attr-defined]
     run.__annotations__ = {name: item.annotation for name, item in run.__signature__.parameters.items()}  # type: ignore[attr-defined]
@@ -109,7 +113,9 @@ def endings(study: str) -> tuple[str, ...]:
     return output.ENDINGS if study not in WHOLE else output.ENDINGS[:-1]
 
 
-def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, json: bool, quiet: bool) -> int:
+def compute(
+    recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, units: Sequence[str], json: bool, quiet: bool
+) -> int:
     """Compute a recipe, write its files and say what was done."""
     drawn = [str(file) for file in files if file.suffix in output.FIGURES]
     if drawn and recipe["study"] == "lyapunov" and not recipe["vary"]:
@@ -126,6 +132,7 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
         else:
             result = result_of(recipe, threads=threads, progress=show)
     seconds = time.monotonic() - start
+    result = output.converted_or_not(result, units)
     written = [str(file) for file in stores]
     for file in files:
         if file not in stores:
@@ -135,6 +142,7 @@ def compute(recipe: Mapping[str, Any], files: Sequence[Path], threads: int | Non
         "study": recipe["study"],
         "title": str(result.attrs.get("title", "")),
         "sizes": {str(name): size for name, size in result.sizes.items()},
+        "units": output.units_of(result),
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
@@ -183,9 +191,19 @@ def estimated(plan: Any, threads: int | None, json: bool) -> int:
 def lines(summary: Mapping[str, Any]) -> list[str]:
     """Return the summary in words."""
     sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
-    said = [summary["title"], f"sizes:   {sizes}", f"time:    {progress.duration(summary['seconds'])}"]
+    time = f"time:    {progress.duration(summary['seconds'])}"
+    said = [summary["title"], f"sizes:   {sizes}", *units_line(summary["units"]), time]
     none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
     return [*said, f"written: {', '.join(summary['files']) or none}"]
+
+
+def units_line(units: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return what has which units in a line, cut where many have the same; nothing of a dimensionless result."""
+    listed = {
+        unit: ", ".join([*names[:MOST], *(["..."] if len(names) > MOST else [])]) for unit, names in units.items()
+    }
+    said = [f"{unit} ({names})" for unit, names in listed.items()]
+    return [f"units:   {', '.join(said)}"] if said else []
 
 
 def __getattr__(name: str) -> Callable[..., int]:

@@ -16,7 +16,7 @@ from grazing.compare.orders import LAST, with_orders
 from grazing.maps.normal_form import NormalForm, constants, normal_form
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
 from grazing.outcome import GrazingError, InputError, OutsideForm, shown
 from grazing.parameter import checked_periods, whole
 from grazing.theory import mu_bc, mu_pd
@@ -270,8 +270,7 @@ def _dataset(
         above[i] = np.where(np.isnan(edge[i + 1]), above[i + 1], edge[i + 1])
     step = edge - above
     step[-1] = np.where(np.isnan(edge[-1]), np.nan, 0.0)
-    parameter = describe_parameter(form.name)
-    about = {"long_name": parameter.meaning, "symbol": parameter.symbol, "units": "1"}
+    about = model.describe(form.name).attributes
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
     dims = ("rung", "N", "side")
     return xr.Dataset(
@@ -279,12 +278,13 @@ def _dataset(
             "edge": (dims, edge, about),
             "type": (dims, field(lambda f: f.type, "<U4"), {"long_name": "type of the edge", "meaning": words}),
             "dip": (dims, field(lambda f: f.dip, np.int64), {"long_name": "dip that touches the wall, 0 none"}),
-            "error": (dims, edge - edge[-1], {"long_name": "edge less that of the flow", "units": "1"}),
-            "step": (dims, step, {"long_name": "edge less that of the next rung", "units": "1"}),
+            "error": (dims, edge - edge[-1], about | {"long_name": "edge less that of the flow"}),
+            "step": (dims, step, about | {"long_name": "edge less that of the next rung"}),
             "status": (dims[:2], field(lambda f: f.status, object), {"long_name": "ok, or why there is no window"}),
+            "graze": ((), form.graze, about | {"long_name": "value at the graze of the steady response"}),
             "distance": (
                 dims[1:], np.abs(edge[-1] - form.graze),
-                {"long_name": "distance of the flow's edge from the graze", "units": "1"},
+                about | {"long_name": "distance of the flow's edge from the graze"},
             ),
         },
         {
@@ -305,5 +305,6 @@ def _dataset(
             "span": list(span),
             "meaning": "; ".join(f"{rung}: {RUNGS[rung]}" for rung in rungs),
             "arithmetic": "strict",
+            **model.attributes,
         },
     )  # fmt: skip

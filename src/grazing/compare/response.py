@@ -113,7 +113,7 @@ def response(
 
     P = checked_strobe(P)
     name = checked_name(name, model_of(P).params, "the oscillator")
-    grid, longest = checked_values(name, values), whole(period, "period", 1)
+    grid, longest = checked_values(name, values, P), whole(period, "period", 1)
     if len(np.unique(grid)) < 2:
         raise InputError(f"values of {name} are {np.unique(grid).tolist()}; give at least 2 different ones")
 
@@ -183,7 +183,7 @@ def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
             found[i, j] = list(gauged(model, flown_cycle(model, (float(u), float(v)), N if N >= 1 else keep)).values())
             seen.append(j)
     names = [*SWEEPS, *(f"start {j + 1}" for j in range(periods.shape[1] - len(SWEEPS)))]
-    table = {key: ((name, "run"), found[..., k], about(key)) for k, key in enumerate(READINGS)}
+    table = {key: ((name, "run"), found[..., k], about(key, P)) for k, key in enumerate(READINGS)}
     kept = {key: ((name, "run"), scans[key].values, scans[key].attrs) for key in KEPT}
     run = ("run", np.array(names, dtype=object), {"long_name": "how a value was come to"})
     return xr.Dataset({**table, **kept}, {name: scans[name], "run": run})
@@ -195,9 +195,10 @@ def points_of(P: Map, scans: xr.Dataset) -> tuple[Floats, Floats]:
     return points, np.array([high - low for low, high in P.box])
 
 
-def about(reading: str) -> labels.Attributes:
+def about(reading: str, P: Map) -> labels.Attributes:
     """Return the attributes of a reading."""
-    return {"long_name": READINGS[reading], "units": "1"}
+    meaning, units = READINGS[reading]
+    return {"long_name": meaning, "units": "1" if model_of(P).mass is None else units}
 
 
 def differences(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
@@ -234,8 +235,8 @@ def branches_read(branch: Branch) -> xr.Dataset:
     along = readings_of(list(branch), readable)
     at = readings_of([one.orbit for one in branch.special], [one.admissible for one in branch.special])
     for k, reading in enumerate(READINGS):
-        table[reading] = "point", along[:, k], about(reading)
-        table[f"special_{reading}"] = "special", at[:, k], about(reading)
+        table[reading] = "point", along[:, k], about(reading, branch.map)
+        table[f"special_{reading}"] = "special", at[:, k], about(reading, branch.map)
     fronted = [key for key in [*table.variables, *table.dims] if not str(key).startswith("special")]
     return table.rename({key: f"branch_{key}" for key in fronted}).assign_attrs({})
 

@@ -17,7 +17,8 @@ from grazing.config.settings import STUDIES, WHOLE
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb

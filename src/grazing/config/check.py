@@ -14,16 +14,20 @@ from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import STUDIES
+from grazing.config.si import from_table
 from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import GrazingError, InputError, shown
 
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
 #: Of the keys in a recipe.
-ORDER = ("study", "map", "order", "unfold", "model", "law", "parameters", "vary", "settings", "curves", "coordinate")
+ORDER = (
+    "study", "map", "order", "unfold", "model", "law", "mass", "parameters", "vary", "settings", "curves", "coordinate",
+)  # fmt: skip
 
 
 def checked(
@@ -70,6 +74,11 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
+    if raw.get("si") is not None:
+        try:
+            raw = from_table(raw)
+        except InputError as error:
+            raise refusal([Problem(("si",), str(error))], source, label) from None
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
@@ -214,6 +223,9 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if config.get("law") and (config.get("model") or not oscillator):
         brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
         yield Problem(("law",), f"{brings}; leave the law out")
+    if "mass" in config and (config.get("model") or not oscillator):
+        brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
+        yield Problem(("mass",), f"{brings}; leave the mass out")
     beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
         if config.get(key) and kind != at and not (key == "order" and beside):

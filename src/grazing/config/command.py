@@ -22,6 +22,8 @@ KEYS = {
     "unfold": UNFOLD,
     "model": None,
     "law": LAW,
+    "mass": None,
+    "si": None,
     "curves": None,
     "coordinate": None,
 }

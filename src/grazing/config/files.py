@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import stat
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 
 from grazing.config.check import Recipe, checked
 from grazing.outcome import InputError, shown
+from grazing.paths import opened, path_of
 
 #: Bytes of a configuration: room for a hundred thousand values, where a range says most things in a line.
 LARGEST = 2**21
@@ -27,7 +27,7 @@ _TOKEN = re.compile(
 
 def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return what a TOML file says, unchecked, or raise InputError."""
-    source = Path(path)
+    source = path_of(path)
     text = read_text(source)
     if _deepest_key(text) > DEEPEST_KEY:
         raise InputError(f"{source} has a key of more than {DEEPEST_KEY} parts; no configuration has such tables")
@@ -37,11 +37,6 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{source} has too many tables or lists in each other") from None
     except ValueError as error:  # of its syntax, a date that is none, a number of thousands of digits
         raise InputError(f"{source} is not TOML: {error}") from None
-
-
-def _at_once(path: str, flags: int) -> int:
-    """Open a file; nothing waits for a pipe, not even for one that has just taken the place of a file."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _deepest_key(text: str) -> int:
@@ -61,15 +56,8 @@ def _deepest_key(text: str) -> int:
 
 def read_text(source: Path) -> str:
     """Return the text of a regular file of bounded size: a device has no end, and a pipe may never begin."""
-    try:
-        with open(source, "rb", opener=_at_once) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise InputError(f"{source} is a device or a pipe; give a file")
-            data = file.read(LARGEST + 1) or b""  # nothing yet, of what only looks like a file
-    except FileNotFoundError:
-        raise InputError(f"there is no file {source}") from None
-    except (OSError, RuntimeError) as error:  # links in a circle, for one
-        raise InputError(f"{source} cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    with opened(source) as file:
+        data = file.read(LARGEST + 1) or b""  # nothing yet, of what only looks like a file
     if len(data) > LARGEST:
         raise InputError(
             f"{source} is larger than {LARGEST // 2**20} MiB, and no configuration; write values as ranges"

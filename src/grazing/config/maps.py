@@ -183,4 +183,5 @@ def model_of(config: Mapping[str, Any]) -> Oscillator:
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
     paper = beyond_pinball(config) is None
-    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], offset_name="d", paper=paper)
+    kept: dict[str, Any] = {"mass": config.get("mass"), "offset_name": "d", "paper": paper}
+    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], **kept)

@@ -64,14 +64,16 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
     try:
-        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")))
+        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs.get("mass"))
     except GrazingError:
         raise
     except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:  # it can say anything
         raise InputError("its configuration is damaged") from error
 
 
-def _recipe_in(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str) -> Recipe:
+def _recipe_in(
+    config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str, mass: Any
+) -> Recipe:
     study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
     if study is None:
         raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
@@ -79,6 +81,7 @@ def _recipe_in(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.f
         "study": study,
         **_map(config),
         **({"order": config["order"]} if "order" in config else {}),
+        **({} if mass is None else {"mass": mass}),
         "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
     }

@@ -10,7 +10,9 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 from grazing.config import values
 from grazing.config.parameters import LAWS, Parameters, Table
 from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
+from grazing.config.si import SCHEMA
 from grazing.maps.discontinuity import ORDERS
+from grazing.oscillator.parameters import MASS
 
 MAPS = {
     "stroboscopic": "the state (u, v) once per period of the forcing",
@@ -57,6 +59,13 @@ Curves = Annotated[
 ]
 
 
+def _mass(value: Any) -> float | None:
+    return None if value is None else MASS.check(values.number(value, "mass"))
+
+
+Mass = Annotated[float | None, BeforeValidator(_mass), WithJsonSchema({"type": "number", "exclusiveMinimum": 0.0})]
+
+
 def _in_order(value: Any) -> Any:
     """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
     if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
@@ -75,6 +84,12 @@ class Config(Table):
     unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
     model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator of your own")
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
+    mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")
+    si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
+        default=None,
+        description="mass, damping, stiffness and stop in SI units or with their own, in place of parameters: "
+        "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14 Hz; then frequency may vary",
+    )
     parameters: Parameters = Field(  # type: ignore[valid-type]
         default_factory=Parameters, description=str(Parameters.__doc__)
     )

@@ -17,7 +17,7 @@ from grazing.maps.starting import paper_box, reach_box
 from grazing.maps.stroboscopic import step_of, tangent_of
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.model import describe_parameter
+from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reach import reach_of
 from grazing.oscillator.reset import (
     active_contraction,

@@ -10,16 +10,24 @@ import shutil
 import stat
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from threading import Thread
+from socket import SHUT_RDWR
+from threading import Lock, Thread
+from time import monotonic
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from grazing.outcome import InputError
+from grazing.paths import path_of
+from grazing.writing import whole_file
 
 HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
+#: Connections at a time, and seconds for a request and its answer.
+MOST, PATIENCE = 64, 30.0
 #: Bytes of a file that is looked at to see whose it is.
 LARGEST = 2**22
 #: Said by us and not by the machine: some name no type for modules, others a wrong one for scripts.
@@ -62,8 +70,12 @@ class Handler(BaseHTTPRequestHandler):
 
     server_version, sys_version = "grazing", ""
     protocol_version = "HTTP/1.1"
-    #: Seconds after which a connection that says nothing is closed.
-    timeout = 30
+    server: Server
+
+    def handle_one_request(self) -> None:
+        """Answer a request, in the time that there is for it."""
+        self.server.begun(self.connection)
+        super().handle_one_request()
 
     def do_GET(self) -> None:
         """Send a file."""
@@ -75,6 +87,8 @@ class Handler(BaseHTTPRequestHandler):
 
     def answer(self, body: bool) -> None:
         """Send a file, the way to the page, or 404."""
+        if self.headers.get("Content-Length", "0") != "0" or "Transfer-Encoding" in self.headers:
+            self.close_connection = True  # what follows is no request
         if not self.known():
             self.send_error(HTTPStatus.FORBIDDEN, "asked for under another name")
             return
@@ -89,11 +103,14 @@ class Handler(BaseHTTPRequestHandler):
             self.send_header("Content-Length", "0")
             self.end_headers()
             return
-        file = self.server.files.get(path)  # type: ignore[attr-defined]
+        file = self.server.files.get(path)
+        try:
+            data = b"" if file is None else file.read_bytes()
+        except OSError:  # another version is being installed
+            file = None
         if file is None:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
-        data = file.read_bytes()
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", TYPES[file.suffix])
         self.send_header("Content-Length", str(len(data)))
@@ -118,10 +135,44 @@ class Server(ThreadingHTTPServer):
     daemon_threads = True
     #: Elsewhere this lets a port be used again at once; Windows would let two servers share one.
     allow_reuse_address = os.name != "nt"
+    request_queue_size = MOST
 
     def __init__(self, port: int = 0) -> None:
         self.files = files()
+        #: When each connection began with its request, the oldest first.
+        self._since: dict[Any, float] = {}
+        self._one = Lock()
         super().__init__((HOST, port), Handler)
+
+    def begun(self, connection: Any) -> None:
+        """Note that a connection waits for its next request; beyond so many the one that waits longest is closed."""
+        with self._one:
+            self._since.pop(connection, None)
+            self._since[connection] = monotonic()
+            for oldest in [*self._since][:-MOST]:
+                self._close(oldest)
+
+    def service_actions(self) -> None:
+        """Close connections that take too long, however often they say a letter or read one."""
+        with self._one:
+            for connection in [each for each, since in self._since.items() if monotonic() - since > PATIENCE]:
+                self._close(connection)
+
+    def _close(self, connection: Any) -> None:
+        del self._since[connection]
+        with suppress(OSError):
+            connection.shutdown(SHUT_RDWR)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a connection in a thread of its own."""
+        self.begun(request)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection that has ended."""
+        with self._one:
+            self._since.pop(request, None)
+        super().shutdown_request(request)
 
     def handle_error(self, request: object, client_address: object) -> None:
         """Say nothing of a browser that left in the middle of an answer; anything else is shown."""
@@ -190,7 +241,7 @@ def ours(file: Path) -> bool:
         return False
 
 
-def copy_to(folder: Path) -> Path:
+def copy_to(folder: str | Path) -> Path:
     """Copy the page and its kernels to a folder, for any web server; return the page.
 
     A copy that is there already is renewed; other files in the folder stay.
@@ -200,23 +251,24 @@ def copy_to(folder: Path) -> Path:
     InputError
         If the folder cannot be written to, or holds a ``page`` or ``kernels`` of somebody else.
     """
-    source = files()
-    for part, needed in PARTS.items():
-        there = folder / part
-        taken = any(there.iterdir()) if there.is_dir() else there.exists()
-        if there.is_symlink() or (taken and not ours(there / needed)):
-            raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
+    source, to = files(), path_of(folder)
     first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     try:
+        for part, needed in PARTS.items():
+            there = to / part
+            taken = any(there.iterdir()) if os.path.isdir(there) else os.path.exists(there)
+            if os.path.islink(there) or (taken and not ours(there / needed)):
+                raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
         for name, path in sorted(source.items(), key=lambda item: item[0] not in first):
             if not name.endswith("/"):
-                goal = folder / name.lstrip("/")
+                goal = to / name.lstrip("/")
                 goal.parent.mkdir(parents=True, exist_ok=True)
-                if goal.is_symlink() or (goal.exists() and not goal.samefile(path)):
-                    goal.unlink()  # a link: what it leads to is not ours
-                shutil.copyfile(path, goal)
+                if os.path.exists(goal) and not os.path.islink(goal) and goal.samefile(path):
+                    raise shutil.SameFileError("its page is the same file")
+                with whole_file(goal) as new:
+                    shutil.copyfile(path, new)
     except OSError as error:
         raise InputError(
             f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"
         ) from None
-    return folder / "page" / "index.html"
+    return to / "page" / "index.html"

@@ -21,7 +21,7 @@ from grazing.maps.starting import boxes_at, local_box
 from grazing.maps.stroboscopic import above_wall, periods_passed
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.pointed import pointed_derivative, pointed_law, pointed_slope
 from grazing.oscillator.trajectory import checked_state
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm, shown
@@ -196,7 +196,7 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         check=above_wall if not flown else None,
         exact=law.exact_slope,
         source=partial(_again, model, order, flown),
-        describe=describe_parameter,
+        describe=partial(Oscillator.describe, model),
         model=model,
         clock=partial(periods_passed, list(model.params).index("omega")) if flown else None,
     )

@@ -25,7 +25,7 @@ from grazing.oscillator.contact import (
     placed,
 )
 from grazing.oscillator.flight import modes
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.pointed import POINTED, pointed_derivative
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 from grazing.parameter import parameter_tuple
@@ -220,7 +220,7 @@ def impact_map(model: Oscillator) -> Map:
             constants_of(model.harmonics),
             parameter_tuple(tuple(model.params)),
         ),
-        describe=describe_parameter,
+        describe=partial(Oscillator.describe, model),
         model=model,
         section="impact",
         clock=partial(time_passed, list(model.params).index("omega")),

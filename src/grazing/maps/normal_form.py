@@ -14,7 +14,8 @@ from grazing.maps.gap import gap_map
 from grazing.maps.map import Map
 from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
 from grazing.oscillator.constants import Constants, constants_of, steady_response
-from grazing.oscillator.model import Oscillator, checked_model, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reset import in_python
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
 from grazing.parameter import checked_name, parameters

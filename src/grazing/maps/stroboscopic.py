@@ -17,7 +17,7 @@ from grazing.maps.settle import Settled
 from grazing.maps.starting import boxes_at, strobe_box
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
-from grazing.oscillator.model import Oscillator, checked_model, checked_phase, describe_parameter
+from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.pointed import POINTED, pointed_derivative
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
@@ -162,7 +162,7 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
             constants_of(model.harmonics, section_phase),
             parameter_tuple((*model.params, "phase")),
         ),
-        describe=describe_parameter,
+        describe=partial(Oscillator.describe, model),
         model=model,
         section="strobe",
         clock=partial(periods_passed, list(model.params).index("omega")),

@@ -20,7 +20,7 @@ from grazing.maps.gap import gap_step
 from grazing.maps.map import Map
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
 from grazing.orbits.windows import EDGES, windows
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, OutsideForm, shown
 from grazing.parameter import Parameter, checked_periods
 
@@ -98,7 +98,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
         curves = gap_curves(dict(P.params), first, second, periods)
     elif isinstance(model, Oscillator):
         known = dict(model.params)
-        about = {name: describe_parameter(name) for name in known}
+        about = {name: model.describe(name) for name in known}
         check_sides(first, second, about, "the model")
         curves = _oscillator_curves(model, first, second, periods)
     else:
@@ -106,7 +106,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
             f"{getattr(P, 'name', P)!s} has no boundaries in closed form: they are known for the gap map (gz.gap_map), "
             "and the stroboscopic and the impact map of an oscillator whose reset law is newton, active or triggered"
         )
-    return _dataset(P, known, about, (first, second), periods, curves)
+    return _dataset(P, model, known, about, (first, second), periods, curves)
 
 
 def _model_of(P: Any) -> Oscillator | None:
@@ -263,6 +263,7 @@ def _range(value: Any, which: str) -> Range:
 
 def _dataset(
     P: Any,
+    model: Any,
     params: dict[str, float],
     about: dict[str, Parameter],
     sides: tuple[Range, Range],
@@ -276,9 +277,7 @@ def _dataset(
         values = np.full((len(curves), longest), np.nan)
         for row, curve in enumerate(curves):
             values[row, : len(curve.points)] = curve.points[:, column]
-        known = about[side.name]
-        attrs = {"long_name": known.meaning, "units": "1", "symbol": known.symbol}
-        variables[side.name] = (("curve", "point"), values, attrs)
+        variables[side.name] = (("curve", "point"), values, about[side.name].attributes)
     kinds = np.array([curve.kind for curve in curves], dtype=object)
     words = GAP_KINDS if about is GAP else EDGES
     meaning = "; ".join(f"{kind}: {said}" for kind, said in words.items() if kind != NO_BOUNDARY)
@@ -297,5 +296,6 @@ def _dataset(
         "model": repr(P),
         "grazing_config": json.dumps(config, sort_keys=True, separators=(",", ":"), allow_nan=False),
         "arithmetic": "strict",
+        **(model.attributes if isinstance(model, Oscillator) else {}),
     }
     return xr.Dataset(variables, attrs=attributes)

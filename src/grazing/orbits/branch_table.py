@@ -52,15 +52,15 @@ def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[st
     """
     hit = [(i, one) for i, one in enumerate(orbits) if isinstance(one, ImpactOrbit)]
 
-    def column(values: list[NDArray[Any]], long_name: str, symbol: str) -> Any:
-        return "impact", _joined(values, np.float64), {"long_name": long_name, "units": "1", "symbol": symbol}
+    def column(values: list[NDArray[Any]], name: str) -> Any:
+        return "impact", _joined(values, np.float64), hit[0][1].model.describe(name).attributes if hit else {}
 
     rows = [np.full(one.impacts, i) for i, one in hit]
     return {
         "impact_point": ("impact", _joined(rows, np.int64), {"long_name": "row of the orbit"}),
-        "impact_time": column([one.times + rolls[i] * one.model.period for i, one in hit], "time of impact", "t"),
-        "v_minus": column([one.incoming for _i, one in hit], "velocity before", "v^-"),
-        "v_plus": column([one.outgoing for _i, one in hit], "velocity after", "v^+"),
+        "impact_time": column([one.times + rolls[i] * one.model.period for i, one in hit], "t"),
+        "v_minus": column([one.incoming for _i, one in hit], "v_minus"),
+        "v_plus": column([one.outgoing for _i, one in hit], "v_plus"),
     }
 
 
@@ -96,7 +96,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     for i, (orbit, roll) in enumerate(zip(orbits, rolls.tolist(), strict=True)):
         points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
     about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
-    value = {"long_name": about.meaning, "symbol": about.symbol, "units": "1"}
+    value = about.attributes
     special = branch.special
 
     def column(dim: str, values: Any, long_name: str, **more: str) -> Any:
@@ -134,9 +134,12 @@ def branch_table(branch: Branch) -> xr.Dataset:
     }
     table |= impact_columns(orbits, rolls)
     for j, coordinate in enumerate(coordinates):
-        table[coordinate] = ("point", "n"), points[:, :, j], {"long_name": coordinate, "symbol": coordinate}
+        said = {"long_name": coordinate, "symbol": coordinate}
+        if P.model is not None:
+            said = P.model.describe(coordinate).attributes
+        table[coordinate] = ("point", "n"), points[:, :, j], said
         first = np.array([one.orbit.points[0, j] for one in special], np.float64)
-        table[f"special_{coordinate}"] = "special", first, {"long_name": coordinate, "symbol": coordinate}
+        table[f"special_{coordinate}"] = "special", first, said
     attributes = {
         "title": f"branch in {name} of {P.name}",
         "parameter": name,
@@ -146,5 +149,6 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
         "coordinate_names": json.dumps(list(coordinates)),
         "arithmetic": "strict",
+        **({} if P.model is None else P.model.attributes),
     }
     return xr.Dataset(table, attrs=attributes)

@@ -151,13 +151,16 @@ def grazing_curve(
         "graze": (
             ("graze_point", "coordinate"),
             state,
-            {"long_name": "states that touch the wall within a period, and their preimages", "units": "1"},
+            {
+                "long_name": "states that touch the wall within a period, and their preimages",
+                "units": model.units_of(("u", "v")),
+            },
         ),
         "order": ("graze_point", order.astype(np.int32), {"long_name": "order of the preimage", "units": "1"}),
         "contact_time": (
             "graze_point",
             times,
-            {"long_name": "time of the touch after the strobe of order 0", "units": "1", "symbol": "t"},
+            model.describe("t").attributes | {"long_name": "time of the touch after the strobe of order 0"},
         ),
     }
     text = json.dumps(config, sort_keys=True, separators=(",", ":"), allow_nan=False)
@@ -169,6 +172,7 @@ def grazing_curve(
         "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "arithmetic": "strict",
         "cut_short": int(cut_short),
+        **model.attributes,
     }
     return xr.Dataset(variables, {"coordinate": ["u", "v"]}, attributes)
 

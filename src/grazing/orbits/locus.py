@@ -181,7 +181,7 @@ class Locus(ByValue):
         columns: dict[str, Any] = {}
         for j, name in enumerate(self.parameters):
             about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
-            attrs = {"long_name": about.meaning, "symbol": about.symbol, "units": "1"}
+            attrs = about.attributes
             columns[name] = "point", self.values[:, j], attrs
             columns[f"meeting_{name}"] = (
                 "meeting",
@@ -200,6 +200,7 @@ class Locus(ByValue):
             "type": self.type, "word": self.orbits[0].word, "period": self.orbits[0].period,
             "parameters": json.dumps(list(self.parameters)), "bounds": json.dumps([list(b) for b in self.bounds]),
             "map": P.name or "map", "map_parameters": json.dumps(dict(P.params)), "ends": json.dumps(list(self.ends)),
+            **({} if P.model is None else P.model.attributes),
         }  # fmt: skip
         return xr.Dataset(columns, attrs=attributes)
 

@@ -271,7 +271,7 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         seeds += [one.seed] if last else [one.seed, gap[0, :1]]
         piece.append(np.full(len(one.piece.state) + (not last), number))
     words = np.array([_word(one.piece.letters, P) for one in grown], dtype=object)
-    count = {"units": "1"}
+    count, state = {"units": "1"}, "1" if P.model is None else P.model.units_of(P.coordinates)
     ends = "; ".join(f"{end}: {said}" for end, said in ENDS.items())
     points = np.repeat(np.arange(orbit.period), 2)
 
@@ -279,7 +279,11 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         return dimension, np.array(values, dtype), {"long_name": long_name, **more}
 
     variables = {
-        "manifold": (("point", "coordinate"), np.concatenate(rows), {"long_name": f"{saddle.side} manifold", **count}),
+        "manifold": (
+            ("point", "coordinate"),
+            np.concatenate(rows),
+            {"long_name": f"{saddle.side} manifold", "units": state},
+        ),
         "piece": column("point", np.concatenate(piece), np.int64, "row of the table of pieces", **count),
         "seed": column("point", np.concatenate(seeds), np.float64, "distance of the start from the saddle", **count),
         "order": column("piece", [g.order for g in grown], np.int64, "steps from the neighbourhood of the saddle"),
@@ -293,7 +297,8 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         "sign": column("branch", [1, -1] * orbit.period, np.int64, "of the seeds next to that point"),
         "branch_length": column("branch", [b.length for b in branches], np.float64, "arc length inside the box"),
         "branch_end": column("branch", [b.end for b in branches], "<U8", "why the branch ends", meaning=ends),
-        "saddle": (("saddle_index", "coordinate"), np.array(orbit.points), {"long_name": "the saddle", **count}),
+        "saddle": (("saddle_index", "coordinate"), np.array(orbit.points), {"long_name": "the saddle", "units": state}),
+        "box": (("coordinate", "end"), np.array(about["box"]), {"long_name": "what is drawn", "units": state}),
         "direction": (
             ("saddle_index", "coordinate"),
             saddle.directions,
@@ -307,10 +312,10 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         "multiplier": saddle.multiplier,
         "period": orbit.period,
         "orbit_word": orbit.word,
-        "box": np.array(about["box"]).ravel(),
         "model": repr(P),
         "parameters": json.dumps(dict(P.params)),
         "grazing_config": json.dumps(config, sort_keys=True, separators=(",", ":"), allow_nan=False),
         "arithmetic": "strict",
+        **({} if P.model is None else P.model.attributes),
     }
     return xr.Dataset(variables, {"coordinate": list(P.coordinates)}, attributes)

@@ -23,7 +23,7 @@ from grazing.orbits.survey import PHASE, Family, families, survey
 from grazing.orbits.windows import EDGES, PIECES, windows
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.windows import series
 
 Floats = NDArray[np.float64]
@@ -270,16 +270,15 @@ def _dataset(
     model: Oscillator, name: str, table: xr.Dataset, names: list[str], derivative: Floats, error: Floats
 ) -> xr.Dataset:
     """Return the derivatives as a labelled table."""
-    shown = describe_parameter(name)
-    about = {"long_name": f"derivative of the edge in {name}", "units": "1"}
+    about = {"long_name": f"derivative of the edge in {name}"}
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
     dims = ("window", "edge", "parameter")
     both = [np.array([table[f"{side}{part}"].values for side in ("low", "high")]).T for part in ("", "_type")]
     return xr.Dataset(
         {
             "derivative": (dims, derivative, about),
-            "error": (dims, error, {"long_name": "estimated error of the derivative", "units": "1"}),
-            "value": (("window", "edge"), both[0], {"long_name": shown.meaning, "symbol": shown.symbol, "units": "1"}),
+            "error": (dims, error, {"long_name": "estimated error of the derivative"}),
+            "value": (("window", "edge"), both[0], model.describe(name).attributes),
             "type": (("window", "edge"), both[1], {"long_name": "type of the edge", "meaning": words}),
             "N": table["N"],
             "piece": table["piece"],
@@ -293,5 +292,6 @@ def _dataset(
             "span": table.attrs["span"],
             "samples": table.attrs["samples"],
             "arithmetic": "strict",
+            **model.attributes,
         },
     )

@@ -19,7 +19,7 @@ from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
 from grazing.oscillator.constants import natural_size
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_periods, unknown, whole
 
@@ -267,7 +267,7 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
 
 def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
     """Return the span searched, checked, or the default one."""
-    parameter = describe_parameter(name)
+    parameter = model.describe(name)
     if span is not None:
         try:
             low, high = span
@@ -301,8 +301,7 @@ def _dataset(
     found: list[tuple[int, Edge, Edge, str]],
 ) -> xr.Dataset:
     """Return the windows as a labelled table."""
-    parameter = describe_parameter(name)
-    about = {"long_name": parameter.meaning, "symbol": parameter.symbol, "units": "1"}
+    about = model.describe(name).attributes
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
 
     def column(values: list[Any], dtype: Any, long_name: str, **more: str) -> Any:
@@ -328,5 +327,6 @@ def _dataset(
         "span": list(span),
         "samples": samples,
         "arithmetic": "strict",
+        **model.attributes,
     }
     return xr.Dataset(columns, attrs=attributes)

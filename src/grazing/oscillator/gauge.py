@@ -21,16 +21,17 @@ from grazing.oscillator.trajectory import END, LEG, MAX_IMPACTS, START, V_MINUS,
 
 Floats = NDArray[np.float64]
 
-#: What is read from a motion, each over a whole cycle: of position and velocity, and of impacts, 0 where there is none.
+#: What is read from a motion, each over a whole cycle, and its units for a model in SI units: of position and velocity,
+#: and of impacts, 0 where there is none.
 READINGS = {
-    "amplitude": "amplitude, half of peak to peak",
-    "mean": "mean position",
-    "peak_velocity": "greatest speed",
-    "rms_velocity": "root mean square of the velocity",
-    "impact_speed": "greatest speed of an impact",
-    "mean_impact_speed": "mean speed of impacts",
-    "impulse": "impulse of the wall in a period of the forcing, per unit of mass",
-    "impacts_per_period": "impacts in a period of the forcing",
+    "amplitude": ("amplitude, half of peak to peak", "m"),
+    "mean": ("mean position", "m"),
+    "peak_velocity": ("greatest speed", "m/s"),
+    "rms_velocity": ("root mean square of the velocity", "m/s"),
+    "impact_speed": ("greatest speed of an impact", "m/s"),
+    "mean_impact_speed": ("mean speed of impacts", "m/s"),
+    "impulse": ("impulse of the wall in a period of the forcing, per unit of mass", "N s/kg"),
+    "impacts_per_period": ("impacts in a period of the forcing", "1"),
 }
 #: Nodes of a piece, and its longest length in units of the fastest rate.
 NODES, LENGTH = 20, 4.0

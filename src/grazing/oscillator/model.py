@@ -3,55 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from math import inf, pi
+from dataclasses import dataclass, field, replace
+from math import pi
 from typing import Any, NamedTuple
 
+from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
-from grazing.oscillator.reset import KNOWN, Reset, active, linear_part, probe
+from grazing.oscillator.reset import Reset, active, linear_part, probe
+from grazing.oscillator.si import si_numbers
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, real, updated
-
-PARAMETERS = {
-    parameter.name: parameter
-    for parameter in (
-        Parameter("alpha", r"\alpha", "linear damping coefficient", 0.0),
-        Parameter("k", "k", "natural frequency; the stiffness is k^2", 0.0),
-        Parameter("omega", r"\omega", "frequency of the forcing", 0.0, inf, "low"),
-        Parameter("t0", "t_0", "time shift of the forcing"),
-        Parameter("offset", "d", "constant part of the forcing"),
-        Parameter("d", "d", "constant part of the forcing"),
-        Parameter("sigma", r"\sigma", "position of the wall"),
-        Parameter("phase", r"\varphi", "time of the stroboscopic section, from t = 0"),
-        *KNOWN.values(),
-    )
-}
+from grazing.units import magnitude
 
 #: Harmonics of a forcing: each is two parameters of the model and of every map that is made of it.
 MOST_HARMONICS = 1000
 #: Angles beyond which a double is too coarse for a phase.
 LATEST = 1e15
 _TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
-
-
-#: What is known of any other name.
-LAWS_OWN = "parameter of the reset law"
-
-
-def describe_parameter(name: str) -> Parameter:
-    """Return what is known of a parameter of the oscillator or of a reset law."""
-    if name in PARAMETERS:
-        return PARAMETERS[name]
-    for kind, word in (("cos", "cosine"), ("sin", "sine")):
-        if name.startswith(kind) and name[3:].isdigit():
-            j = int(name[3:])
-            return Parameter(name, rf"{kind[0]}_{{{j}}}", f"{word} amplitude of harmonic {j} of the forcing")
-    return Parameter(name, rf"\mathrm{{{name}}}", LAWS_OWN)
-
-
-def means_model(name: str) -> bool:
-    """Return whether a name means something of the oscillator, whatever its forcing: no law may give it another."""
-    return name not in KNOWN and describe_parameter(name).meaning != LAWS_OWN
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +122,9 @@ class Oscillator:
         Position of the wall.
     reset : Reset
         What an impact does: :func:`newton`, :func:`active`, :func:`triggered` or :func:`reset`.
+    mass : float, optional
+        In kg, > 0: the numbers are then metres and seconds, and results and figures carry units. Default: all is
+        dimensionless. :meth:`from_si` makes such a model from mass, damper, spring and force.
 
     Raises
     ------
@@ -177,6 +148,7 @@ class Oscillator:
     forcing: Forcing
     reset: Reset
     sigma: float = 0.0
+    mass: float | None = field(default=None, kw_only=True, repr=False)
     offset_name: str = field(default="offset", kw_only=True, repr=False)
     paper: bool = field(default=False, kw_only=True, repr=False)
 
@@ -188,6 +160,8 @@ class Oscillator:
             )
         for name in ("alpha", "k", "sigma"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
+        if self.mass is not None:
+            object.__setattr__(self, "mass", MASS.check(self.mass))
         for name in ("alpha", "k"):
             if getattr(self, name) > 1e100:
                 raise InputError(
@@ -203,6 +177,88 @@ class Oscillator:
         if not self.reset.affine:
             f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
             probe(self.reset, drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1])
+
+    @classmethod
+    def from_si(
+        cls,
+        *,
+        m: Any,
+        c: Any,
+        k: Any,
+        gap: Any,
+        reset: Reset,
+        force: Any = 0.0,
+        side: str = "above",
+        base: Any = 0.0,
+        moves: str = "both",
+        load: Any = 0.0,
+        frequency: Any = None,
+        omega: Any = None,
+    ) -> Oscillator:
+        """Return the model of a mass on a spring and a damper with a stop, all in SI units.
+
+        Every number may also be a quantity of pint, or a text such as ``"1.2 mm"`` (``pip install 'grazing[units]'``).
+
+        Parameters
+        ----------
+        m, c, k : float
+            Mass, > 0, in kg; viscous damping, >= 0, in N s/m; stiffness, >= 0, in N/m.
+        gap : float
+            Distance from the mass to the stop where the spring is relaxed, >= 0, in m.
+        reset : Reset
+            Such as ``gz.newton(0.7)``; its speeds are in m/s.
+        force : float or sequence of float
+            Amplitude in N: the mass feels force cos(omega t), upwards. Several are those of harmonics 1, 2, ...
+        side : {"above", "below"}
+            Where the stop is. Above, u points down: u = -x; below, u = x. In both the wall is at u = -gap.
+        base : float or sequence of float
+            Amplitude in m of a base that moves by base cos(omega t), positive upwards. A sweep in ``omega`` keeps the
+            force that it makes at this frequency, not the amplitude.
+        moves : {"both", "spring", "stop"}
+            What the base carries: spring, damper and stop; the first two; or the stop. If it carries the stop, u is
+            relative to the base.
+        load : float
+            Constant force in N, positive upwards: a weight is ``-9.81 * m``.
+        frequency, omega : float
+            Of the forcing, in Hz or in rad/s: one of them.
+
+        Returns
+        -------
+        Oscillator
+            alpha = c/m, k = sqrt(k/m), the forces per unit of mass; ``mass`` is m. Results of it carry units.
+
+        Raises
+        ------
+        InputError
+            For units that do not match, a mass that is not positive, or a negative gap.
+
+        Examples
+        --------
+        >>> import grazing as gz
+        >>> law = gz.newton(0.7)
+        >>> rig = gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, force=2.5, gap="1.2 mm", frequency=14, reset=law)
+        >>> rig
+        <Oscillator alpha=3, k=63.2456, omega=87.9646, t0=0, offset=0, cos1=-3.125, sin1=0, sigma=-0.0012, mass=0.8,
+        newton(r=0.7)>
+        """
+        found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega)
+        forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
+        return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass)
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or a coordinate, with its units."""
+        own = name in COORDINATES and name not in self.reset.params
+        known = COORDINATES[name] if own else describe_parameter(name)
+        return known if self.mass is not None else replace(known, units="1")
+
+    def units_of(self, names: Sequence[str]) -> str:
+        """Return the units of several coordinates, one after the other; ``"1"`` if all is dimensionless."""
+        return "1" if self.mass is None else ", ".join(self.describe(name).units for name in names)
+
+    @property
+    def attributes(self) -> dict[str, float]:
+        """What a result says of the units: the mass in kg, by which forces are divided; nothing if dimensionless."""
+        return {} if self.mass is None else {"mass": self.mass}
 
     def _flight_params(self) -> dict[str, float]:
         f = self.forcing
@@ -249,10 +305,11 @@ class Oscillator:
 
         Parameters
         ----------
-        **changes : float
+        **changes : float or pint.Quantity
             Names of :attr:`params`.
         """
-        new = updated(self.params, changes, "the model")
+        given = {name: magnitude(value, self.describe(name).units, name) for name, value in changes.items()}
+        new = updated(self.params, given, "the model")
         new[self.offset_name] = describe_parameter(self.offset_name).check(new[self.offset_name])
         forcing = Forcing(
             omega=new["omega"],
@@ -262,13 +319,13 @@ class Oscillator:
             sin=tuple(new[f"sin{j + 1}"] for j in range(self.harmonics)),
         )
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
-        return Oscillator(
-            new["alpha"], new["k"], forcing, law, new["sigma"], offset_name=self.offset_name, paper=self.paper
-        )
+        kept: dict[str, Any] = {"mass": self.mass, "offset_name": self.offset_name, "paper": self.paper}
+        return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
 
     def __repr__(self) -> str:
         values = listed(f"{name}={value:g}" for name, value in self._flight_params().items())
-        return f"<Oscillator {values}, {shown(self.reset)}>"
+        mass = "" if self.mass is None else f"mass={self.mass:g}, "
+        return f"<Oscillator {values}, {mass}{shown(self.reset)}>"
 
 
 def checked_phase(model: Oscillator, phase: Any) -> float:

@@ -14,8 +14,8 @@ from grazing.outcome import InputError, UserCodeError, listed, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
-V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0)
-TRIGGER = Parameter("trigger", "v_s", "least speed of impact that fires the bumper", 0.0)
+V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0, units="m/s")
+TRIGGER = Parameter("trigger", "v_s", "least speed of impact that fires the bumper", 0.0, units="m/s")
 #: Speeds at which a law is tried before it belongs to a model, whose own speeds are tried then: slow in any unit.
 SLOW = 1e-6
 KNOWN = {parameter.name: parameter for parameter in (R, V, TRIGGER)}

@@ -180,9 +180,10 @@ def trajectory(
     Returns
     -------
     xarray.Dataset
-        ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``trust``, one word:
-        *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or *ambiguous*. Chatter is
-        listed down to 1e-6 of the fastest departure since the last strobe or rest and then completed.
+        ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``wall``, where it is;
+        ``trust``, one word: *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or
+        *ambiguous*. Chatter is listed down to 1e-6 of the fastest departure since the last strobe or rest
+        and then completed.
 
     Raises
     ------
@@ -214,21 +215,24 @@ def trajectory(
     hits = ~np.isnan(legs[:, V_MINUS]) & (ends <= until)
     flags = int(np.bitwise_or.reduce(legs[:, FLAGS].astype(int)))
     trust = Trust.ambiguous if flags & AMBIGUOUS else Trust.certified
+    about = {name: model.describe(name).attributes for name in ("t", "u", "v", "v_minus", "v_plus")}
     result = xr.Dataset(
         {
-            "u": ("t", us, {"long_name": "position", "units": "1", "symbol": "u"}),
-            "v": ("t", vs, {"long_name": "velocity", "units": "1", "symbol": "v"}),
-            "impact_time": ("impact", ends[hits], {"long_name": "time of impact", "units": "1", "symbol": "t"}),
-            "v_minus": ("impact", legs[hits, V_MINUS], {"long_name": "velocity before", "units": "1", "symbol": "v^-"}),
-            "v_plus": ("impact", legs[hits, V_PLUS], {"long_name": "velocity after", "units": "1", "symbol": "v^+"}),
+            "u": ("t", us, about["u"]),
+            "v": ("t", vs, about["v"]),
+            "impact_time": ("impact", ends[hits], about["t"] | {"long_name": "time of impact"}),
+            "v_minus": ("impact", legs[hits, V_MINUS], about["v_minus"]),
+            "v_plus": ("impact", legs[hits, V_PLUS], about["v_plus"]),
+            "wall": ((), model.sigma, model.describe("sigma").attributes),
             "trust": ((), trust.value),
         },
-        coords={"t": ("t", times, {"long_name": "time", "units": "1", "symbol": "t"})},
+        coords={"t": ("t", times, about["t"])},
     )
     result.attrs = {
         "title": f"trajectory of {model!r}",
         "grazing_outcome": flags,
         "chatter": int(bool(flags & CHATTER)),
+        **model.attributes,
         **{f"parameter_{name}": value for name, value in model.params.items()},
     }
     return result

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import re
 import tempfile
+import time
+from contextlib import suppress
 from pathlib import Path
 
 from grazing.outcome import InputError
+from grazing.paths import path_of
+from grazing.writing import PARTIAL, whole_file
 
-#: What an interruption leaves of a file of the report.
-_PART = re.compile(r"\.(index\.html|claims\.json|figure-[0-9.]+\.[a-z]+)\.[a-z0-9_]{8}\.part")
+#: Seconds after which a file that never got its name is rubbish.
+OLD = 3600.0
 
 
 def write(path: Path, data: bytes | str) -> Path:
@@ -32,21 +34,8 @@ def write(path: Path, data: bytes | str) -> Path:
         If the folder cannot be written to.
     """
     content = data.encode("utf-8") if isinstance(data, str) else data
-    part: Path | None = None
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-        part = Path(name)
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        part.chmod(0o644)
-        part.replace(path)
-    except OSError as error:
-        raise refused(path, error) from None
-    finally:
-        if part is not None:
-            part.unlink(missing_ok=True)
+    with whole_file(path) as part:
+        part.write_bytes(content)
     return path
 
 
@@ -58,13 +47,14 @@ def folder(path: str | Path) -> Path:
     InputError
         If it is a file, or cannot be made or written to.
     """
-    place = Path(path)
+    place = path_of(path)
     try:
         place.mkdir(parents=True, exist_ok=True)
-        for part in place.glob(".*.part"):
-            if _PART.fullmatch(part.name):  # other programs name theirs so, too
-                part.unlink(missing_ok=True)
-        with tempfile.NamedTemporaryFile(dir=place, suffix=".part", prefix="."):
+        for part in filter(lambda file: PARTIAL.fullmatch(file.name), place.glob(".*.partial")):
+            with suppress(OSError):
+                if time.time() - part.stat().st_mtime > OLD:  # another run's may be growing
+                    part.unlink()
+        with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:
         raise refused(place, error) from None

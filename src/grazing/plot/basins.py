@@ -16,7 +16,7 @@ from grazing.plot.classes import attractor_colours, class_name, legend_beside, o
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
-from grazing.plot.style import GRAZE, INK, axes, label, root, styled
+from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -81,9 +81,9 @@ def basins(
         ax.set_ylim(edges[1][0], edges[1][-1])
         for axis, (values, _where) in zip((ax.xaxis, ax.yaxis), axis_values, strict=False):
             name_single(axis, values)
-        ax.set_xlabel(label(names[0], result[names[0]].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[names[0]]))
         if len(names) == 2:
-            ax.set_ylabel(label(names[1], result[names[1]].attrs.get("symbol")))
+            ax.set_ylabel(symbol(result[names[1]]))
         else:
             ax.set_yticks([])
             ax.spines["left"].set_visible(False)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
-from grazing.plot.style import INK, axes, label, period_colour, root, styled
+from grazing.plot.style import INK, axes, period_colour, root, styled, symbol
 
 #: Dashes by kind of orbit.
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
@@ -82,8 +82,8 @@ def branch(
                 markers.append(artist)
                 texts += [text] if text is not None else []
         spread(ax, texts)
-        ax.set_xlabel(label(name, tables[0][name].attrs.get("symbol")))
-        ax.set_ylabel(label(chosen, tables[0][chosen].attrs.get("symbol")))
+        ax.set_xlabel(symbol(tables[0][name]))
+        ax.set_ylabel(symbol(tables[0][chosen]))
         if legend:
             explained(ax, tables, virtual)
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts}

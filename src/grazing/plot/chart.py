@@ -20,7 +20,7 @@ from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
 from grazing.plot.stripes import striped
-from grazing.plot.style import ENDED, INK, axes, label, period_colour, root, styled
+from grazing.plot.style import ENDED, INK, axes, period_colour, root, styled, symbol
 from grazing.plot.words import worded
 
 Floats = NDArray[np.float64]
@@ -58,9 +58,10 @@ def chart(
         Whether attractors that coexist share a cell: diagonal stripes about 1.5 mm apart, whatever the size of the
         cells, as wide as their shares of the starts, so that the area of a colour is its share; a white line parts
         attractors of one colour. Else a cell has the colour of the most common one.
-    curves : xarray.Dataset, Locus, list of them, or mapping of str to (x, y), optional
-        Boundaries to be laid on top: what :func:`grazing.boundaries` or :func:`grazing.locus` returns for these two
-        parameters (of a locus the part on orbits that the map has), or any curves; each name is written on its curve.
+    curves : xarray.Dataset, Locus, Branch, list of them, or mapping of str to (x, y), optional
+        What is laid on top: what :func:`grazing.boundaries` or :func:`grazing.locus` returns for these two parameters
+        (of a locus the part on orbits that the map has), the stable part of a branch in one of them, or any curves;
+        each name is written on its curve.
     legend : bool
         Whether a legend, or a colour bar for exponents, stands beside the chart.
 
@@ -79,7 +80,7 @@ def chart(
     choice(by, "by", ("period", "word", "exponent", "attractors"))
     needed = {"period": plane, "share": plane} | ({by: plane} if by in ("exponent", "word") else {})
     first, second, _rank = expect(result, "chart", needed)
-    curves = curves_of(curves, first, second)
+    curves = curves_of(curves, result, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
     period, share = _shown(result, i, j)
     bar = beside = None
@@ -102,8 +103,8 @@ def chart(
         drawn = lay_curves(ax, curves)
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
-        ax.set_xlabel(label(first, result[first].attrs.get("symbol")))
-        ax.set_ylabel(label(second, result[second].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[first]))
+        ax.set_ylabel(symbol(result[second]))
     return {
         "figure": root(ax),
         "image": image,

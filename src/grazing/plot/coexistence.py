@@ -15,7 +15,7 @@ from grazing.plot.density import plain
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, axes, ink_on, label, root, styled
+from grazing.plot.style import DOUBLE, INK, axes, ink_on, root, styled, symbol
 from grazing.plot.windows import across
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def coexistence(
             ax.yaxis.set_major_formatter(FuncFormatter(plain))
             ax.yaxis.set_minor_locator(NullLocator())
         name_single(ax.xaxis, values)
-        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[name]))
         marks = _changes(ax, result) if changes else {}
         mean = share.mean(axis=0)
         beside = legend_beside(ax, _entries(ax, stack, mean, word, period, colours, marks)) if legend else None

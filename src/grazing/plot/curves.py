@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,8 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.plot.style import INK, drawable
+from grazing.units import in_units
 
 Floats = NDArray[np.float64]
 
@@ -20,41 +23,71 @@ Floats = NDArray[np.float64]
 SAMPLES = 160
 
 
-def curves_of(given: Any, first: str, second: str) -> Mapping[str, Any]:
-    """Return curves by name: as they are given, or made of boundaries and loci in the plane of two parameters.
+def curves_of(given: Any, result: xr.Dataset, first: str, second: str) -> Mapping[str, Any]:
+    """Return curves by name: as they are given, or made of boundaries, loci and branches in the plane of a result.
 
-    Edges of one name are one line in pieces.
+    Edges of one name are one line in pieces. Curves in other units are converted to those of the result.
     """
     if given is None or (isinstance(given, Mapping) and not isinstance(given, xr.Dataset)):
         return given or {}
     several = given if isinstance(given, (list, tuple)) else [given]
     pieces: dict[str, list[Floats]] = {}
     for one in several:
-        for name, x, y in _lines(one, first, second):
+        for name, x, y in _lines(one, result, first, second):
             pieces.setdefault(name, []).append(np.append(np.stack([x, y]), [[np.nan], [np.nan]], axis=1))
     return {name: tuple(np.concatenate(parts, axis=1)) for name, parts in pieces.items()}
 
 
-def _lines(one: Any, first: str, second: str) -> Iterator[tuple[str, Floats, Floats]]:
-    """Yield the lines of boundaries or of a locus, each with its name."""
+def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tuple[str, Floats, Floats]]:
+    """Yield the lines of boundaries, of a locus or of a branch, each with its name."""
     found = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
-    wanted = f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), a gz.locus in {first} and {second}"
-    if not isinstance(found, xr.Dataset) or not {"label", "meeting_type"} & {*found.variables}:
+    wanted = (
+        f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), a gz.locus in {first} and {second}, "
+        f"a branch in one of them"
+    )
+    if not isinstance(found, xr.Dataset) or not {"label", "meeting_type", "special_type"} & {*found.variables}:
         raise InputError(
             f"no curve can be drawn from this {type(one).__name__}; give {wanted}, a list of these, "
             "or a mapping of names to (x, y)"
         )
+    if "special_type" in found:
+        found = _placed(found, {first, second})
     for name in (first, second):
         if name not in found:
             known = ", ".join(map(str, found.variables))
             raise InputError(f"curves have {known}, but no {name}; give {wanted}")
-    x, y = (np.asarray(found[side].values, np.float64) for side in (first, second))
+    x, y = (_in_units_of(result, found, side) for side in (first, second))
     if "label" in found:
         for k, name in enumerate(found["label"].values):
             yield str(name), x[k], y[k]
         return
+    if "special_type" in found:
+        real = (found["admissible"].values == 1) & (found["stable"].values == 1)
+        for k in np.unique(found["piece"].values):
+            there = found["piece"].values == k
+            names, lengths = np.unique(found["word"].values[there], return_counts=True)
+            yield str(names[lengths.argmax()]), np.where(real, x, np.nan)[there], np.where(real, y, np.nan)[there]
+        return
     there = found["admissible"].values == 1  # a chart shows what the map has
     yield f"{found.attrs['word']} {found.attrs['type']}", np.where(there, x, np.nan), np.where(there, y, np.nan)
+
+
+def _placed(branch: xr.Dataset, plane: set[str]) -> xr.Dataset:
+    """Return a branch with the other parameter of the plane, which keeps its value along it."""
+    (other,) = plane - {branch.attrs["parameter"]} or {""}
+    known = json.loads(branch.attrs["parameters"])
+    if len(plane & {branch.attrs["parameter"]}) != 1 or other not in known:
+        return branch
+    units = describe_parameter(other).units if "mass" in branch.attrs else "1"
+    return branch.assign({other: ("point", np.full(branch.sizes["point"], known[other]), {"units": units})})
+
+
+def _in_units_of(result: xr.Dataset, found: xr.Dataset, side: str) -> Floats:
+    """Return what a curve says of an axis, in the axis' own units."""
+    old, unit = (one[side].attrs.get("units") for one in (found, result))
+    if unit in (None, "1", old):
+        return np.asarray(found[side].values, np.float64)
+    return np.asarray(in_units(found[[side]], unit)[side].values, np.float64)
 
 
 def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:

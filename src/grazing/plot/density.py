@@ -15,7 +15,7 @@ from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, is_even, name_single, ordered, raster, refined
-from grazing.plot.style import DOUBLE, axes, label, root, styled
+from grazing.plot.style import DOUBLE, axes, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -85,8 +85,8 @@ def density(
         )
         ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         name_single(ax.xaxis, values)
-        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
-        ax.set_ylabel(label(coordinate, result[coordinate].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[name]))
+        ax.set_ylabel(symbol(result[coordinate]))
         drawn = _bar(ax, image, units) if bar else None
         note = _note(ax, float(outside.sum()), float(total.sum()), result)
     return {"figure": root(ax), "image": image, "bar": drawn, "note": note, "provenance": provenance_of(result)}

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from grazing.outcome import InputError, shown
 from grazing.plot.expected import expect
 from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
+from grazing.plot.trajectory import wall_of
 
 
 def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str = INK) -> dict[str, Any]:
@@ -37,7 +38,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     with styled():
         ax = axes(ax, DOUBLE, 50.0)
-        sigma = float(result.attrs.get("parameter_sigma", 0.0))
+        sigma = wall_of(result)
         t, x, hits = (np.asarray(result[name].values) for name in ("t", of, "impact_time"))
         shown_hits = (hits >= t[0]) & (hits <= t[-1])
         hits = hits[shown_hits]

@@ -14,7 +14,7 @@ from grazing.outcome import InputError
 from grazing.plot.classes import legend_beside
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import INK, axes, ink_on, label, period_colour, root, styled
+from grazing.plot.style import INK, axes, ink_on, label, period_colour, root, styled, unit_of
 
 Floats = NDArray[np.float64]
 
@@ -114,7 +114,7 @@ def _errors(ax: Axes, result: Any, by: str, side: str, against: str, legend: boo
         )
     ax.set_yscale("log")
     parameter = str(result.attrs.get("parameter", ""))
-    symbol = label(parameter, result["edge"].attrs.get("symbol"))
+    symbol = label(parameter, result["edge"].attrs.get("symbol")) + unit_of(result["edge"])
     if against == "distance":
         ax.set_xscale("log")
         ax.set_xlabel(f"distance of the {EDGE[side]} edge from the graze, in {symbol}")
@@ -141,7 +141,7 @@ def _with_error(value: float, error: float) -> str:
 
 
 def _bars(ax: Axes, result: Any) -> dict[str, Any]:
-    edge, graze = result["edge"].values, float(result.attrs["graze"])
+    edge, graze = result["edge"].values, float(result["graze"] if "graze" in result else result.attrs["graze"])
     away = edge - graze
     known = away[np.isfinite(away)]
     if not known.size:
@@ -150,6 +150,7 @@ def _bars(ax: Axes, result: Any) -> dict[str, Any]:
     at = np.abs(away) if one_side else edge
     rungs = result["rung"].values.tolist()
     symbol = label(str(result.attrs.get("parameter", "")), result["edge"].attrs.get("symbol"))
+    symbol += unit_of(result["edge"])
     flow = at[-1][np.isfinite(at[-1])]
     seen = flow if flow.size else at[np.isfinite(at)]
     if one_side:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
 from grazing.plot.branch import spread
-from grazing.plot.style import GRAZE, INK, axes, label, root, styled
+from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
 
 #: Colours of the types of special points, each with dashes of its own so that print in grey keeps them apart.
 LINES: dict[str, tuple[str, Any]] = {
@@ -75,8 +75,8 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
                         kind, place, xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=7
                     ))  # fmt: skip
         spread(ax, texts)
-        ax.set_xlabel(label(x, tables[0][x].attrs.get("symbol")))
-        ax.set_ylabel(label(y, tables[0][y].attrs.get("symbol")))
+        ax.set_xlabel(symbol(tables[0][x]))
+        ax.set_ylabel(symbol(tables[0][y]))
         legend = ax.legend(handles=list(known.values()), labels=list(known), fontsize=6.5, loc="best")
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts, "legend": legend}
 

@@ -13,7 +13,7 @@ from grazing.plot.classes import legend_beside, patch
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, axes, label, root, styled
+from grazing.plot.style import DOUBLE, INK, axes, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def lyapunov(
         infinite = _infinite(ax, values, exponent)
         ax.set_xlim(edges[0], edges[-1])
         name_single(ax.xaxis, values)
-        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[name]))
         which = "Lyapunov exponent" if count == 1 else "Lyapunov exponents"
         ax.set_ylabel(f"{which} per {'step' if per == 'step' else 'unit of time'}")
         beside = None

@@ -135,7 +135,8 @@ def _saddle(ax: Axes, points: Floats) -> Line2D:
 def _limits(result: Any, values: Floats, axis: int) -> tuple[float, float]:
     """Return what is shown of one coordinate: the curve as far as it lies in its box, and the saddle."""
     points = np.append(values, result["saddle"].values[:, axis])
-    box = np.asarray(result.attrs.get("box", [-np.inf, np.inf, -np.inf, np.inf]), np.float64)[2 * axis : 2 * axis + 2]
+    everything = np.tile([-np.inf, np.inf], (2, 1))
+    box = np.reshape(result["box"].values if "box" in result else result.attrs.get("box", everything), (2, 2))[axis]
     low, high = max(float(np.nanmin(points)), float(box[0])), min(float(np.nanmax(points)), float(box[1]))
     margin = 0.04 * (high - low) or 1.0
     return low - margin, high + margin

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from grazing.plot.classes import legend_beside, patch, patches_of
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import CHAOS, DOUBLE, axes, label, period_colour, root, styled
+from grazing.plot.style import CHAOS, DOUBLE, axes, period_colour, root, styled, symbol
 from grazing.plot.words import worded
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
@@ -86,8 +86,8 @@ def orbit_diagram(
                 zorder=2.0 + 1.0 / (1 + place) if key else 1.9,
             )
         ax.set_xlim(float(values.min()), float(values.max()))
-        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
-        ax.set_ylabel(label(shown, result[shown].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[name]))
+        ax.set_ylabel(symbol(result[shown]))
         if legend or (legend is None and alone):
             beside = legend_beside(ax, entries, by)
     return {"points": drawn, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)}

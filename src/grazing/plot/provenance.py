@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import stat
 import struct
 import zlib
 from collections.abc import Iterator
-from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
 from grazing.outcome import InputError
+from grazing.paths import opened, path_of
 
 #: Where each format keeps title, software and provenance.
 PNG_FIELDS = {"Title": "title", "Software": "software", "Description": "provenance"}
@@ -28,6 +26,8 @@ SVG_FIELDS = {
 }
 #: Texts beyond this many bytes are not ours, nor is what stands farther from the beginning of an SVG file.
 LONGEST = 1 << 24
+#: Bytes of a PDF file, and parts of a PNG file, beyond which nothing of ours follows.
+LARGEST, PARTS = 1 << 28, 100_000
 #: Bytes of an SVG file that are parsed at a time: what is drawn, behind the metadata, is none of our business.
 STEP = 1 << 16
 
@@ -99,24 +99,19 @@ def provenance(path: str | Path) -> dict[str, Any]:
     ...     gz.plot.provenance(path)["provenance"]
     {'mu': 0.1}
     """
-    path = Path(path)
+    path = path_of(path)
     try:
-        if not (stat.S_ISREG(os.stat(path).st_mode) or path.is_dir()):  # a pipe may never begin
-            raise InputError(f"{path} is a device or a pipe; give the path of a figure")
-        with path.open("rb") as file:
+        with opened(path) as file:
             head = file.read(512)
             file.seek(0)
             if head.startswith(b"\x89PNG\r\n\x1a\n"):
                 fields = _png(file)
             elif head.startswith(b"%PDF-"):
-                with mmap(file.fileno(), 0, access=ACCESS_READ) as data:
-                    fields = _pdf(data)
+                fields = _pdf(file.read(LARGEST))
             elif re.match(rb"(\xef\xbb\xbf)?\s*<(\?xml|svg|!DOCTYPE svg)", head):
                 fields = _svg(file.read(LONGEST))
             else:
                 raise InputError(f"{path} is no figure; allowed are PNG, PDF and SVG files that grazing wrote")
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror}; give the path of a figure") from None
     except InputError:
         raise
     except (ValueError, zlib.error, struct.error, ElementTree.ParseError) as error:
@@ -139,7 +134,7 @@ def provenance(path: str | Path) -> dict[str, Any]:
 def _png(file: BinaryIO) -> dict[str, str]:
     fields: dict[str, str] = {}
     file.seek(8)
-    while True:
+    for _ in range(PARTS):
         head = file.read(8)
         if len(head) < 8:
             raise ValueError("it ends before its end")
@@ -155,6 +150,7 @@ def _png(file: BinaryIO) -> dict[str, str]:
         key, text = _text(kind, data)
         if key in PNG_FIELDS:
             fields[PNG_FIELDS[key]] = text
+    raise ValueError(f"it has more than {PARTS} parts")
 
 
 def _text(kind: bytes, data: bytes) -> tuple[str, str]:
@@ -182,7 +178,7 @@ _INFO = re.compile(rb"/Info\s+(\d{1,10})\s+(\d{1,10})\s+R")
 _PIECE = re.compile(rb"\\([0-7]{1,3}|\r\n|[\s\S])|([()])|[^\\()]+")
 
 
-def _pdf(data: mmap) -> dict[str, str]:
+def _pdf(data: bytes) -> dict[str, str]:
     trailer = data.rfind(b"trailer")
     found = _INFO.search(data, trailer, trailer + LONGEST) if trailer >= 0 else None
     if found is None:  # other programs keep it in a stream: not ours
@@ -193,7 +189,7 @@ def _pdf(data: mmap) -> dict[str, str]:
     return {PDF_FIELDS[key]: text for key, text in _strings(data, starts.end()) if key in PDF_FIELDS}
 
 
-def _strings(data: mmap, at: int) -> Iterator[tuple[str, str]]:
+def _strings(data: bytes, at: int) -> Iterator[tuple[str, str]]:
     """Yield the keys of a dictionary whose values are strings, with them."""
     key = ""
     token = re.compile(rb"\s*(/[^\s/()<>\[\]]*|\(|<<|>>|<[0-9A-Fa-f\s]*>|[^\s/()<>]+)")
@@ -213,7 +209,7 @@ def _strings(data: mmap, at: int) -> Iterator[tuple[str, str]]:
     raise ValueError("its information dictionary does not end")
 
 
-def _literal(data: mmap, at: int) -> tuple[bytes, int]:
+def _literal(data: bytes, at: int) -> tuple[bytes, int]:
     """Return the string that begins after a bracket, and where it ends."""
     out, depth = bytearray(), 1
     end = at + LONGEST

@@ -15,7 +15,7 @@ from grazing.plot.branch import DASHES, MARKERS, branch, kinds
 from grazing.plot.classes import legend_beside, patch
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, label, plain, root, styled
+from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
 
 #: Marks of the sweeps; random starts are dots.
 RUNS = {"up": "^", "down": "v"}
@@ -88,8 +88,8 @@ def response(
         bands = [ax.axvspan(low, high, color=INK, alpha=SHADE, lw=0, zorder=0) for low, high in ends]
         ax.set_xlim(float(values.min()), float(values.max()))
         drawn = branch(table, ax, virtual=False, names=names, legend=False)
-        ax.set_xlabel(label(name, result[name].attrs.get("symbol")))
-        ax.set_ylabel(plain(str(result[by].attrs["long_name"])))
+        ax.set_xlabel(symbol(result[name]))
+        ax.set_ylabel(quantity(result[by]))
         said = explained(ax, table, found, bool(bands)) if legend else None
     return {
         "figure": root(ax), "runs": found, "lines": drawn["lines"], "markers": drawn["markers"],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -20,6 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 
 from grazing.outcome import InputError, shown
+from grazing.paths import path_of
+from grazing.writing import whole_file
 
 #: Widths in millimetres: one column and two columns of a journal page.
 SINGLE, DOUBLE = 85.0, 174.0
@@ -231,17 +232,10 @@ def save(
     -------
     Path
     """
-    path = Path(path)
+    path = path_of(path)
     data = rendered(fig, path.suffix.lstrip(".").lower(), title, provenance)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with whole_file(path) as part:
         part.write_bytes(data)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise InputError(
-            f"cannot write {path}: {error.strerror}; choose a folder that exists and can be written to"
-        ) from None
     return path
 
 
@@ -256,14 +250,24 @@ def label(name: str, symbol: str | None = None) -> str:
     return mathematics(symbol, name) if symbol else plain(name)
 
 
+def symbol(variable: Any) -> str:
+    """Return an axis label of a variable: its symbol, or its name, and its unit."""
+    return f"{label(str(variable.name), variable.attrs.get('symbol'))}{unit_of(variable)}"
+
+
+def unit_of(variable: Any) -> str:
+    """Return the unit of a variable as a label ends with it, nothing if there is none."""
+    unit = str(variable.attrs.get("units", "1"))
+    return "" if unit == "1" else f" ({plain(unit)})"
+
+
 def quantity(variable: Any) -> str:
     """Return an axis label that says what a variable is: its long name, symbol and unit, as far as it has them."""
     attrs = variable.attrs
     words = [plain(str(attrs["long_name"]))] if "long_name" in attrs else []
     if "symbol" in attrs or not words:
         words.append(label(str(variable.name), attrs.get("symbol")))
-    unit = str(attrs.get("units", "1"))
-    return " ".join([*words, *([] if unit == "1" else [f"({plain(unit)})"])])
+    return " ".join(words) + unit_of(variable)
 
 
 def mathematics(formula: str, name: str) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from grazing.plot.expected import expect
-from grazing.plot.style import GRAZE, INK, WALL, axes, root, styled
+from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
 
 
 def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe: Any = None) -> dict[str, Any]:
@@ -35,7 +35,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
     expect(result, "trajectory", {"u": ("t",), "v": ("t",)})
     with styled():
         ax = axes(ax)
-        sigma = float(result.attrs.get("parameter_sigma", 0.0))
+        sigma = wall_of(result)
         u, v = np.asarray(result["u"].values), np.asarray(result["v"].values)
         # an impact is a time that occurs twice, before and after it, with two velocities
         cut = np.flatnonzero((np.diff(result["t"].values) <= 0.0) & (np.abs(np.diff(v)) > 1e-9 * np.abs(v).max())) + 1
@@ -55,6 +55,11 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
         ax.set_xlim(sigma - 0.08 * reach, sigma + 1.08 * reach)
         ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
-        ax.set_xlabel("position $u$")
-        ax.set_ylabel("velocity $v$")
+        ax.set_xlabel(quantity(result["u"]))
+        ax.set_ylabel(quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
+
+
+def wall_of(result: Any) -> float:
+    """Return the position of the wall of a trajectory, in its own units."""
+    return float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))

@@ -15,7 +15,7 @@ from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
-from grazing.plot.style import ENDED, GRAZE, axes, label, root, styled
+from grazing.plot.style import ENDED, GRAZE, axes, root, styled, symbol
 
 #: Colours of the classes of agreement, from light to dark the worse, and their names in the legend.
 CLASSES = {
@@ -89,7 +89,7 @@ def validity(
                 bar.set_label("overlap of the shares of the words")
                 bar.outline.set_linewidth(0.4)
         line = _graze(ax, result, first, (x[0], x[-1]), (y[0], y[-1]))
-        drawn = lay_curves(ax, curves_of(curves, first, second))
+        drawn = lay_curves(ax, curves_of(curves, result, first, second))
         if line is not None:
             handles.append(Line2D([], [], color=GRAZE, lw=line.get_linewidth(), ls=line.get_linestyle(), label="graze"))
         if legend and by == "agreement":
@@ -98,8 +98,8 @@ def validity(
             beside = legend_beside(ax, handles, loc="lower left", bbox_to_anchor=(0.0, 1.0))
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
-        ax.set_xlabel(label(first, result[first].attrs.get("symbol")))
-        ax.set_ylabel(label(second, result[second].attrs.get("symbol")))
+        ax.set_xlabel(symbol(result[first]))
+        ax.set_ylabel(symbol(result[second]))
     return {
         "figure": root(ax),
         "image": image,

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.oscillator.model import Oscillator, describe_parameter
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.parameters import describe_parameter
 from grazing.proof.expression import expression
 from grazing.proof.flow import Flow, Moment
 from grazing.proof.law import Law

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from contextlib import suppress
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
-from grazing.outcome import InputError
+from grazing.paths import path_of
+from grazing.writing import whole_file
 
 if TYPE_CHECKING:
     from flint import arb
@@ -79,17 +78,8 @@ def write_certificate(document: Mapping[str, Any], path: str | Path) -> Path:
     InputError
         If it cannot be written; what was there stays.
     """
-    target = Path(path)
+    target = path_of(path)
     text = json.dumps(document, indent=1, ensure_ascii=True, allow_nan=False) + "\n"
-    part = target.with_name(f".{uuid4().hex}.partial")
-    try:
-        if target.is_dir():
-            raise InputError(f"{target} is a folder; give the name of a file")
+    with whole_file(target) as part:
         part.write_text(text, encoding="ascii")
-        part.replace(target)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
     return target

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.parameters import COORDINATES
 from grazing.oscillator.reset import newton
 from grazing.oscillator.trajectory import flown
 from grazing.outcome import InputError, shown
@@ -25,6 +26,8 @@ Floats = NDArray[np.float64]
 SAMPLE = 200
 #: What a trajectory has.
 NEEDED = ("t", "u", "v", "impact_time")
+#: Units that a model knows.
+CONVERTED = {name: COORDINATES[name] for name in ("t", "u", "v")}
 
 
 def sample(trajectory: xr.Dataset, rate: float) -> xr.Dataset:
@@ -94,6 +97,8 @@ def model_of(trajectory: Any) -> Oscillator:
     names = getattr(trajectory, "variables", ())
     if not (isinstance(names, Mapping) and all(name in names for name in NEEDED) and trajectory["u"].dims == ("t",)):
         raise InputError(f"trajectory is {shown(trajectory)}; give a dataset as gz.trajectory returns it")
+    if any(trajectory[name].attrs.get("units", "1") not in ("1", known.units) for name, known in CONVERTED.items()):
+        raise InputError("the trajectory is in other units than its model; take samples first, then gz.in_units")
     has = {str(k).removeprefix("parameter_"): v for k, v in trajectory.attrs.items() if k.startswith("parameter_")}
     waves = [name for name in has if name.startswith("cos") and name[3:].isdigit()]
     try:

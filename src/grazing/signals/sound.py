@@ -10,6 +10,7 @@ import numpy as np
 
 from grazing.outcome import InputError, shown
 from grazing.parameter import real, whole
+from grazing.paths import path_of
 from grazing.signals.sample import model_of, sample
 from grazing.signals.spectrum import OF
 from grazing.writing import whole_file
@@ -64,7 +65,7 @@ def to_wav(
     """
     from scipy.io import wavfile
 
-    target = Path(path)
+    target = path_of(path)
     if target.suffix.lower() != ".wav":
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.wav'")
     if of not in OF:

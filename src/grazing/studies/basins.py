@@ -220,7 +220,7 @@ def _checked_grid(P: Map, grid: Mapping[str, ArrayLike] | None) -> dict[str, Flo
             raise InputError(f"{shown(name)} is no coordinate of the {P.name}; {wanted}")
         if name in TAKEN:
             raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
-    return {name: checked_values(name, values) for name, values in grid.items()}
+    return {name: checked_values(name, values, P) for name, values in grid.items()}
 
 
 def _states(P: Map, axes: Mapping[str, Floats], others: Mapping[str, float], cells: Ints) -> Floats:
@@ -292,6 +292,7 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
     points = result["reached_point"].values.reshape(-1, P.dimension)
     which, rows = attractors_of(period.ravel(), words.ravel(), points, _same(P, axes))
     grid = which.reshape(period.shape)
+    state = labels.units(P, *P.coordinates)
     table: dict[str, Any] = {
         "basin": (tuple(axes), grid.astype(np.int32), {"long_name": "attractor that is reached, a row of the tables"}),
         "period": ("attractor", np.array([row.period for row in rows], np.int32), result["reached_period"].attrs),
@@ -304,7 +305,7 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         "point": (
             ("attractor", "coordinate"),
             np.array([row.point for row in rows]),
-            {"long_name": "a point of the attractor", "units": "1"},
+            {"long_name": "a point of the attractor", "units": state},
         ),
     }
     kept = result.drop_vars(["reached_period", "reached_word", "reached_point"])
@@ -315,7 +316,7 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         table["graze"] = (
             ("graze_point", "coordinate"),
             curve,
-            {"long_name": "states that touch the wall within a period, and their preimages", "units": "1"},
+            {"long_name": "states that touch the wall within a period, and their preimages", "units": state},
         )
         table["graze_order"] = ("graze_point", order.astype(np.int32), {"long_name": "order of the preimage"})
     done = xr.Dataset({**kept.data_vars, **table}, kept.coords, kept.attrs)

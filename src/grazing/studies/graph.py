@@ -95,7 +95,7 @@ def graph(
         raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
     if order is not None and (not isinstance(order, str) or order not in ORDERS):
         raise InputError(f"order is {shown(order)}; allowed are {', '.join(map(repr, ORDERS))} and None")
-    x, others = checked_values(name, values), checked_fixed(P, (name,), fixed)
+    x, others = checked_values(name, values, P), checked_fixed(P, (name,), fixed)
     if P.check is not None:
         for value in (x.min(), x.max()):
             P.check(tuple({**others, name: float(value)}[own] for own in P.coordinates), P.params)

@@ -28,9 +28,8 @@ _GREEK = ("alpha", "beta", "gamma", "delta", "lambda", "mu", "nu", "omega", "phi
 
 def quantity(P: Map, name: str) -> Attributes:
     """Return the attributes of a parameter or coordinate of a map."""
-    if name in P.params and P.describe is not None:
-        known = P.describe(name)
-        return {"long_name": known.meaning, "units": "1", "symbol": known.symbol}
+    if P.describe is not None and (name in P.params or P.model is not None):
+        return P.describe(name).attributes
     kind = "parameter" if name in P.params else "coordinate"
     full = "lambda" if name == "lam" else name
     return {"long_name": f"{kind} {name}", "units": "1", "symbol": f"\\{full}" if full in _GREEK else name}
@@ -86,11 +85,17 @@ def trust_attributes() -> Attributes:
     }
 
 
-def nearness_attributes() -> dict[str, Attributes]:
+def units(P: Map, *names: str) -> str:
+    """Return the units of coordinates of the oscillator, "u", "v" or "t", one after the other; "1" of other maps."""
+    return "1" if P.model is None else P.model.units_of(names)
+
+
+def nearness_attributes(P: Map) -> dict[str, Attributes]:
     """Return the attributes of how near an orbit came to being another one."""
+    miss, slow = "height of the narrowest miss of the wall", "speed of the slowest impact"
     return {
-        "near_miss": {"long_name": "height of the narrowest miss of the wall, infinity for none", "units": "1"},
-        "slowest": {"long_name": "speed of the slowest impact, infinity for none", "units": "1"},
+        "near_miss": {"long_name": f"{miss}, infinity for none", "units": units(P, "u")},
+        "slowest": {"long_name": f"{slow}, infinity for none", "units": units(P, "v")},
         "undecided": {"long_name": "steps with a decision that could not be made for certain", "units": "1"},
     }
 
@@ -111,7 +116,8 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         ``title``, ``source``, ``references``, ``grazing_config`` (JSON, keys sorted), ``grazing_config_sha256`` of
         that text, ``grazing_code_sha256`` of the step's bytecode and all that it names (another Python, another
         bytecode: that is why it stands beside the configuration), ``grazing_versions`` (JSON), and
-        ``grazing_processor``, for which fast arithmetic was compiled: *any* for strict arithmetic.
+        ``grazing_processor``, for which fast arithmetic was compiled: *any* for strict arithmetic; of a model in SI
+        units ``mass``, in kg.
     """
     described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
     text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
@@ -124,6 +130,7 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "grazing_code_sha256": digest(P.step),
         "grazing_versions": json.dumps(versions(), sort_keys=True),
+        **({} if P.model is None else P.model.attributes),
         "grazing_processor": "any" if config.get("arithmetic") == "strict" else processor(),
     }
 

@@ -166,10 +166,13 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
     both = ("start", "index")
     found = {"exponent": Variable(both, "float64", {"long_name": "Lyapunov exponent per step", "units": "1"})}
     if P.clock is not None:
+        time = labels.units(P, "t")
         found["exponent_per_time"] = Variable(
-            both, "float64", {"long_name": "Lyapunov exponent per unit of time", "units": "1"}
+            both,
+            "float64",
+            {"long_name": "Lyapunov exponent per unit of time", "units": "1" if time == "1" else f"1/{time}"},
         )
-        found["return_time"] = Variable(("start",), "float64", {"long_name": "mean time of a step", "units": "1"})
+        found["return_time"] = Variable(("start",), "float64", {"long_name": "mean time of a step", "units": time})
     return found | {
         "period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
         "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),

@@ -178,7 +178,7 @@ def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
-    both, nearness = ("start", "n"), labels.nearness_attributes()
+    both, nearness = ("start", "n"), labels.nearness_attributes(P)
     points = {name: Variable(both, "float64", labels.quantity(P, name)) for name in P.coordinates}
     return points | {
         "letter": Variable(both, "int32", labels.letter_attributes(P)),

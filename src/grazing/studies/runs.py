@@ -22,6 +22,7 @@ from grazing.studies import labels, outside
 from grazing.studies.classify import FLOOR, TOLERANCE
 from grazing.studies.plan import Arrays, Variable
 from grazing.studies.starts import checked_box, checked_seed, checked_starts, random_starts
+from grazing.units import magnitude
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -228,7 +229,7 @@ def checked_runs(
     for name, values in axes.items():
         if name not in P.params:
             raise unknown(name, P.params, P.name or "the map")
-        grids[name] = checked_values(name, values)
+        grids[name] = checked_values(name, values, P)
     for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
         raise InputError(f"{shown(clash)} names a dimension or variable of the result; rename it in the map")
     settings = Settings(
@@ -284,8 +285,10 @@ def checked_arithmetic(arithmetic: str) -> str:
     return arithmetic
 
 
-def checked_values(name: str, values: ArrayLike) -> Floats:
-    """Return finite values in a one-dimensional array, or raise InputError."""
+def checked_values(name: str, values: ArrayLike, P: Map | None = None) -> Floats:
+    """Return finite values in a one-dimensional array, those of a quantity in the map's units, or raise InputError."""
+    if P is not None:
+        values = magnitude(values, labels.quantity(P, name).get("units", ""), name)
     wanted = f"give finite values of {name} in a list or a one-dimensional array"
     try:
         if np.iscomplexobj(values):

@@ -10,6 +10,7 @@ import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from uuid import uuid4
 
@@ -125,7 +126,7 @@ def is_own(root: Path, key: str) -> bool:
     here = root
     for part in key.split("/"):
         here = here / part
-        if here.is_symlink() or not here.is_dir():
+        if os.path.islink(here) or not os.path.isdir(here):
             return False
     return True
 
@@ -135,19 +136,88 @@ def is_plain(root: Path, key: str) -> bool:
     here = root
     for part in key.split("/")[:-1]:
         here = here / part
-        if here.is_symlink():
+        if os.path.islink(here):
             return False
-    return not (root / key).is_symlink() and (root / key).is_file()
+    return not os.path.islink(root / key) and os.path.isfile(root / key)
 
 
 def clear_way(root: Path, key: str) -> None:
     """Remove what stands where a file and its folders belong: links, pipes, files for folders, folders for files."""
+    _clear_folders(root, key)
+    remove_file(root, key)
+
+
+def _clear_folders(root: Path, key: str) -> None:
     parts = key.split("/")
     for i in range(1, len(parts)):
         with suppress(FileNotFoundError), _opened(root, "/".join(parts[:i])) as (where, name):
             if not stat.S_ISDIR(os.lstat(name, dir_fd=where).st_mode):
                 os.unlink(name, dir_fd=where)
-    remove_file(root, key)
+
+
+@dataclass(frozen=True)
+class Place:
+    """An open folder, in which files are found by name whatever link takes its own name in the meantime.
+
+    Without a ``handle``, where the system has none for folders, names are whole paths.
+    """
+
+    path: Path
+    handle: int | None
+
+    def called(self, name: str) -> str:
+        """Return what the system calls a file here."""
+        return name if self.handle is not None else str(self.path / name)
+
+    def names(self, ending: str) -> list[str]:
+        """Return the names that end so."""
+        return sorted(
+            name for name in os.listdir(self.path if self.handle is None else self.handle) if name.endswith(ending)
+        )
+
+    def open(self, name: str, flags: int) -> int:
+        """Open a file, behind no link; nothing waits for a pipe."""
+        flags |= getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+        return os.open(self.called(name), flags, 0o666, dir_fd=self.handle)
+
+    def look(self, name: str) -> os.stat_result | None:
+        """Return what is known of a file, or of a link itself; None if there is none."""
+        try:
+            return os.lstat(self.called(name), dir_fd=self.handle)
+        except FileNotFoundError:
+            return None
+
+    def remove(self, name: str) -> None:
+        """Remove whatever has a name; nothing behind a link."""
+        known = self.look(name)
+        if known is not None and stat.S_ISDIR(known.st_mode):
+            shutil.rmtree(self.called(name), dir_fd=self.handle)
+        elif known is not None:
+            with suppress(FileNotFoundError):
+                os.unlink(self.called(name), dir_fd=self.handle)
+
+
+@contextmanager
+def place(root: Path, key: str, make: bool = False) -> Iterator[Place]:
+    """Give an open folder below a folder, which lies behind no link.
+
+    Parameters
+    ----------
+    root : path
+        Is not made: a store that was removed is not made again.
+    key : str
+    make : bool
+        Make it if it is missing, and remove what a hand has put in its place.
+
+    Raises
+    ------
+    OSError
+        If it is missing, is no folder of its own, or cannot be made.
+    """
+    if make:
+        _clear_folders(root, f"{key}/file")
+    with _opened(root, f"{key}/file", [] if make else None) as (handle, _name):
+        yield Place(root / key, handle)
 
 
 def remove_file(root: Path, key: str) -> None:
@@ -163,17 +233,6 @@ def remove_file(root: Path, key: str) -> None:
             shutil.rmtree(name, dir_fd=where)
         else:
             os.unlink(name, dir_fd=where)
-
-
-def remove(path: Path) -> None:
-    """Remove whatever has a name; nothing behind a link."""
-    try:
-        if stat.S_ISDIR(os.lstat(path).st_mode):
-            shutil.rmtree(path)
-        else:
-            path.unlink()
-    except (FileNotFoundError, NotADirectoryError):
-        return
 
 
 @contextmanager

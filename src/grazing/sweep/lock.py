@@ -15,7 +15,7 @@ import socket
 import stat
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,7 +23,7 @@ from threading import Event, Thread
 from uuid import uuid4
 
 from grazing.outcome import InputError
-from grazing.sweep.files import is_own, remove
+from grazing.sweep.files import Place, is_own, place
 from grazing.sweep.store import ASIDE, folder_of, open_existing
 
 try:
@@ -88,36 +88,32 @@ def locked(folder: Path, shard: tuple[int, int] | None) -> Iterator[None]:
         If somebody else works on the store, naming who; or if the folder is not writable.
     """
     me = Lock(socket.gethostname(), os.getpid(), "" if shard is None else f"{shard[0]}/{shard[1]}", _now())
-    file = folder / ("all.lock" if shard is None else f"shard-{shard[0]}-of-{shard[1]}.lock")
-    try:
-        _make(folder)
-        with _one_at_a_time(folder) as now:
-            _refuse_others(folder, me, None, now)
-            handle = _place(file, me)
-            try:
-                _refuse_others(
-                    folder, me, file, now
-                )  # where the system has no locks, both of two that start together stop
-            except InputError:
-                _release(file, handle)
-                raise
-    except OSError as error:
-        raise InputError(
-            f"{folder.parent.parent} cannot be written: {error.strerror or error}; "
-            f"a sweep needs a folder that it may write to"
-        ) from error
-    over = Event()
-    Thread(target=_touch, args=(handle, over), name="grazing-lock", daemon=True).start()
-    try:
+    name = "all.lock" if shard is None else f"shard-{shard[0]}-of-{shard[1]}.lock"
+    with ExitStack() as stack:
+        try:
+            locks = stack.enter_context(_locks_of(folder, make=True))
+            with _one_at_a_time(locks) as now:
+                _refuse_others(locks, me, "", now)
+                handle = _put(locks, name, me)
+                stack.callback(_release, locks, name, handle)
+                # where the system has no locks, both of two that start together stop
+                _refuse_others(locks, me, name, now)
+        except OSError as error:
+            raise InputError(
+                f"{folder.parent.parent} cannot be written: {error.strerror or error}; "
+                f"a sweep needs a folder that it may write to"
+            ) from error
+        over = Event()
+        stack.callback(over.set)
+        Thread(target=_touch, args=(handle, over), name="grazing-lock", daemon=True).start()
         yield
-    finally:
-        over.set()
-        _release(file, handle)
 
 
 def holders(folder: Path) -> list[Lock]:
     """Return who works on a store now."""
-    return [lock for _file, lock in _living(folder, time.time())]
+    with suppress(OSError), _locks_of(folder) as locks:
+        return [lock for _name, lock in _living(locks, time.time())]
+    return []
 
 
 def unlock(store: str | os.PathLike[str], force: bool = False) -> list[Lock]:
@@ -159,17 +155,17 @@ def unlock(store: str | os.PathLike[str], force: bool = False) -> list[Lock]:
         open_existing(path)  # there may be none, which is said there
         return []
     try:
-        with _one_at_a_time(folder) as now:
-            living = dict(_living(folder, now))
+        with _locks_of(folder) as locks, _one_at_a_time(locks) as now:
+            living = dict(_living(locks, now))
             if living and not force:
                 raise InputError(
                     f"{path} is being worked on by {'; '.join(map(str, living.values()))}. Wait until it has ended or "
                     f"stop it; force=True (--force) removes the lock all the same"
                 )
             removed = []
-            for file in sorted(folder.glob("*.lock")):
-                removed.append(living.get(file) or _read(file) or UNKNOWN)
-                remove(file)
+            for name in locks.names(".lock"):
+                removed.append(living.get(name) or _read(locks, name) or UNKNOWN)
+                locks.remove(name)
             return removed
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
@@ -195,22 +191,21 @@ def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def _make(folder: Path) -> None:
-    """Make the folder of the locks; not the store: one that was removed is not made again."""
-    for part in (folder.parent, folder):
-        if os.path.lexists(part) and not is_own(part.parent, part.name):  # what a hand has put there, a link too
-            remove(part)
-        part.mkdir(exist_ok=True)
+def _locks_of(folder: Path, make: bool = False) -> AbstractContextManager[Place]:
+    """Open the folder of the locks of a store."""
+    return place(folder.parents[1], f"{folder.parent.name}/{folder.name}", make)
 
 
 @contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[float]:
+def _one_at_a_time(locks: Place) -> Iterator[float]:
     """Let one process at a time look at the locks and place its own; give the time, by the clock of the disk."""
-    gate = folder / "gate"
-    if os.path.lexists(gate) and not _is_only_name(os.lstat(gate)):
-        remove(gate)
-    handle = os.open(gate, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+    known = locks.look("gate")
+    if known is not None and not _is_only_name(known):
+        locks.remove("gate")
+    handle = locks.open("gate", os.O_RDWR | os.O_CREAT)
     try:
+        if not _is_only_name(os.fstat(handle)):
+            raise FileExistsError(17, "something else has just taken the place of its gate")
         os.write(handle, b".")
         os.ftruncate(handle, 0)
         last = time.monotonic() + PATIENCE
@@ -242,40 +237,44 @@ def _try_lock(handle: int, alone: bool = True) -> bool | None:
     return True
 
 
-def _place(file: Path, me: Lock) -> int:
+def _put(locks: Place, name: str, me: Lock) -> int:
     """Put our lock file in its place, already written and locked; return its handle."""
-    unnamed = file.with_name(f"{uuid4().hex}.new")
-    handle = os.open(unnamed, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    unnamed = f"{uuid4().hex}.new"
+    handle = locks.open(unnamed, os.O_RDWR | os.O_CREAT | os.O_EXCL)
+    here, there, where = locks.called(unnamed), locks.called(name), locks.handle
     try:
         os.write(handle, json.dumps(asdict(me)).encode())
         _try_lock(handle)
         try:
-            os.link(unnamed, file)
+            os.link(here, there, src_dir_fd=where, dst_dir_fd=where)
         except FileExistsError:  # it must be gone or dead: we have looked
-            raise InputError(f"another process is starting on {file.parent.parent.parent}; try again") from None
+            raise InputError(f"another process is starting on {locks.path.parents[1]}; try again") from None
         except OSError:  # a file system without links
-            os.replace(unnamed, file)
+            os.replace(here, there, src_dir_fd=where, dst_dir_fd=where)
+        finally:
+            locks.remove(unnamed)
     except BaseException:
         os.close(handle)
         raise
-    finally:
-        unnamed.unlink(missing_ok=True)
     _held.add(handle)
     return handle
 
 
-def _release(file: Path, handle: int) -> None:
-    if _is(file, handle):
-        file.unlink(missing_ok=True)
-    if handle in _held:  # not in a fork, which dropped it
-        _held.discard(handle)
-        os.close(handle)
+def _release(locks: Place, name: str, handle: int) -> None:
+    try:
+        if _is(locks, name, handle):
+            locks.remove(name)
+    finally:  # a lock that cannot be removed is a dead one
+        if handle in _held:  # not in a fork, which dropped it
+            _held.discard(handle)
+            os.close(handle)
 
 
-def _is(file: Path, handle: int) -> bool:
+def _is(locks: Place, name: str, handle: int) -> bool:
     """Whether a name still stands for the file that we have open."""
     try:
-        return os.path.samestat(os.stat(file), os.fstat(handle))
+        known = locks.look(name)
+        return known is not None and os.path.samestat(known, os.fstat(handle))
     except OSError:
         return False
 
@@ -289,45 +288,45 @@ def _touch(handle: int, over: Event) -> None:
 # ---- who else is there
 
 
-def _refuse_others(folder: Path, me: Lock, own: Path | None, now: float) -> None:
+def _refuse_others(locks: Place, me: Lock, own: str, now: float) -> None:
     """Raise InputError if somebody works on the store who is no other shard of the same number; bury the dead."""
     count = me.shard.partition("/")[2]
-    for file, lock in _living(folder, now, bury=True):
-        if file == own or (me.shard and lock.shard.partition("/")[2] == count and lock.shard != me.shard):
+    for name, lock in _living(locks, now, bury=True):
+        if name == own or (me.shard and lock.shard.partition("/")[2] == count and lock.shard != me.shard):
             continue
         raise InputError(
-            f"{folder.parent.parent} is being worked on by {lock}; wait until it has ended, or stop it. "
+            f"{locks.path.parents[1]} is being worked on by {lock}; wait until it has ended, or stop it. "
             f"Only shards of the same number work on a store together; sweep.unlock removes a lock that is in the way"
         )
 
 
-def _living(folder: Path, now: float, bury: bool = False) -> list[tuple[Path, Lock]]:
+def _living(locks: Place, now: float, bury: bool = False) -> list[tuple[str, Lock]]:
     """Return the lock files of living processes; if asked, remove those of dead ones."""
     found = []
-    for file in folder.glob("*.new") if bury else ():
+    for name in locks.names(".new") if bury else ():
         with suppress(OSError):
-            if abs(now - file.lstat().st_mtime) > STALE:
-                remove(file)
-    for file in sorted(folder.glob("*.lock")):
-        handle = _opened(file)
+            known = locks.look(name)
+            if known is not None and abs(now - known.st_mtime) > STALE:
+                locks.remove(name)
+    for name in locks.names(".lock"):
+        handle = _opened(locks, name)
         try:
             lock = None if handle is None else _read_from(handle)
             if handle is not None and lock is not None and not _dead(now, handle, lock):
-                found.append((file, lock))
-            elif bury and (handle is None or _is(file, handle)):
-                with suppress(FileNotFoundError):
-                    remove(file)
+                found.append((name, lock))
+            elif bury and (handle is None or _is(locks, name, handle)):
+                locks.remove(name)
         finally:
             if handle is not None:
                 os.close(handle)
     return found
 
 
-def _opened(file: Path) -> int | None:
-    """Open a lock file; None for what is none, such as a pipe or a folder."""
+def _opened(locks: Place, name: str) -> int | None:
+    """Open a lock file; None for what is none, such as a pipe, a folder or a link."""
     for way in (os.O_RDWR, os.O_RDONLY):  # one that is not ours to lock can still be read
         try:
-            handle = os.open(file, way | getattr(os, "O_NONBLOCK", 0))
+            handle = locks.open(name, way)
         except OSError:
             continue
         if stat.S_ISREG(os.fstat(handle).st_mode):
@@ -336,8 +335,8 @@ def _opened(file: Path) -> int | None:
     return None
 
 
-def _read(file: Path) -> Lock | None:
-    handle = _opened(file)
+def _read(locks: Place, name: str) -> Lock | None:
+    handle = _opened(locks, name)
     if handle is None:
         return None
     try:

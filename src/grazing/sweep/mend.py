@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from grazing.outcome import InputError, in_one_line
@@ -45,7 +47,7 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
     InputError
         If what is left does not say what was there.
     """
-    if not (path / MANIFEST).is_dir() and _format(path) != FORMAT:
+    if not os.path.isdir(path / MANIFEST) and _format(path) != FORMAT:
         return []
     mended = []
     try:
@@ -67,7 +69,8 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
         count = Layout.read(json.loads(template.metadata["zarr.json"])["attributes"][LAYOUT]).grid.count
         read_seal(path, template.identity, count)
     except (OSError, *MISFIT):
-        clear_way(path, SEAL)
+        with _said(path):
+            clear_way(path, SEAL)
         mended.append(SEAL)
     return mended
 
@@ -92,16 +95,24 @@ def mend_coordinates(store: Store, plan: Plan, names: Iterable[str]) -> list[str
 
 def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
     """Count chunks as missing, and remove what stands where their files belong."""
-    for number in numbers:
-        clear_way(store.path, store.file(number))  # first of all: from now on the others say nothing
-        for key in store.files_of(number):
-            clear_way(store.path, key)
+    with _said(store.path):
+        for number in numbers:
+            clear_way(store.path, store.file(number))  # first of all: from now on the others say nothing
+            for key in store.files_of(number):
+                clear_way(store.path, key)
 
 
 def _put(path: Path, key: str, content: bytes) -> None:
-    try:
+    with _said(path):
         clear_way(path, key)
         write_file(path, key, content)
+
+
+@contextmanager
+def _said(path: Path) -> Iterator[None]:
+    """Say in a sentence what the system does not let happen to a store."""
+    try:
+        yield
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
 
@@ -138,7 +149,7 @@ def _candidates(path: Path, plan: Plan | None) -> Iterator[bytes]:
         prints: dict[str, Print] = {
             file.relative_to(path).as_posix(): print_of(read_file(file)) for file in files if file.is_file()
         }
-        if all((path / name).is_dir() for name in names):
+        if all(os.path.isdir(path / name) for name in names):
             yield manifest_of(path, names, prints)
     except (OSError, *MISFIT):
         layout = None

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.outcome import GrazingError, InputError, in_one_line
+from grazing.paths import path_of
 from grazing.studies.plan import Plan
 from grazing.sweep.codec import CODECS, decode, encode, longest
 from grazing.sweep.files import MISFIT, PARTIAL, Print, print_of, read_file, remove_file, write_file
@@ -263,7 +264,7 @@ class Store:
 
     def refuse_if_gone(self) -> None:
         """Raise FileNotFoundError if the store was removed, or moved, in the meantime."""
-        if not (self.path / "zarr.json").is_file():
+        if not os.path.isfile(self.path / "zarr.json"):
             raise FileNotFoundError(2, "it was removed while it was being computed")
 
     def _put(self, key: str, content: bytes) -> None:
@@ -284,13 +285,14 @@ class Store:
         wanted = list(numbers)
         ours = {key for number in wanted for key in self.files_of(number)} | {SEAL}
         for name in [*self.layout.variables, DONE, MANIFEST]:
-            if (self.path / name).is_symlink():
+            if os.path.islink(self.path / name):
                 continue
             for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
                     found = PARTIAL.fullmatch(file)
-                    if found and Path(folder, found["name"]).relative_to(self.path).as_posix() in ours:
-                        Path(folder, file).unlink(missing_ok=True)
+                    where = Path(folder).relative_to(self.path).as_posix()
+                    if found and f"{where}/{found['name']}" in ours:
+                        remove_file(self.path, f"{where}/{file}")
 
 
 def _inside(part: Slices) -> Any:
@@ -316,7 +318,7 @@ def folder_of(path: str | os.PathLike[str]) -> Path:
     """Return the path of a store; addresses of remote stores are refused."""
     if not isinstance(path, (str, os.PathLike)) or "://" in str(path) or not str(path):
         raise InputError(f"store is {path!r}; give the path of a folder on a disk of this machine")
-    return Path(os.path.abspath(path))
+    return Path(os.path.abspath(path_of(path)))
 
 
 def exists(path: Path) -> bool:
@@ -361,7 +363,7 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
     if not isinstance(attrs, dict):
         raise damaged(path, "zarr.json", "it has no attributes")
     if LAYOUT not in attrs:
-        if (path / MANIFEST).is_dir():
+        if os.path.isdir(path / MANIFEST):
             raise damaged(path, "zarr.json", "it says nothing of a sweep")
         raise InputError(f"{path} was written by something else: it holds no sweep; choose another folder")
     try:

@@ -20,7 +20,7 @@ from typing import Any
 
 from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan, empty_arrays
-from grazing.sweep.files import append_line, read_file, write_file
+from grazing.sweep.files import append_line, place, read_file, write_file
 from grazing.sweep.made_by import made_by
 from grazing.sweep.same import listed, refuse_another
 from grazing.sweep.store import ASIDE, Arrays, Store, open_existing
@@ -99,9 +99,10 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
         file = store.aside / f"plan-{name}.pickle"
         try:
             write_file(store.path, f"{ASIDE}/{file.name}", content, store.fsync)
-            for old in store.aside.glob("plan-*"):
-                if old != file:
-                    old.unlink(missing_ok=True)
+            with place(store.path, ASIDE) as aside:
+                for old in aside.names(".pickle"):
+                    if old.startswith("plan-") and old != file.name:
+                        aside.remove(old)
         except OSError as error:
             raise GrazingError(f"{store.path} cannot be written: {error.strerror or error}") from error
     _keep((os.fspath(store.path), store.token, name), (plan, store))

@@ -9,6 +9,7 @@ import shutil
 import socket
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from itertools import product
 from math import ceil
 from pathlib import Path
@@ -45,8 +46,8 @@ def create(path: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
     InputError
         If the folder above is missing or not writable.
     """
-    path = path.resolve()  # a link to an empty folder is as good as the folder
-    if not path.parent.is_dir():
+    path = Path(os.path.realpath(path))  # a link to an empty folder is as good as the folder
+    if not os.path.isdir(path.parent):
         raise InputError(f"there is no folder {path.parent}; make it first")
     half = path.with_name(f".{path.name}-{_host()}-{os.getpid()}-{uuid4().hex[:12]}.partial")
     try:
@@ -58,7 +59,7 @@ def create(path: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
             if fsync:
                 fsync_folder(path.parent)
         except OSError:
-            if not (path / "zarr.json").is_file():  # else another process made the store in the meantime
+            if not os.path.isfile(path / "zarr.json"):  # else another process made the store in the meantime
                 raise
     except OSError as error:
         raise InputError(f"{path} cannot be made: {error.strerror or error}; choose another folder") from error
@@ -68,10 +69,10 @@ def create(path: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
 
 def _remove(half: Path) -> None:
     """Remove a half-made template; after a failure Zarr's other writers may still add to it for a moment."""
-    if half.exists():
+    if os.path.exists(half):
         wait_for_zarr()
     for _ in range(PATIENCE):
-        if not half.exists():
+        if not os.path.exists(half):
             return
         shutil.rmtree(half, ignore_errors=True)
         time.sleep(PAUSE)
@@ -83,17 +84,15 @@ def _host() -> str:
 
 def tidy(path: Path) -> None:
     """Remove the half-made templates of processes that are no more."""
-    path = path.resolve()
-    for other in path.parent.glob(".*.partial"):
-        found = _HALF_MADE.fullmatch(other.name)
-        if found is None or found["name"] != path.name:
-            continue
-        try:
+    path = Path(os.path.realpath(path))
+    with suppress(OSError):  # one went away by itself, or there is no such folder, which is said elsewhere
+        for other in path.parent.glob(".*.partial"):
+            found = _HALF_MADE.fullmatch(other.name)
+            if found is None or found["name"] != path.name:
+                continue
             dead = found["host"] == _host() and not process_exists(int(found["pid"]))
             if dead or time.time() - other.stat().st_mtime > OLD:
                 shutil.rmtree(other, ignore_errors=True)
-        except OSError:  # it went away by itself
-            continue
 
 
 def write_template(folder: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:

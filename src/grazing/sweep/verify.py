@@ -162,7 +162,7 @@ def verify(
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
     path = folder_of(store)
-    ours = any((path / name).is_dir() for name in (ASIDE, MANIFEST))
+    ours = any(os.path.isdir(path / name) for name in (ASIDE, MANIFEST))
     with locked(path / ASIDE / "locks", None) if repair and ours else nullcontext():
         mended = mend_metadata(path, plan) if repair else []
         found = open_existing(path)

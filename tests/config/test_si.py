@@ -1,0 +1,137 @@
+"""The table [si]: a rig in SI units in files and in the shell is the one that Python makes of the same numbers."""
+
+import json
+import math
+import tomllib
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.cli import main
+from grazing.config import checked, command_of, json_schema, load_config, recipe_of, toml_of
+from grazing.config.build import map_in
+from grazing.io import load
+from grazing.outcome import InputError
+
+SI = {"m": 0.8, "c": 2.4, "k": 3200.0, "force": 2.5, "gap": 1.2e-3, "frequency": 14.0}
+TEXT = "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14 Hz"
+RIG = {"study": "diagram", "si": SI, "parameters": {"r": 0.7}, "vary": {"sigma": "-2e-3:-1e-3:3"}}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def rig():
+    return gz.Oscillator.from_si(**SI, reset=gz.newton(0.7))
+
+
+@pytest.mark.parametrize("si", [SI, TEXT, SI | {"gap": "1.2 mm", "m": "800 g", "frequency": "840 rpm"}], ids=str)
+def test_it_is_the_model_that_python_makes(si, rig):
+    recipe = checked(RIG | {"si": si})
+    assert "si" not in recipe and (recipe["mass"], recipe["law"]) == (0.8, "newton")
+    P = map_in(recipe)
+    assert P.model.mass == 0.8
+    params, plain = dict(P.params), dict(gz.stroboscopic_map(rig).params)
+    params["offset"] = params.pop("d")
+    assert params.keys() == plain.keys()
+    for name in params.keys() - {"sigma"}:
+        assert params[name] == pytest.approx(plain[name], rel=1e-15), name
+
+
+@pytest.mark.parametrize(("side", "sign"), [("above", -1.0), ("below", 1.0)])
+def test_words_of_the_table(side, sign):
+    recipe = checked(RIG | {"si": SI | {"side": side, "load": 8.0, "base": 1e-3, "moves": "stop"}})
+    assert recipe["parameters"]["d"] == pytest.approx(sign * 10.0, rel=1e-15)
+    w = 28.0 * math.pi
+    assert recipe["parameters"]["sin"] == pytest.approx([sign * 2.4 * w * 1e-3 / 0.8], rel=1e-14)
+
+
+def test_a_frequency_that_varies_is_omega_in_turns(rig):
+    si = {name: value for name, value in SI.items() if name != "frequency"}
+    for given in (si, SI):
+        recipe = checked({"study": "response", "si": given, "parameters": {"r": 0.7}, "vary": {"frequency": "5:19:57"}})
+        assert recipe["vary"] == {"omega": f"{10 * math.pi!r}:{38 * math.pi!r}:57"}
+    bounds = {"study": "windows", "si": si, "parameters": {"r": 0.7}, "vary": {"frequency": "5:19"}}
+    assert checked(bounds)["vary"]["omega"] == f"{10 * math.pi!r}:{38 * math.pi!r}"
+    listed = checked({"study": "diagram", "si": si, "parameters": {"r": 0.7}, "vary": {"frequency": [5.0, 6.0]}})
+    assert listed["vary"]["omega"] == [10 * math.pi, 12 * math.pi]
+
+
+def test_recipes_files_and_commands_lead_back(tmp_path):
+    recipe = checked(RIG)
+    (tmp_path / "a.toml").write_text(toml_of(RIG))
+    assert tomllib.loads((tmp_path / "a.toml").read_text())["si"] == SI
+    assert load_config(tmp_path / "a.toml") == recipe == checked(json.loads(json.dumps(recipe)))
+    assert "--mass 0.8" in command_of(recipe)
+    assert "si" in json_schema()["$defs"]["DiagramConfig"]["properties"]
+
+
+def test_a_result_made_in_python_remembers_its_mass(rig):
+    found = gz.orbit_diagram(gz.stroboscopic_map(rig), "sigma", [-2e-3, -1e-3], starts=2, keep=8)
+    recipe = recipe_of(found.attrs)
+    assert recipe["mass"] == 0.8 and map_in(recipe).describe("sigma").units == "m"
+
+
+def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_path):
+    small = ["frequency=13:15:3", "--si", TEXT, "--r", "0.7", "--starts", "2", "-q"]
+    assert main(["response", *small, "--units", "Hz,mm,N s", "-o", "a.nc", "-o", "a.png", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert "omega" in said["units"]["Hz"] and "amplitude" in said["units"]["mm"] and "impulse" in said["units"]["N s"]
+    np.testing.assert_allclose(load("a.nc").omega, [13.0, 14.0, 15.0], rtol=1e-14)
+    assert main(["response", *small]) == 0
+    out = capsys.readouterr().out
+    assert "units: " in out and "rad/s (" in out and "N s/kg (impulse" in out
+    assert main(["diagram", "sigma=-2e-3:-1e-3:3", *small[1:], "-o", "b.nc"]) == 0
+    assert main(["plot", "b.nc", "-o", "b.png", "--units", "mm"]) == 0
+    assert main(["export", "b.nc", "b.csv", "--units", "mm"]) == 0
+    assert any("\n-2.0," in file.read_text() for file in tmp_path.glob("b*.csv"))
+
+
+@pytest.mark.filterwarnings("default")
+def test_units_are_checked_before_anything_is_computed(capsys):
+    assert main(["trajectory", "u=0.1", "v=0", "--units", "mmm", "-q"]) == 2
+    assert "'mmm' is no unit" in capsys.readouterr().err
+    assert main(["trajectory", "u=0.1", "v=0", "--units", "mm", "-q"]) == 0
+    assert (
+        "it is dimensionless: make the model with Oscillator.from_si; nothing is converted" in capsys.readouterr().err
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"si": SI | {"m": -1}}, "si: m = -1; allowed is m > 0"),
+        ({"si": SI | {"gap": "1.2 kg"}}, "si: gap = '1.2 kg'; its units do not match"),
+        ({"si": SI | {"gap": -1e-3}}, "si: gap = -0.001 m; it is a distance"),
+        ({"si": {"m": 1.0}}, "si: c, k, gap missing"),
+        ({"si": SI | {"mas": 1.0}}, "unknown parameter 'mas' of si. Allowed are: m, c, k"),
+        ({"si": 3}, "si = 3; give a table"),
+        ({"si": "m"}, "si = 'm'; give NAME=VALUE"),
+        ({"si": SI | {"m": [1.0]}}, "si: m = [1.0] is not a real number"),
+        ({"parameters": {"r": 0.7, "alpha": 3.0}}, "si: the table gives alpha, too"),
+        ({"mass": 0.7}, "si: the table gives mass, too"),
+        ({"parameters": {}}, "parameters.r: missing"),
+        ({"vary": {"frequency": "1:2:3", "omega": "1:2:3"}}, "si: frequency and omega both vary"),
+        ({"vary": {"frequency": "a:2:3"}}, "si: frequency = 'a' is not a real number"),
+        ({"map": "gap"}, "mass: the map gap is dimensionless"),
+        ({"si": {**{k: v for k, v in SI.items() if k != "frequency"}, "base": 1e-3}, "vary": {"omega": "80:90:3"}},
+         "si: a base makes a force that depends on the frequency"),
+        ({"si": {k: v for k, v in SI.items() if k != "frequency"}}, "si: neither is given; give frequency"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_wrong_is_said(change, said):
+    with pytest.raises(InputError) as error:
+        checked(RIG | change)
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize("mass", [-1, 0, "a", math.nan, [1]])
+def test_a_mass_alone_is_checked(mass):
+    with pytest.raises(InputError, match="mass"):
+        checked({"study": "diagram", "mass": mass, "vary": {"d": "0:1:3"}})

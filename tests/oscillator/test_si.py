@@ -1,0 +1,126 @@
+"""From mass, damper, spring and stop: held to an integration of the engineer's own equation, in his own coordinates."""
+
+from itertools import product
+
+import numpy as np
+import pint
+import pytest
+from scipy.integrate import solve_ivp
+
+import grazing as gz
+from grazing.outcome import InputError
+
+RIG = {"m": 0.8, "c": 2.4, "k": 3200.0, "force": 2.5, "gap": 1.2e-3, "frequency": 14.0, "reset": gz.newton(0.7)}
+
+
+def by_hand(until, side="above", moves="both", base=(), force=(2.5,), load=0.0, r=0.7, **_):
+    """Integrate m x'' = F + load - spring - damper, x upwards, with hits where x meets the stop: times and speeds."""
+    m, c, k, gap, w = 0.8, 2.4, 3200.0, 1.2e-3, 2 * np.pi * 14.0
+    sign = {"above": 1.0, "below": -1.0}[side]
+
+    def z(t):
+        return sum(a * np.cos((j + 1) * w * t) for j, a in enumerate(base))
+
+    def dz(t):
+        return sum(-a * (j + 1) * w * np.sin((j + 1) * w * t) for j, a in enumerate(base))
+
+    foot, stop = moves in ("both", "spring"), moves in ("both", "stop")
+
+    def flow(t, s):
+        pushed = sum(a * np.cos((j + 1) * w * t) for j, a in enumerate(force)) + load
+        stretched = s[0] - (z(t) if foot else 0.0), s[1] - (dz(t) if foot else 0.0)
+        return [s[1], (pushed - k * stretched[0] - c * stretched[1]) / m]
+
+    def touch(t, s):
+        return gap - sign * (s[0] - (z(t) if stop else 0.0))
+
+    touch.terminal, touch.direction = True, -1.0
+    t, s = 0.0, [z(0.0) if stop else 0.0, dz(0.0) if stop else 0.0]  # at rest relative to the stop
+    hits = []
+    while t < until:
+        leg = solve_ivp(flow, (t, until), s, events=touch, rtol=1e-11, atol=1e-14, max_step=0.002, method="DOP853")
+        t, s = leg.t[-1], leg.y[:, -1].copy()
+        if leg.status == 1:
+            moving = dz(t) if stop else 0.0
+            speed = sign * (s[1] - moving)
+            hits.append((t, speed))
+            s[1] = moving - sign * r * speed
+    return np.array(hits)
+
+
+CASES = [
+    {"side": side, "moves": moves, "base": base, "force": force, "load": load}
+    for side, moves, (base, force, load) in product(
+        ["above", "below"],
+        ["both", "spring", "stop"],
+        [((1.1e-3,), (2.5,), 0.0), ((7e-4, -3e-4), (1.0, 0.5, 2.0), -0.9)],
+    )
+] + [{"side": side} for side in ("above", "below")]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_impacts_are_those_of_the_equation_in_its_own_coordinates(case):
+    until = 0.8
+    truth = by_hand(until, **case)
+    model = gz.Oscillator.from_si(**{**RIG, **case})
+    found = gz.trajectory(model, (0.0, 0.0), until=until)
+    assert len(truth) >= 4
+    np.testing.assert_allclose(found.impact_time.values, truth[:, 0], rtol=0, atol=2e-9)
+    np.testing.assert_allclose(-found.v_minus.values, truth[:, 1], rtol=1e-6)
+
+
+def test_quantities_in_any_unit_are_the_same_model():
+    units = pint.UnitRegistry()
+    plain = gz.Oscillator.from_si(**RIG)
+    other = {
+        "m": "800 g", "c": units.Quantity(2.4, "kg/s"), "k": "3.2 N/mm", "force": units.Quantity(2500.0, "mN"),
+        "gap": units.Quantity(1.2, "mm"), "frequency": "840 rpm",
+    }  # fmt: skip
+    same = gz.Oscillator.from_si(**{**RIG, **other})
+    assert list(same.params) == list(plain.params)
+    np.testing.assert_allclose(list(same.params.values()), list(plain.params.values()), rtol=1e-15, atol=0)
+    assert same.mass == plain.mass == 0.8
+    turns = {"frequency": None, "omega": units.Quantity(14.0, "Hz")}
+    assert gz.Oscillator.from_si(**{**RIG, **turns}).params == plain.params
+    several = gz.Oscillator.from_si(**{**RIG, "force": units.Quantity([2500.0, 100.0], "mN")})
+    assert several.forcing.cos == pytest.approx((-3.125, -0.125), rel=1e-15)
+
+
+def test_the_numbers_are_those_of_the_equation_per_mass():
+    model = gz.Oscillator.from_si(**RIG, load=-0.8)
+    numbers = (model.alpha, model.k**2, model.sigma, *model.forcing.cos, model.forcing.offset)
+    np.testing.assert_allclose(numbers, (3.0, 4000.0, -0.0012, -3.125, 1.0), rtol=1e-15)
+    assert model.replace(omega=80.0).mass == 0.8
+    assert model.replace(sigma="-2 mm").sigma == -0.002
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"m": -0.8}, r"m = -0\.8; allowed is m > 0"),
+        ({"m": 0.0}, "allowed is m > 0"),
+        ({"c": -1.0}, "allowed is c >= 0"),
+        ({"k": -3200.0}, "allowed is k >= 0"),
+        ({"gap": -1e-3}, "gap = -0.001 m; it is a distance, >= 0, .* give side='below'; .* gap=0"),
+        ({"gap": -1e-3, "side": "below"}, "give side='above'"),
+        ({"gap": "-1 mm"}, "gap = -0.001 m; it is a distance"),
+        ({"gap": "1.2 kg"}, r"its units do not match: give a quantity such as '1 m'"),
+        ({"k": "3 N s/m"}, r"its units do not match: give a quantity such as '1 N/m'"),
+        ({"force": "2.5"}, "its units do not match: give a quantity such as '1 N'"),
+        ({"frequency": "14 1/s"}, "its units do not match: give a quantity such as '1 Hz'"),
+        ({"frequency": None}, "neither is given; give frequency, in Hz, or omega, in rad/s"),
+        ({"omega": 3.0}, "both are given"),
+        ({"side": "left"}, "side = 'left'; allowed are 'above' and 'below'"),
+        ({"moves": "frame"}, "moves = 'frame'; allowed are 'both', 'spring' and 'stop'"),
+        ({"force": [1.0, "a"]}, "force\\[1\\] = 'a' is no quantity"),
+        ({"force": None}, "force.* is not a real number"),
+        ({"base": float("nan")}, "base.* is not finite"),
+        ({"load": "9**9**9 N"}, "is no unit"),
+        ({"gap": np.nan}, "not finite"),
+        ({"m": True}, "not a real number"),
+        ({"reset": 0.7}, "reset is 0.7; give gz.newton"),
+    ],
+)
+def test_what_is_wrong_is_said(wrong, said):
+    with pytest.raises(InputError, match=said):
+        gz.Oscillator.from_si(**{**RIG, **wrong})
