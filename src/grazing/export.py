@@ -133,7 +133,7 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
     >>> import grazing as gz
     >>> motion = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
     >>> list(gz.to_dataframe(motion)), len(gz.to_dataframe(motion)) == motion.sizes["t"]
-    (['t', 'u', 'v', 'trust'], True)
+    (['t', 'u', 'v', 'wall', 'trust'], True)
     >>> gz.to_dataframe(motion, "impact").v_minus.round(3).tolist()
     [-0.192, -0.032, -0.061]
     """
