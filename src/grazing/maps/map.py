@@ -71,6 +71,9 @@ OWN = ("name", "coordinates", "box", "letters", "escape")
 class Map(ByValue):
     """A step on a section: ``step(state, c) -> (state, letter, outcome)``.
 
+    A map of your own needs the first five arguments at most. The others are advanced: what makes it faster or says
+    more of it, and what the maps of an oscillator know of the model behind them.
+
     Parameters
     ----------
     step : callable
@@ -84,6 +87,9 @@ class Map(ByValue):
         Where random starts are drawn, one pair per coordinate.
     letters : str, optional
         The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period).
+
+    Other Parameters
+    ----------------
     prepare : callable, optional
         ``prepare(p) -> c``, once per parameter value.
     tangent : callable, optional
