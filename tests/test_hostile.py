@@ -319,6 +319,23 @@ TEXTS = ["[" * 100_000, "3", "null", "[]", '"x"', "9" * 10_000, '{"grazing_versi
          '{"first": 0, "last": 1, "count": 1000000000000, "sha256": ""}}}']  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (svg("{}").replace(b'"1.0"', b'"1.0" encoding="umf-8"'), "is damaged"),
+        (svg("{}").replace(b'"1.0"', b'"1.0" encoding="rot13"'), "is damaged"),
+        (svg("{}").replace(b">grazing<", b">else\n  grazing<"), "was written by"),
+        (png((b"tEXt", b"Software\0" + b"\x1b[2J\n" * 9), (b"tEXt", b"Description\0{}")), "was written by"),
+        (pdf("{}").replace(b"(grazing)", b"(\x1b[2J\nelse)"), "was written by"),
+    ],
+)
+def test_what_made_a_figure_is_said_in_one_line(content, said, tmp_path):
+    (tmp_path / "a").write_bytes(content)
+    with pytest.raises(InputError, match=said) as error:
+        gz.plot.provenance(tmp_path / "a")
+    assert str(error.value).isprintable()
+
+
 def figures(text):
     yield "png", png((b"tEXt", b"Software\0grazing"), (b"iTXt", b"Description\0\0\0\0\0" + text.encode()))
     yield "svg", svg(text)
