@@ -148,8 +148,8 @@ def documented(doc: str) -> str:
     out = []
     for title, body in sections(doc):
         if title:
-            out.append(f"**{title}**")
-        if title in ("Parameters", "Raises", "Attributes", "Yields"):
+            out.append("**Advanced**" if title == "Other Parameters" else f"**{title}**")
+        if title in ("Parameters", "Other Parameters", "Raises", "Attributes", "Yields"):
             out.append(listed(body))
         elif title == "Returns":
             out.append(returned(body))

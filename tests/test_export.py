@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import grazing as gz
 from grazing import InputError, export
 from grazing.export import tables, to_csv, to_parquet
 
@@ -158,3 +159,33 @@ def test_parquet_that_cannot_be_written_is_said_and_leaves_nothing(result, tmp_p
     with pytest.raises(InputError, match=r"needs pyarrow: pip install 'grazing\[parquet\]'"):
         to_parquet(result, tmp_path / "a.parquet")
     assert not list(tmp_path.iterdir())
+
+
+# ---- data frames
+
+
+def test_a_trajectory_is_one_row_an_instant_and_one_row_an_impact(tmp_path):
+    motion = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
+    table, impacts = gz.to_dataframe(motion), gz.to_dataframe(motion, "impact")
+    assert list(table) == ["t", "u", "v", "wall", "trust"] and len(table) == motion.sizes["t"]
+    assert table["u"].to_numpy().tobytes() == motion["u"].values.tobytes()
+    assert list(impacts) == ["impact", "impact_time", "v_minus", "v_plus"] and len(impacts) == 3
+    files = to_csv(motion, tmp_path / "a.csv")
+    assert [file.name for file in files] == ["a.csv", "a-impact.csv"]
+    for file, frame in zip(files, (table, impacts), strict=True):
+        rows = read(file)
+        assert list(rows[0]) == list(frame) and len(rows) == len(frame)
+    assert [float(row["v"]) for row in read(files[0])] == table["v"].tolist()
+
+
+def test_a_frame_is_the_table_of_the_file_and_refuses_what_is_no_dimension(result):
+    assert list(gz.to_dataframe(result)) == read_head(result)
+    with pytest.raises(InputError, match=r"dimension is 'no'; allowed are 'd', 'start', 'n'"):
+        gz.to_dataframe(result, "no")
+    with pytest.raises(InputError, match=r"give an xarray\.Dataset"):
+        gz.to_dataframe([1.0])
+
+
+def read_head(result):
+    dims, names = tables(result)[0]
+    return [*dims, *names]

@@ -79,3 +79,29 @@ def test_more_of_what_needs_a_model_or_a_map():
         gz.trajectory(gz.gap_map(0.5, 0.1, 0.2), (0.1, 0.0))
     with pytest.raises(gz.InputError, match=r"P is <Oscillator.*give a map"):
         gz.testing.check_map(gz.pinball())
+
+
+def test_the_page_of_a_map_shows_five_arguments_first_and_keeps_the_rest_as_advanced():
+    first, rest = gz.Map.__doc__.split("Other Parameters")
+    advanced = rest.partition("    Raises")[0]
+    names = list(inspect.signature(gz.Map).parameters)
+    assert [name for name in names if f"    {name} : " in first] == names[:5]
+    assert [name for name in names if f"    {name} : " in advanced] == names[5:]
+    page = (Path(__file__).parents[1] / "docs" / "api.md").read_text()
+    page = page.partition("\n### Map\n")[2].partition("**Raises**")[0]
+    assert page.index("- `letters`") < page.index("**Advanced**") < page.index("- `prepare`")
+
+
+def test_every_type_of_a_window_is_documented():
+    from grazing.orbits.special import SPECIAL
+
+    said = inspect.getdoc(gz.bifurcation_diagram).replace("\n", " ")
+    assert all(f" {kind} " in said for kind in SPECIAL) and "*end*" in said
+
+
+def test_the_notice_about_compiling_comes_once(capsys):
+    from grazing.kernel.cache import say_once
+
+    say_once("compiling something that only this test compiles")
+    say_once("compiling something that only this test compiles")
+    assert capsys.readouterr().err == "grazing: compiling something that only this test compiles\n"

@@ -77,6 +77,7 @@ _PUBLIC = {
     "to_wav": "signals.sound",
     "load": "io",
     "to_csv": "export",
+    "to_dataframe": "export",
     "to_parquet": "export",
     "in_units": "units",
     "save": "io",
@@ -104,6 +105,7 @@ if TYPE_CHECKING:
     from grazing.compare.response import response as response
     from grazing.compare.validity import validity as validity
     from grazing.export import to_csv as to_csv
+    from grazing.export import to_dataframe as to_dataframe
     from grazing.export import to_parquet as to_parquet
     from grazing.io import load as load
     from grazing.io import save as save

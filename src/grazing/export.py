@@ -16,6 +16,7 @@ from grazing.paths import path_of
 from grazing.writing import whole_file
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 #: Columns of a table, some rows at a time.
@@ -104,6 +105,61 @@ def to_parquet(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     return _tables_written(result, path, ".parquet", _parquet)
 
 
+def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFrame:
+    """Return a table of a result: one row an observation, as in the files of :func:`to_csv`.
+
+    A trajectory has one row an instant, and with ``dimension="impact"`` one row an impact; xarray's own
+    ``to_dataframe`` makes one for every instant *and* impact.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From any study.
+    dimension : str, optional
+        Of the table, such as "impact" or "attractor"; None for the largest table.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The dimensions are columns too; the rows are numbered. Rows that only fill up are left out.
+
+    Raises
+    ------
+    InputError
+        For a dimension that the result lacks.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> motion = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=20.0)
+    >>> list(gz.to_dataframe(motion)), len(gz.to_dataframe(motion)) == motion.sizes["t"]
+    (['t', 'u', 'v', 'wall', 'trust'], True)
+    >>> gz.to_dataframe(motion, "impact").v_minus.round(3).tolist()
+    [-0.192, -0.032, -0.061]
+    """
+    import pandas as pd
+
+    flat = _spread_names(_checked(result))
+    parts = tables(flat)
+    wanted = [part for part in parts if dimension is None or dimension in part[0]]
+    if not wanted:
+        known = ", ".join(repr(dim) for dim in dict.fromkeys(dim for dims, _names in parts for dim in dims))
+        raise InputError(f"dimension is {shown(dimension)}; allowed are {known}")
+    dims, names = wanted[0]
+    columns = zip(*_pieces(flat, dims, names), strict=True)
+    return pd.DataFrame({name: np.concatenate(part) for name, part in zip([*dims, *names], columns, strict=True)})
+
+
+def _checked(result: Any) -> xr.Dataset:
+    if not hasattr(result, "data_vars"):
+        raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
+    for name in [*result.variables, *result.dims]:
+        if not isinstance(name, str):
+            raise InputError(f"{shown(name)} is no text for a name; rename it")
+    checked: xr.Dataset = result
+    return checked
+
+
 def _tables_written(
     result: xr.Dataset, path: str | os.PathLike[str], ending: str, write: Callable[[Path, list[str], Pieces], None]
 ) -> list[Path]:
@@ -111,12 +167,7 @@ def _tables_written(
     target = path_of(path)
     if target.suffix != ending:
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is {ending!r}")
-    if not hasattr(result, "data_vars"):
-        raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
-    for name in [*result.variables, *result.dims]:
-        if not isinstance(name, str):
-            raise InputError(f"{shown(name)} is no text for a name; rename it")
-    flat = _spread_names(result)
+    flat = _spread_names(_checked(result))
     parts = tables(flat)
     files = [target, *(target.with_name(f"{target.stem}-{_part(dims)}{ending}") for dims, _names in parts[1:])]
     if len({*files}) < len(files):

@@ -161,6 +161,36 @@ def shown(value: object) -> str:
         return f"<{type(value).__name__}>"
 
 
+#: Items of a list, and letters of a word, that are written out where an object says what it is.
+ITEMS, LETTERS = 16, 60
+
+
+def listed(items: Iterable[str], most: int = ITEMS) -> str:
+    """Return items with commas between them; of many the first, and how many more there are.
+
+    Examples
+    --------
+    >>> from grazing.outcome import listed
+    >>> listed("abc"), listed(map(str, range(1000)), 3)
+    ('a, b, c', '0, 1, 2 and 997 more')
+    """
+    every = list(items)
+    more = len(every) - most
+    return ", ".join(every) if more <= 0 else f"{', '.join(every[:most])} and {more} more"
+
+
+def abridged(word: str) -> str:
+    """Return a word; of a long one the beginning, and how many characters it has.
+
+    Examples
+    --------
+    >>> from grazing.outcome import abridged
+    >>> abridged("LLR"), abridged("L" * 99 + "R")[-24:]
+    ('LLR', 'LLLLL... (100 characters)')
+    """
+    return word if len(word) <= LETTERS else f"{word[:LETTERS]}... ({len(word)} characters)"
+
+
 def in_one_line(error: object) -> str:
     """Return the first line of what an error says."""
     said = getattr(error, "strerror", None) or str(error)

@@ -98,6 +98,11 @@ def bifurcation_diagram(
         ``disagreement_high``, ``disagreement_values``, ``disagreement_word``, ``disagreement_period``,
         ``disagreement_reason``.
 
+        A window is a range in which an orbit of a branch is stable and admissible. Its types say what happens at its
+        ends: lp fold; pd period doubling; ns Neimark-Sacker; bp branch point; gr graze; bcb border collision; ep end
+        of the piece of the map; v0 an impact without speed, where the bumper kicks; law an impact as fast as its
+        trigger; st sticking; ch onset of chatter. *end* is none of these: there the range ends, or the branch does.
+
     Raises
     ------
     InputError

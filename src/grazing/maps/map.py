@@ -23,7 +23,7 @@ from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import Derived
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, shown, told
+from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
     checked_box,
@@ -71,6 +71,9 @@ OWN = ("name", "coordinates", "box", "letters", "escape")
 class Map(ByValue):
     """A step on a section: ``step(state, c) -> (state, letter, outcome)``.
 
+    A map of your own needs the first five arguments at most. The others are advanced: what makes it faster or says
+    more of it, and what the maps of an oscillator know of the model behind them.
+
     Parameters
     ----------
     step : callable
@@ -84,6 +87,9 @@ class Map(ByValue):
         Where random starts are drawn, one pair per coordinate.
     letters : str, optional
         The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period).
+
+    Other Parameters
+    ----------------
     prepare : callable, optional
         ``prepare(p) -> c``, once per parameter value.
     tangent : callable, optional
@@ -187,8 +193,8 @@ class Map(ByValue):
         return _built_again, ({item.name: packed(getattr(self, item.name)) for item in fields(self) if item.init},)
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
-        return f"<Map {self.name}: ({', '.join(self.coordinates)}); {values}>"
+        values = listed(f"{name}={value:g}" for name, value in self.params.items())
+        return f"<Map {self.name}: ({listed(self.coordinates)}); {values}>"
 
     @property
     def _linked(self) -> bool:

@@ -36,7 +36,7 @@ from grazing.orbits.switching import (
     turns,
 )
 from grazing.orbits.word import word
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import checked_name, real, whole
 
 if TYPE_CHECKING:
@@ -64,6 +64,10 @@ class Piece(ByValue):
     orbits: tuple[Orbit, ...]
     events: tuple[int, ...]
     ends: tuple[str, str]
+
+    def __repr__(self) -> str:
+        words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self.orbits)), 8)
+        return f"<Piece of {len(self.orbits)} orbits of {words}; ends {' and '.join(self.ends)}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +99,9 @@ class Branch(ByValue):
 
     def __repr__(self) -> str:
         low, high = self.bounds
-        names = ", ".join(f"{one.type} {one.value:.6g}" for one in self.special) or "no special point"
-        words = list(dict.fromkeys(orbit.word for orbit in self))
-        return f"<Branch of {', '.join(words)} in {self.parameter} [{low:g}, {high:g}]: {names}>"
+        names = listed(f"{one.type} {one.value:.6g}" for one in self.special) or "no special point"
+        words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self)), 8)
+        return f"<Branch of {words} in {self.parameter} [{low:g}, {high:g}]: {names}>"
 
     def __iter__(self) -> Iterator[Orbit]:
         for piece in self.pieces:

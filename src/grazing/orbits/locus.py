@@ -18,7 +18,7 @@ from grazing.orbits.path import Point, closed, follow, joined, linearised, tange
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import Parameter, whole
 
 if TYPE_CHECKING:
@@ -168,8 +168,9 @@ class Locus(ByValue):
     ends: tuple[str, str]
 
     def __repr__(self) -> str:
-        met = ", ".join(f"{one.type} ({one.values[0]:.6g}, {one.values[1]:.6g})" for one in self.meetings) or "none"
-        return f"<Locus of {self.type} of {self.orbits[0].word} in {', '.join(self.parameters)}; meetings: {met}>"
+        met = listed(f"{one.type} ({one.values[0]:.6g}, {one.values[1]:.6g})" for one in self.meetings) or "none"
+        of = f"{self.type} of {abridged(self.orbits[0].word)}"
+        return f"<Locus of {of} in {', '.join(self.parameters)}; meetings: {met}>"
 
     @property
     def dataset(self) -> xr.Dataset:

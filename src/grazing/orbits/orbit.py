@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from grazing.copies import ByValue
 from grazing.maps.map import Map
+from grazing.outcome import abridged
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,7 +68,7 @@ class Orbit(ByValue):
 
     def __repr__(self) -> str:
         said = ["stable" if self.stable else "unstable", "admissible" if self.admissible else "virtual"]
-        return f"<{type(self).__name__} {self.word}, period {self.period}, {', '.join(said)}>"
+        return f"<{type(self).__name__} {abridged(self.word)}, period {self.period}, {', '.join(said)}>"
 
 
 def condition_of(J: NDArray[np.float64]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from grazing.orbits.search_section import Search, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, region, simulated
 from grazing.orbits.search_words import checked_word
 from grazing.orbits.word import letters_of
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, listed, shown
 from grazing.parameter import whole
 
 #: Longest period of a search; of the gap map, whose words grow as 2^period/period.
@@ -59,6 +59,9 @@ class Searched:
     virtual: int
     complete: bool
     seed: int
+
+    def __repr__(self) -> str:
+        return f"Searched({', '.join(f'{one.name}={shown(getattr(self, one.name))}' for one in fields(self))})"
 
 
 class Orbits(tuple[Orbit, ...]):
@@ -262,4 +265,4 @@ def _counted(n: int, what: str) -> str:
 def _listed(periods: tuple[int, ...]) -> str:
     if len(periods) > 2 and periods[-1] - periods[0] == len(periods) - 1:
         return f"{periods[0]} to {periods[-1]}"
-    return ", ".join(map(str, periods))
+    return listed(map(str, periods))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from grazing.orbits.orbit import Orbit
+from grazing.outcome import abridged
 
 #: What happens at a special point, in words.
 SPECIAL = {
@@ -68,7 +69,7 @@ class Special(NamedTuple):
         return SPECIAL[self.type]
 
     def __repr__(self) -> str:
-        return f"<{self.type} at {self.value:.12g}: {self.orbit.word}, period {self.orbit.period}>"
+        return f"<{self.type} at {self.value:.12g}: {abridged(self.orbit.word)}, period {self.orbit.period}>"
 
 
 class Relabelling(NamedTuple):

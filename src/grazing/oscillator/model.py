@@ -11,7 +11,7 @@ from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter,
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe
 from grazing.oscillator.si import si_numbers
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, real, updated
 from grazing.units import magnitude
 
@@ -64,6 +64,12 @@ class Forcing:
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
         object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
+
+    def __repr__(self) -> str:
+        said = [f"{name}={getattr(self, name)!r}" for name in ("omega", "t0", "offset")]
+        for name, values in (("cos", self.cos), ("sin", self.sin)):
+            said.append(f"{name}=({listed(map(repr, values), 8)}{',' if len(values) == 1 else ''})")
+        return f"Forcing({', '.join(said)})"
 
 
 def _series(force: Any) -> str:
@@ -317,7 +323,7 @@ class Oscillator:
         return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value:g}" for name, value in self._flight_params().items())
+        values = listed(f"{name}={value:g}" for name, value in self._flight_params().items())
         mass = "" if self.mass is None else f"mass={self.mass:g}, "
         return f"<Oscillator {values}, {mass}{shown(self.reset)}>"
 

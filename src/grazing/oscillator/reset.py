@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.copies import ByValue, packed, plain
-from grazing.outcome import InputError, UserCodeError, shown, told
+from grazing.outcome import InputError, UserCodeError, listed, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
@@ -103,7 +103,7 @@ class Reset(ByValue):
     affine: bool = False
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value:g}" for name, value in self.params.items())
+        values = listed(f"{name}={value:g}" for name, value in self.params.items())
         return f"{self.name}({values})"
 
     def __reduce__(self) -> Any:

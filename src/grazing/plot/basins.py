@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import InputError
 from grazing.plot.classes import attractor_colours, class_name, legend_beside, order_of, patch, rows_beside
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -24,6 +25,7 @@ Floats = NDArray[np.float64]
 LISTED = 14
 
 
+@inline
 def basins(
     result: Any, ax: Axes | None = None, *, points: bool = True, graze: int | None = None, legend: bool = True
 ) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
 from grazing.plot.branch import branch
+from grazing.plot.drawn import inline
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import DOUBLE, axes, period_colour, root, styled
@@ -19,6 +20,7 @@ from grazing.plot.style import DOUBLE, axes, period_colour, root, styled
 FAINT, SHADE = 0.35, 0.10
 
 
+@inline
 def bifurcation_diagram(
     result: Any,
     ax: Axes | None = None,

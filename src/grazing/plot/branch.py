@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
+from grazing.plot.drawn import inline
 from grazing.plot.style import INK, axes, period_colour, root, styled, symbol
 
 #: Dashes by kind of orbit.
@@ -26,6 +27,7 @@ MARKERS = {
 }  # fmt: skip
 
 
+@inline
 def branch(
     result: Any,
     ax: Axes | None = None,

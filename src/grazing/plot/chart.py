@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of
 from grazing.plot.curves import curves_of, lay_curves
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -33,6 +34,7 @@ INFINITE = "#00335c"
 HOW_MANY = ("#f7e8c6", "#f4b183", "#dd6b66", "#a53a78", "#5e2a7e", "#221331")
 
 
+@inline
 def chart(
     result: Any,
     ax: Axes | None = None,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
 from grazing.outcome import InputError
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.map_graph import Graph, graph_of, map_graph
 from grazing.plot.provenance import provenance_of
@@ -17,6 +18,7 @@ from grazing.plot.style import INK, axes, mathematics, period_colour, root, styl
 from grazing.studies.cobweb import places_of
 
 
+@inline
 def cobweb(
     P: Any, points: ArrayLike | None = None, ax: Axes | None = None, *, closed: bool | None = None
 ) -> dict[str, Any]:

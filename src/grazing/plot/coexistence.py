@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.plot.classes import attractor_colours, class_name, legend_beside, order_of, patch, rows_beside, written
 from grazing.plot.density import plain
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered
@@ -29,6 +30,7 @@ LISTED = 20
 HAIRLINES = 24
 
 
+@inline
 def coexistence(
     result: Any, ax: Axes | None = None, *, of: str = "share", changes: bool = True, legend: bool = True
 ) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
 from grazing.plot.provenance import provenance_of
@@ -23,6 +24,7 @@ Floats = NDArray[np.float64]
 MOST = 4000
 
 
+@inline
 def density(
     result: Any,
     ax: Axes | None = None,

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.map_graph import at_step, map_graph
 from grazing.plot.provenance import provenance_of
@@ -21,6 +22,7 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 
 
+@inline
 def graph(result: Any, ax: Axes | None = None, *, coordinate: str | None = None, legend: bool = True) -> dict[str, Any]:
     """Draw the images of a row of states under one step of a map, or of two maps to be compared.
 

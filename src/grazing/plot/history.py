@@ -8,11 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError, shown
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
 from grazing.plot.trajectory import wall_of
 
 
+@inline
 def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str = INK) -> dict[str, Any]:
     """Draw a motion in time, with a mark at each impact.
 

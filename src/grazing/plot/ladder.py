@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import InputError
 from grazing.plot.classes import legend_beside
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import INK, axes, ink_on, label, period_colour, root, styled, unit_of
@@ -41,6 +42,7 @@ EDGE = {"low": "lower", "high": "upper"}
 THICK, NAMED = 0.72, 0.035
 
 
+@inline
 def ladder(
     result: Any,
     ax: Axes | None = None,

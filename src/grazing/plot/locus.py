@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
 from grazing.plot.branch import spread
+from grazing.plot.drawn import inline
 from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
 
 #: Colours of the types of special points, each with dashes of its own so that print in grey keeps them apart.
@@ -20,6 +21,7 @@ LINES: dict[str, tuple[str, Any]] = {
 }  # fmt: skip
 
 
+@inline
 def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: bool = True) -> dict[str, Any]:
     """Draw loci in the plane of their two parameters; on the axes of a chart of the same two, too.
 

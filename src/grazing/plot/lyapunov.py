@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.plot.classes import legend_beside, patch
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered
@@ -26,6 +27,7 @@ ROW = 0.1
 MANY = 3000
 
 
+@inline
 def lyapunov(
     result: Any, ax: Axes | None = None, *, per: str = "step", positive: float = 1e-3, legend: bool = True
 ) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from grazing.plot.classes import legend_beside
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import INK, axes, label, plain, root, styled
@@ -23,6 +24,7 @@ IMAGE = {"stable": "#ffffff", "unstable": "#5ff2f2"}
 WIDTH, RIM = 1.0, 2.2
 
 
+@inline
 def manifolds(
     result: Any, ax: Axes | None = None, *, saddle: bool = True, cuts: bool = False, legend: bool = True
 ) -> dict[str, Any]:

@@ -8,11 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from grazing.plot.drawn import inline
 from grazing.plot.style import INK, axes, mathematics, root, styled
 from grazing.studies.graph import Graph as Graph
 from grazing.studies.graph import graph_of as graph_of
 
 
+@inline
 def map_graph(
     graph: Graph, ax: Axes | None = None, *, coordinate: str | None = None, colour: str = INK, **line: Any
 ) -> dict[str, Any]:

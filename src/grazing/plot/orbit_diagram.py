@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from grazing.plot.classes import legend_beside, patch, patches_of
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, period_colour, root, styled, symbol
@@ -18,6 +19,7 @@ from grazing.plot.words import worded
 GRAIN = 1 / 2400
 
 
+@inline
 def orbit_diagram(
     result: Any,
     ax: Axes | None = None,

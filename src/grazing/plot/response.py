@@ -13,6 +13,7 @@ from grazing.outcome import InputError, shown
 from grazing.plot.bifurcation_diagram import branch_part
 from grazing.plot.branch import DASHES, MARKERS, branch, kinds
 from grazing.plot.classes import legend_beside, patch
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
@@ -24,6 +25,7 @@ COLOURS = {"up": "#0064a4", "down": GRAZE}
 SHADE = 0.07
 
 
+@inline
 def response(
     result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool = True
 ) -> dict[str, Any]:

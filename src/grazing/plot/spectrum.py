@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError, shown
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import INK, axes, quantity, root, styled
 
@@ -15,6 +16,7 @@ from grazing.plot.style import INK, axes, quantity, root, styled
 DECADES = 6.0
 
 
+@inline
 def spectrum(result: Any, ax: Axes | None = None, *, over: str = "frequency", colour: str = INK) -> dict[str, Any]:
     """Draw an amplitude spectrum, in decades.
 

@@ -20,6 +20,7 @@ from matplotlib.mathtext import MathTextParser
 
 from grazing.outcome import InputError, shown
 from grazing.paths import path_of
+from grazing.plot.drawn import Inline
 from grazing.writing import whole_file
 
 #: Widths in millimetres: one column and two columns of a journal page.
@@ -122,7 +123,7 @@ def styled() -> Iterator[None]:
 def figure(width: float = SINGLE, height: float = 62.0) -> Figure:
     """Return an empty figure of a size in millimetres; it belongs to no window and no global list."""
     with styled():
-        return Figure(figsize=(width / 25.4, height / 25.4), layout="constrained")
+        return Inline(figsize=(width / 25.4, height / 25.4), layout="constrained")
 
 
 def axes(ax: Axes | None, width: float = SINGLE, height: float = 62.0) -> Axes:

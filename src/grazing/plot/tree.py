@@ -12,6 +12,7 @@ from mpl_toolkits.axes_grid1 import make_axes_locatable  # type: ignore[import-u
 from numpy.typing import NDArray
 
 from grazing.plot.classes import written
+from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import INK, SINGLE, WALL, axes, label, period_colour, root, styled
@@ -29,6 +30,7 @@ FAINT = "#9a9a9a"
 SIZES = {"stable": 11.0, "unstable": 9.0, "virtual": 4.0}
 
 
+@inline
 def tree(result: Any, ax: Axes | None = None, *, log: bool = False, legend: bool = True) -> dict[str, Any]:
     """Draw the windows of a tree of words, one row for each word, with the tree on the right.
 

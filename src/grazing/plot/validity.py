@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from grazing.plot.classes import legend_beside, patch
 from grazing.plot.curves import curves_of, lay_curves
+from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
@@ -29,6 +30,7 @@ CLASSES = {
 OVERLAP = ("#5e1a12", "#b5482f", "#f2c14e", "#cfe8df")
 
 
+@inline
 def validity(
     result: Any,
     ax: Axes | None = None,

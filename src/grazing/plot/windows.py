@@ -12,12 +12,14 @@ from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
 from grazing.outcome import InputError
+from grazing.plot.drawn import inline
 from grazing.plot.style import axes, ink_on, period_colour, root, styled
 
 #: Height of a bar, distance of the two rows and place of the lower one, in points above the axes.
 BAR, ROW, FIRST = 9.0, 10.5, 4.0
 
 
+@inline
 def windows(
     edges: Mapping[int, tuple[float, float]] | Any,
     ax: Axes | None = None,

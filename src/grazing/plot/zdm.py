@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from grazing.plot.drawn import inline
 from grazing.plot.style import GRAZE, INK, PERIODS, WALL, axes, root, styled
 
 NAMES = ("U_0", "U_1", "U_2", "U_3")
 
 
+@inline
 def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = None) -> dict[str, Any]:
     """Draw the four points of the zero-time map with U vertical and V horizontal, and the flights that join them.
 

@@ -74,6 +74,9 @@ class GapProof(ByValue):
     statement: str
     document: dict[str, Any] | None
 
+    def __repr__(self) -> str:
+        return f"<GapProof: {self.statement}>"
+
     @property
     def reason(self) -> str:
         """Why nothing is proven; empty if something is."""

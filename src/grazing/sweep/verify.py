@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from math import ceil
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.pool import run_tasks
-from grazing.outcome import InputError, in_one_line
+from grazing.outcome import InputError, in_one_line, shown
 from grazing.parameter import real, whole
 from grazing.studies.plan import Plan, Progress, empty_arrays
 from grazing.sweep.layout import laid_out
@@ -39,6 +39,9 @@ class Difference:
     cells: tuple[int, ...]
     where: str
     reason: str
+
+    def __repr__(self) -> str:
+        return f"<Difference: {self}; {len(self.cells)} cells>"
 
     def __str__(self) -> str:
         place = "" if self.chunk is None else f" in chunk {self.chunk} ({self.where})"
@@ -73,6 +76,9 @@ class Verified:
     missing: tuple[int, ...]
     path: Path
     mended: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Verified({', '.join(f'{one.name}={shown(getattr(self, one.name))}' for one in fields(self))})"
 
     @property
     def ok(self) -> bool:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grazing.outcome import InputError, OutsideForm, shown
+from grazing.outcome import InputError, OutsideForm, abridged, shown
 from grazing.theory._inputs import FloatArray
 
 __all__ = ["WordOrbit", "word_orbits"]
@@ -46,6 +46,10 @@ class WordOrbit:
     multiplier: float
     admissible: bool
     residual: float
+
+    def __repr__(self) -> str:
+        kept = "admissible" if self.admissible else "virtual"
+        return f"<WordOrbit {abridged(self.word)}, {kept}, multiplier {self.multiplier:.6g}>"
 
     @property
     def stable(self) -> bool:
