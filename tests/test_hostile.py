@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 import zlib
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -220,7 +221,64 @@ def test_a_dimension_names_no_other_file(dim, tmp_path):
     assert all(path.parent == tmp_path / "in" for path in written)
 
 
+@pytest.mark.parametrize(
+    ("result", "refused"),
+    [
+        (xr.Dataset({"w": ("d", ["\ud800", "a"])}), "nc csv parquet"),
+        (xr.Dataset({"a\ud800": ("d", [1.0])}), "nc csv parquet"),
+        (xr.Dataset({3: ("d", [1.0])}), "nc csv parquet"),
+        (xr.Dataset({"w": ((3,), [1.0])}), "nc csv parquet"),
+        (xr.Dataset({"w": ((("a", "b"),), [1.0])}), "nc csv parquet"),
+        (xr.Dataset({"w": ("d", np.array([b"a\xff"]))}), "nc parquet"),
+        (xr.Dataset({"w": ("d", [1j])}), "parquet"),
+        (xr.Dataset({"w": ("d", np.zeros(2, "V4"))}), "nc parquet"),
+        (xr.Dataset({"w": ("d", np.array([1.0, 2.0], ">f8"))}), ""),
+        (xr.Dataset({"w": ("d", np.array(["a"], np.dtypes.StringDType()))}), "nc parquet"),
+        (xr.Dataset({"w": (("d", "e"), np.ones((3, 0)))}), "nc"),
+        (xr.Dataset({"w": (("d", "e"), np.ones((0, 3)))}), ""),
+        (xr.Dataset({"w": 1}, attrs={"a": "x\0"}), "nc"),
+        (xr.Dataset({"w": 1}, attrs={"a": [[1], [1, 2]]}), "nc"),
+    ],
+    ids=str,
+)
+def test_what_a_file_cannot_hold_is_said_and_the_rest_comes_back(result, refused, tmp_path):
+    for ending, write in (("nc", gz.save), ("csv", to_csv), ("parquet", gz.to_parquet)):
+        if ending in refused.split():
+            with pytest.raises(InputError) as said:
+                write(result, tmp_path / f"a.{ending}")
+            assert "\n" not in str(said.value)
+        else:
+            write(result, tmp_path / f"a.{ending}")
+            assert ending != "nc" or gz.load(tmp_path / "a.nc").identical(result)
+    assert len(list(tmp_path.iterdir())) == 3 - len(refused.split())
+
+
+def test_no_message_has_the_lines_of_what_was_given(tmp_path):
+    for given in (xr.DataArray([1.0]), "a\nb", np.ones((3, 3))):
+        with pytest.raises(InputError) as said:
+            gz.to_wav(given, tmp_path / "a.wav")
+        assert len(str(said.value).splitlines()) == 1
+
+
 # ---- figures
+
+
+@pytest.mark.filterwarnings("ignore:Glyph")
+@pytest.mark.parametrize("title", ["a\x01b", "\ud800", "a\0b", "\ufffe", "]]>", "a -- b", "λ", "📈", "a\nb"])
+def test_a_figure_of_any_title_and_label_can_be_read(title, tmp_path):
+    figure = gz.plot.figure(20, 20)
+    if title.isprintable() or title == "a\x01b":
+        figure.text(0.5, 0.5, title, gid=title)
+    for ending in ("png", "pdf", "svg"):
+        path = gz.plot.save(figure, tmp_path / f"a.{ending}", title=title, provenance={"a": title})
+        found = gz.plot.provenance(path)
+        assert found["provenance"] == {"a": title} and found["title"].isprintable()
+        assert found["title"] == title or not title.isprintable()
+        if ending == "svg":
+            ElementTree.parse(path)
+    for none in (None, 3, b"a"):
+        with pytest.raises(InputError, match=r"title = .*; give text"):
+            gz.plot.save(figure, tmp_path / "b.svg", title=none)
 
 
 def png(*chunks):
@@ -259,6 +317,23 @@ TEXTS = ["[" * 100_000, "3", "null", "[]", '"x"', "9" * 10_000, '{"grazing_versi
          '{"first": 0, "last": 1, "count": 1e15, "sha256": ""}}}',
          '{"grazing_config": {"study": "density", "map": "gap map", "params": {}, "parameter": "mu", "values": '
          '{"first": 0, "last": 1, "count": 1000000000000, "sha256": ""}}}']  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (svg("{}").replace(b'"1.0"', b'"1.0" encoding="umf-8"'), "is damaged"),
+        (svg("{}").replace(b'"1.0"', b'"1.0" encoding="rot13"'), "is damaged"),
+        (svg("{}").replace(b">grazing<", b">else\n  grazing<"), "was written by"),
+        (png((b"tEXt", b"Software\0" + b"\x1b[2J\n" * 9), (b"tEXt", b"Description\0{}")), "was written by"),
+        (pdf("{}").replace(b"(grazing)", b"(\x1b[2J\nelse)"), "was written by"),
+    ],
+)
+def test_what_made_a_figure_is_said_in_one_line(content, said, tmp_path):
+    (tmp_path / "a").write_bytes(content)
+    with pytest.raises(InputError, match=said) as error:
+        gz.plot.provenance(tmp_path / "a")
+    assert str(error.value).isprintable()
 
 
 def figures(text):

@@ -227,7 +227,8 @@ def test_curves_are_laid_over_a_chart_in_its_units(rig):
     assert 80 / (2 * np.pi) - 1e-12 <= np.nanmin(x) < np.nanmax(x) <= 100 / (2 * np.pi) + 1e-12
     for name, line in lines.items():
         if name != word:
-            assert np.nanmin(line.get_ydata()) >= -1.5 - 1e-9
+            assert -1.5 - 1e-9 <= np.nanmin(line.get_ydata()) <= np.nanmax(line.get_ydata()) <= -1.0 + 1e-9
+    assert len(lines) == 1 + len({*edges.label.values.tolist()})  # none of pieces where no orbit is stable
 
 
 @pytest.mark.parametrize(

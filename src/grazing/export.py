@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
 from grazing.writing import whole_file
 
@@ -153,6 +153,9 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
 def _checked(result: Any) -> xr.Dataset:
     if not hasattr(result, "data_vars"):
         raise InputError(f"result is a {type(result).__name__}; give an xarray.Dataset, as the studies return")
+    for name in [*result.variables, *result.dims]:
+        if not isinstance(name, str):
+            raise InputError(f"{shown(name)} is no text for a name; rename it")
     checked: xr.Dataset = result
     return checked
 
@@ -173,7 +176,16 @@ def _tables_written(
         )
     for (dims, names), file in zip(parts, files, strict=True):
         with whole_file(file) as part:
-            write(part, [*dims, *names], _pieces(flat, dims, names))
+            try:
+                write(part, [*dims, *names], _pieces(flat, dims, names))
+            except (
+                ValueError,
+                TypeError,
+                NotImplementedError,
+            ) as error:  # complex numbers, letters that no system writes
+                if isinstance(error, InputError):
+                    raise
+                raise InputError(f"{file} cannot hold the result: {in_one_line(error)}; save it as .nc") from error
     return files
 
 
@@ -233,7 +245,7 @@ def _parquet(file: Path, header: list[str], pieces: Pieces) -> None:
     try:
         for columns in pieces:
             plain = [column.astype(str).astype(object) if column.dtype.kind in "OUS" else column for column in columns]
-            table = pyarrow.table([pyarrow.array(column) for column in plain], names=header)
+            table = pyarrow.table([pyarrow.array(each.astype(each.dtype.newbyteorder("="))) for each in plain], header)
             if writer is None:
                 writer = parquet.ParquetWriter(file, table.schema)
             writer.write_table(table)

@@ -229,6 +229,10 @@ def _encoded(result: xr.Dataset) -> xr.Dataset:
         variable = result.variables[name]
         kept: dict[str, Any] = {"dtype": variable.dtype.str, "coordinate": name in result.coords, "attrs": {}}
         dims, data = tuple(variable.dims), np.asarray(variable.values)
+        if not all(isinstance(dim, str) for dim in dims):
+            raise InputError(f"a dimension of variable {name!r} has no text for a name; rename it")
+        if 0 in data.shape[1:]:  # which reads as a dimension without an end
+            raise InputError(f"variable {name!r} is empty along a dimension that is not its first; drop it")
         if data.dtype.kind == "c":
             dims, data = (*dims, PARTS), np.stack([data.real, data.imag], axis=-1)
         elif data.dtype.kind == "O" and all(isinstance(item, str) for item in data.flat):
@@ -275,9 +279,14 @@ def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str
         if name in _OF_THE_FILE or name in _of_scipy():
             raise InputError(f"{of} has a name that a NetCDF file keeps for itself; rename it")
         if isinstance(value, str):
+            if value.endswith("\0"):
+                raise InputError(f"{of} ends in a zero byte, which the file fills up with; cut it off")
             stored[name] = value
             continue
-        array = np.asarray(value)
+        try:
+            array = np.asarray(value)
+        except ValueError:  # lists of different lengths
+            array = np.asarray(None)
         if isinstance(value, (bool, dict)) or array.dtype.kind not in "iuf" or array.ndim > 1 or not array.size:
             raise InputError(f"{of} is {value!r}; give text (JSON for a structure), a number or an array of numbers")
         stored[name] = _fitting(array, of)

@@ -156,7 +156,7 @@ def shown(value: object) -> str:
     if isinstance(value, int) and value.bit_length() > 400:  # Python writes no number of thousands of digits
         return f"a whole number of {value.bit_length()} bits"
     try:
-        return _SHORT.repr(value)
+        return " ".join(_SHORT.repr(value).splitlines())
     except Exception:  # of somebody else's object, or of one that holds itself or such a number
         return f"<{type(value).__name__}>"
 

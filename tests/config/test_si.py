@@ -1,7 +1,9 @@
 """The table [si]: a rig in SI units in files and in the shell is the one that Python makes of the same numbers."""
 
+import contextlib
 import json
 import math
+import random
 import tomllib
 
 import numpy as np
@@ -135,3 +137,30 @@ def test_what_is_wrong_is_said(change, said):
 def test_a_mass_alone_is_checked(mass):
     with pytest.raises(InputError, match="mass"):
         checked({"study": "diagram", "mass": mass, "vary": {"d": "0:1:3"}})
+
+
+#: What somebody, or a broken program, may write.
+ODD = [
+    None, True, -1, 0, 1e400, math.nan, "", "a", "1.2 mm", "1.2 kg", [], [1.0], ["2 N", "x"], {}, {"a": 1}, "9**9 m",
+    10**400, 1e308, 5e-324, "mm", "above", "both", b"x", (1, 2), "1 " + "m" * 50, "\u202e1 m", [[1]], "inf", "1 Hz",
+    "80 rad/s", [1.0] * 2000, 1e160,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_whatever_stands_in_the_table_is_answered(part):
+    for seed in range(100 * part, 100 * part + 100):
+        chosen = random.Random(seed)
+        table = dict(SI)
+        for _ in range(chosen.choice((1, 1, 2, 3))):
+            table[chosen.choice([*SI, "side", "base", "moves", "load", "omega", "x", ""])] = chosen.choice(ODD)
+        config = {
+            "study": chosen.choice(["diagram", "response", "windows", "trajectory", "basins"]),
+            "si": chosen.choice([table, table, ",".join(f"{k}={v}" for k, v in table.items()), chosen.choice(ODD)]),
+            "parameters": chosen.choice([{"r": 0.7}, {"r": 0.7, "V": 0.1}, {}, 3]),
+            "vary": chosen.choice(
+                [{"frequency": "5:19:5"}, {"frequency": "5:19"}, {"omega": [1.0]}, {"frequency": chosen.choice(ODD)}, 3]
+            ),
+        }
+        with contextlib.suppress(InputError):
+            checked(config)

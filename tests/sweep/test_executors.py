@@ -41,6 +41,21 @@ def expected(tmp_path):
     return files(tmp_path / "expected.zarr")
 
 
+def test_what_a_killed_worker_left_is_gone_when_another_has_written_its_chunk(tmp_path, expected):
+    class Killed(ThreadPoolExecutor):
+        """One of its workers ends within a file; what it had to do is given to another."""
+
+        def submit(self, function, *arguments):
+            left = tmp_path / "a.zarr" / "mean" / "c" / f"3.{'0123456789abcdef' * 2}.partial"
+            left.parent.mkdir(exist_ok=True)
+            left.write_bytes(b"half")
+            return super().submit(function, *arguments)
+
+    with Killed(1) as executor:
+        assert sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=executor).complete
+    assert files(tmp_path / "a.zarr") == expected
+
+
 def test_workers_get_numbers_and_write_their_own_chunks(tmp_path, expected):
     pytest.importorskip("cloudpickle")
     executor = Elsewhere()

@@ -48,13 +48,14 @@ def from_table(raw: Mapping[str, Any]) -> dict[str, Any]:
         For an unknown name, a number that is wrong, or parameters that the table gives too.
     """
     found = {name: value for name, value in raw.items() if name != "si"}
-    table, vary = _table(raw["si"]), found.get("vary")
-    if isinstance(vary, Mapping) and "frequency" in vary:
+    table = _table(raw["si"])
+    vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
+    if "frequency" in vary:
         if "omega" in vary:
             raise InputError("frequency and omega both vary; give one of them")
         found["vary"] = {"omega" if name == "frequency" else name: item for name, item in vary.items()}
         found["vary"]["omega"] = _turned(vary["frequency"])
-    open_frequency = "omega" in (found.get("vary") or ()) and not {"frequency", "omega"} & {*table}
+    open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not {"frequency", "omega"} & {*table}
     if open_frequency and table.get("base"):
         raise InputError("a base makes a force that depends on the frequency; give frequency beside its range")
     usual = {"force": 0.0, "side": "above", "base": 0.0, "moves": "both", "load": 0.0, "frequency": None}

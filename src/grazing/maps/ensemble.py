@@ -408,11 +408,15 @@ def ensemble_tasks(
     several = min(LANES // stride, COLUMNS, len(rows))
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
-    spare: list[tuple[Any, ...]] = []  # workspaces that no task is using
+    spare = single(harmonics) if len(rows) == 1 else []  # workspaces that no task is using
     pace = [1]  # so many blocks may be a tile: more where tiles turn out to be short; the bits do not depend on it
 
     def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        bottom, space = min(top + together, len(source)), spare.pop() if spare else workspace(harmonics, several)
+        bottom = min(top + together, len(source))
+        try:
+            space = spare.pop()
+        except IndexError:  # asked first, another thread might take the last one in between
+            space = workspace(harmonics, several)
         while top < bottom:
             blocks, first = pace[0], top
             top = min(top + several * blocks, bottom)
@@ -431,6 +435,12 @@ def ensemble_tasks(
         spare.append(space)
 
     return [partial(task, rows, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]
+
+
+@lru_cache(maxsize=16)
+def single(harmonics: int) -> list[tuple[Any, ...]]:
+    """Return the workspaces for one column that are not in use: single orbits are asked for by the thousand."""
+    return []
 
 
 def paced(blocks: int, spent: float) -> int:

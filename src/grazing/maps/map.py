@@ -248,8 +248,10 @@ class Map(ByValue):
         start = self._start(state)
         lanes = start.reshape(1, -1, 1).copy()
         found = self.run_columns(self.packed()[1], lanes, 0, n, records=max(n, 1), arithmetic="strict", threads=1)
+        points = np.empty((n + 1, self.dimension))
+        points[0], points[1:] = start, found.points[0, :, :, 0]
         return Segment(
-            np.vstack([start, found.points[0, :, :, 0]]),
+            points,
             found.letters[0, :, 0],
             found.outcomes[0, :n, 0],
             float(found.near_miss[0, 0]),

@@ -23,6 +23,9 @@ Ints = NDArray[np.int64]
 
 #: Parts of a Newton step that are tried where the whole step leaves the piece.
 SHARES = 0.5 ** np.arange(1.0, 48.0)
+#: Parts of a direction at which images are taken on either side, and all of them in order with the point itself.
+ALONG = distances(1.0, 1.0)
+BOTH_WAYS = np.concatenate([-ALONG, [0.0], ALONG[::-1]])
 
 
 class Stepped(NamedTuple):
@@ -46,11 +49,11 @@ def tests_of(J: Floats) -> list[float]:
     """Return pd, lp and, from two coordinates on, ns of the derivative of one turn."""
     if not np.isfinite(J).all():
         return [np.nan] * (3 if len(J) > 1 else 2)
-    found = [float(np.linalg.det(np.eye(len(J)) + J)), float(np.linalg.det(np.eye(len(J)) - J))]
-    if len(J) > 1:
-        roots = np.linalg.eigvals(J)
-        found.append(float(np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)]).real))
-    return found
+    if len(J) == 1:  # as most maps of one's own, without the algebra of matrices
+        return [1.0 + float(J[0, 0]), 1.0 - float(J[0, 0])]
+    same, roots = np.eye(len(J)), np.linalg.eigvals(J)
+    pairs = np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)])
+    return [float(np.linalg.det(same + J)), float(np.linalg.det(same - J)), float(pairs.real)]
 
 
 class MapEquations(PointEquations):
@@ -151,8 +154,7 @@ class MapEquations(PointEquations):
 
         One column of letters (columns, N) for each distance below, from far to near, the point itself, and each above.
         """
-        h = distances(1.0, 1.0)
-        t = np.concatenate([-h, [0.0], h[::-1]])
+        h, t = ALONG, BOTH_WAYS
         rows = self.rows(p + t[:, None] * dp)
         states = (x + t[:, None] * dx).reshape(len(t), self.N, -1).transpose(0, 2, 1)
         right = self.allowed(p + t[:, None] * dp)

@@ -64,13 +64,14 @@ def slope(middle: Floats, low: Floats, high: Floats, down: Floats, up: Floats) -
     levels = len(low)
     shape = np.broadcast_shapes(middle.shape, low.shape[1:], down.shape[1:])
     # copies that are all alike, so that one kernel is for all
-    sides = [
-        np.array(np.broadcast_to(one, (levels, *shape)), order="C").reshape(levels, -1) for one in (low, high, down, up)
-    ]
-    found = np.empty((4, *shape))
+    sides = np.empty((4, levels, *shape))
+    for side, one in zip(sides, (low, high, down, up), strict=True):
+        side[...] = one
+    flat, centre, found = sides.reshape(4, levels, -1), np.empty(shape), np.empty((4, *shape))
+    centre[...] = middle
     with np.errstate(all="ignore"):  # where kernels are not compiled
         run = compiled(slopes)
-        call(run, np.array(np.broadcast_to(middle, shape)).ravel(), *sides, np.empty((3, levels)), found.reshape(4, -1))
+        call(run, centre.ravel(), *flat, np.empty((3, levels)), found.reshape(4, -1))
     return Slope(*found)
 
 

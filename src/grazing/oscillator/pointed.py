@@ -118,11 +118,13 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     """
     law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
     flight = len(HEAD) + 2 * harmonics + 1
-    known = contractions(law.contraction, kind, rows.tobytes())
-    where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
-    here = np.column_stack([np.full(len(rows), law_at), np.full(len(rows), slope_at), where])
-    phase = rows[:, -1:] if kind._fields[-1] == "phase" else np.zeros((len(rows), 1))  # type: ignore[attr-defined]
-    return np.ascontiguousarray(np.hstack([rows[:, :flight], phase, known, here]))
+    found = np.empty((len(rows), flight + 6))  # written in place: of one row, as of a single orbit, joining took longer
+    found[:, :flight] = rows[:, :flight]
+    found[:, flight] = rows[:, -1] if kind._fields[-1] == "phase" else 0.0  # type: ignore[attr-defined]
+    found[:, flight + 1 : flight + 3] = contractions(law.contraction, kind, rows.tobytes())
+    found[:, flight + 3], found[:, flight + 4] = law_at, slope_at
+    found[:, flight + 5] = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    return found
 
 
 class Pointed(NamedTuple):

@@ -65,8 +65,9 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
         real = (found["admissible"].values == 1) & (found["stable"].values == 1)
         for k in np.unique(found["piece"].values):
             there = found["piece"].values == k
-            names, lengths = np.unique(found["word"].values[there], return_counts=True)
-            yield str(names[lengths.argmax()]), np.where(real, x, np.nan)[there], np.where(real, y, np.nan)[there]
+            if (real & there).any():
+                names, lengths = np.unique(found["word"].values[real & there], return_counts=True)
+                yield str(names[lengths.argmax()]), np.where(real, x, np.nan)[there], np.where(real, y, np.nan)[there]
         return
     there = found["admissible"].values == 1  # a chart shows what the map has
     yield f"{found.attrs['word']} {found.attrs['type']}", np.where(there, x, np.nan), np.where(there, y, np.nan)

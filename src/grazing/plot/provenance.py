@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.paths import opened, path_of
 
 #: Where each format keeps title, software and provenance.
@@ -114,10 +114,12 @@ def provenance(path: str | Path) -> dict[str, Any]:
                 raise InputError(f"{path} is no figure; allowed are PNG, PDF and SVG files that grazing wrote")
     except InputError:
         raise
-    except (ValueError, zlib.error, struct.error, ElementTree.ParseError) as error:
+    except (ValueError, LookupError, zlib.error, struct.error, ElementTree.ParseError) as error:
         raise InputError(f"{path} is damaged ({error}); make the figure again") from None
     if not fields.get("software", "").startswith("grazing") or "provenance" not in fields:
-        wrote = f"was written by {fields['software']}" if fields.get("software") else "does not say what wrote it"
+        wrote = (
+            f"was written by {shown(fields['software'])}" if fields.get("software") else "does not say what wrote it"
+        )
         raise InputError(f"{path} {wrote} and holds no provenance; allowed are figures that grazing wrote")
     try:
         stored = json.loads(fields["provenance"])

@@ -25,6 +25,8 @@ from grazing.writing import whole_file
 
 #: Widths in millimetres: one column and two columns of a journal page.
 SINGLE, DOUBLE = 85.0, 174.0
+#: Letters that XML does not have, in UTF-8.
+_NO_XML = re.compile(rb"[\0-\x08\x0b\x0c\x0e-\x1f]|\xef\xbf[\xbe\xbf]")
 #: The formats that :func:`save` writes.
 FORMATS = ("png", "pdf", "svg")
 
@@ -202,6 +204,9 @@ def rendered(
         raise InputError(
             f"figure format {shown(kind)}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
         )
+    if not isinstance(title, str):
+        raise InputError(f"title = {shown(title)}; give text")
+    title = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in title)
     carried = fig.get("provenance", {}) if isinstance(fig, Mapping) else {}
     origin = json.dumps({**carried, **(provenance or {})}, sort_keys=True, default=str)
     fields: dict[str, dict[str, Any]] = {
@@ -212,7 +217,7 @@ def rendered(
     out = BytesIO()
     with styled():
         figure_of(fig).savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
-    return out.getvalue()
+    return out.getvalue() if kind != "svg" else _NO_XML.sub(b"", out.getvalue())
 
 
 def save(
