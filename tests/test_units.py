@@ -58,8 +58,30 @@ def test_a_quantity_in_the_units_that_are_wanted(given, units, value):
     [("1 1/s", "rad/s"), ("1 1/s", "Hz"), ("1 rad/s", "m"), ("1 Hz", "s"), ("1 m", "1"), ("1 m", ""), ("1", "m")],
 )
 def test_units_that_do_not_match_are_refused(given, units):
-    with pytest.raises(InputError, match=r"x = '1.*(do not match|not known)"):
+    with pytest.raises(InputError, match=r"x = '1.*(do not match|not known|has no units)"):
         magnitude(given, units, "x")
+
+
+def test_lists_of_quantities_and_of_texts():
+    found = magnitude(["1 mm", UNITS.Quantity(2.0, "cm"), 3.0], "m", "x")
+    assert found == pytest.approx([1e-3, 2e-2, 3.0], rel=1e-15)
+    with pytest.raises(InputError, match=r"x\[1\] = '2 kg'; its units do not match"):
+        magnitude(["1 mm", "2 kg"], "m", "x")
+    plain = [0.1, 0.2]
+    assert magnitude(plain, "m", "x") is plain
+
+
+def test_names_of_a_rig_are_translated(rig):
+    P = gz.stroboscopic_map(rig)
+    for name, said in (("frequency", "omega, in rad/s"), ("gap", "sigma = -gap"), ("c", "alpha = c/m")):
+        with pytest.raises(InputError, match=f"unknown parameter '{name}' of .*That is {said}"):
+            gz.orbit_diagram(P, name, [1.0, 2.0])
+
+
+def test_heads_of_columns_have_units(rig, tmp_path):
+    tr = in_units(gz.trajectory(rig, (0.0, 0.0), until=0.2), "mm")
+    gz.to_csv(tr, tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text().startswith("t (s),u (mm),v (m/s),wall (mm),trust\n")
 
 
 @pytest.mark.parametrize(

@@ -177,7 +177,7 @@ def _tables_written(
     for (dims, names), file in zip(parts, files, strict=True):
         with whole_file(file) as part:
             try:
-                write(part, [*dims, *names], _pieces(flat, dims, names))
+                write(part, [_titled(flat, name) for name in (*dims, *names)], _pieces(flat, dims, names))
             except (
                 ValueError,
                 TypeError,
@@ -187,6 +187,12 @@ def _tables_written(
                     raise
                 raise InputError(f"{file} cannot hold the result: {in_one_line(error)}; save it as .nc") from error
     return files
+
+
+def _titled(result: xr.Dataset, name: str) -> str:
+    """Return the head of a column: its name, with its units where it has some."""
+    units = str(result[name].attrs.get("units", "1")) if name in result.variables else "1"
+    return name if units == "1" else f"{name} ({units})"
 
 
 def _part(dims: tuple[str, ...]) -> str:

@@ -14,6 +14,15 @@ from typing import Any
 
 from grazing.outcome import InputError, shown
 
+#: What a rig in SI units calls in another way than the model that is made of it.
+OF_A_RIG = {
+    "frequency": "omega, in rad/s or with units, such as '14 Hz',",
+    "gap": "sigma = -gap",
+    "m": "the mass by which forces are divided; make another model",
+    "c": "alpha = c/m",
+    "force": "cos1 = force/m, with its sign,",
+    "load": "offset = load/m, with its sign,",
+}
 #: Most forcing periods between impacts that windows and boundary curves are computed for.
 MANY_PERIODS = 1000
 #: What a kernel can count to.
@@ -188,6 +197,8 @@ def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     known = list(names)
     near = get_close_matches(name[:200], known, n=1) if isinstance(name, str) else []
     hint = f" Did you mean {near[0]!r}?" if near else ""
+    if isinstance(name, str) and name in OF_A_RIG and "omega" in known:
+        hint = f" That is {OF_A_RIG[name]} here."
     return InputError(f"unknown parameter {shown(name)} of {of}.{hint} Allowed are: {', '.join(known)}")
 
 

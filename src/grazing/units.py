@@ -16,6 +16,8 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.
 _UNITS = re.compile(
     r"[^\W\d]{1,30}(?:\^-?\d)?(?:(?: ?[*/·] ?| )[^\W\d]{1,30}(?:\^-?\d)?){0,6}|1/[^\W\d]{1,30}(?:\^\d)?"
 )
+#: Units of results.
+MEASURED = ("m", "m/s", "s", "1/s", "rad/s", "Hz", "N/kg", "N s/kg")
 #: What an angular frequency is divided by, to be one in turns.
 TURN = r"/2\pi"
 #: Attributes of a variable that are numbers in its own units.
@@ -41,6 +43,8 @@ def magnitude(value: Any, units: str, name: str) -> Any:
         apart: 1 Hz is 2 pi rad/s, and 1/s is neither.
     """
     said = f"{name} = {shown(value)}"
+    if isinstance(value, (list, tuple)) and any(isinstance(one, str) or hasattr(one, "magnitude") for one in value):
+        return [magnitude(one, units, f"{name}[{i}]") for i, one in enumerate(value)]
     if isinstance(value, str):
         number, unit = _read(value, said)
     elif hasattr(value, "to") and hasattr(value, "magnitude") and hasattr(value, "units"):
@@ -52,7 +56,8 @@ def magnitude(value: Any, units: str, name: str) -> Any:
     factor = _factor(unit, units)
     if factor is None:
         wanted = "a number without units" if units == "1" else f"a quantity such as '1 {units}'"
-        raise InputError(f"{said}; its units do not match: give {wanted}")
+        fault = "it has no units" if str(unit) == "dimensionless" else "its units do not match"
+        raise InputError(f"{said}; {fault}: give {wanted}")
     return number * factor
 
 
@@ -120,6 +125,11 @@ def _fitting(name: str, old: str, units: tuple[str, ...], mass: float | None) ->
     if len(found) > 1:
         raise InputError(f"{' and '.join(repr(unit) for unit, _ in found)} both match {name}, in {old}: give one")
     return found[0] if found else (old, 1.0)
+
+
+def matching(unit: str) -> bool:
+    """Whether a result of a model in SI units may hold something that a unit measures; raise InputError for none."""
+    return any(_factor(old, unit, 1.0) is not None for old in MEASURED)
 
 
 def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variable:

@@ -95,13 +95,17 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
 
 
 @pytest.mark.filterwarnings("default")
-def test_units_are_checked_before_anything_is_computed(capsys):
+def test_units_are_checked_before_anything_is_computed(capsys, folder):
     assert main(["trajectory", "u=0.1", "v=0", "--units", "mmm", "-q"]) == 2
     assert "'mmm' is no unit" in capsys.readouterr().err
-    assert main(["trajectory", "u=0.1", "v=0", "--units", "mm", "-q"]) == 0
-    assert (
-        "it is dimensionless: make the model with Oscillator.from_si; nothing is converted" in capsys.readouterr().err
-    )
+    assert main(["trajectory", "u=0.1", "v=0", "--units", "mm", "-q"]) == 2
+    assert "--units: the model is dimensionless; give it with --si" in capsys.readouterr().err
+    rig = ["trajectory", "u=0", "v=0", "--si", TEXT, "--r", "0.7", "--until", "0.2", "-q"]
+    assert main([*rig, "--units", "mm,furlong^2"]) == 2
+    assert "'furlong^2' matches nothing that a result has" in capsys.readouterr().err
+    assert main([*rig, "--units", "mm,N", "-o", "a.csv"]) == 0
+    assert "--units: 'N' matches nothing in the result" in capsys.readouterr().err
+    assert "u (mm)" in (folder / "a.csv").read_text()
 
 
 @pytest.mark.parametrize(

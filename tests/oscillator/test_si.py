@@ -106,7 +106,7 @@ def test_the_numbers_are_those_of_the_equation_per_mass():
         ({"gap": "-1 mm"}, "gap = -0.001 m; it is a distance"),
         ({"gap": "1.2 kg"}, r"its units do not match: give a quantity such as '1 m'"),
         ({"k": "3 N s/m"}, r"its units do not match: give a quantity such as '1 N/m'"),
-        ({"force": "2.5"}, "its units do not match: give a quantity such as '1 N'"),
+        ({"force": "2.5"}, "it has no units: give a quantity such as '1 N'"),
         ({"frequency": "14 1/s"}, "its units do not match: give a quantity such as '1 Hz'"),
         ({"frequency": None}, "neither is given; give frequency, in Hz, or omega, in rad/s"),
         ({"omega": 3.0}, "both are given"),

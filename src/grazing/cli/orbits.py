@@ -87,7 +87,7 @@ def compute(
                 result = orbits_as_table(found, dict(recipe))
             else:
                 result = result_of(recipe, threads=threads)
-    shown = output.converted_or_not(result, units)
+    shown = output.converted_as_far(result, units)
     tables = TABLES[study](shown)
     good = True
     if certify:

@@ -50,14 +50,15 @@ UNITS = "Units of what is printed, drawn and written, for a model in SI units: m
 
 
 def checked_units(units: str | None) -> tuple[str, ...]:
-    """Return units that a text names, commas between them, or raise InputError for what is none."""
+    """Return units that a text names, commas between them, or raise InputError for those that no result has."""
     if units is None:
         return ()
-    from grazing.units import magnitude
+    from grazing.units import matching
 
     found = tuple(unit.strip() for unit in units.split(","))
     for unit in found:
-        magnitude(f"1 {unit}", unit, "--units")
+        if not matching(unit):
+            raise InputError(f"--units: {shown(unit)} matches nothing that a result has; give some of mm,mm/s,Hz,N,N s")
     return found
 
 
@@ -70,13 +71,14 @@ def converted(result: Any, units: Sequence[str]) -> Any:
     return in_units(result, *units)
 
 
-def converted_or_not(result: Any, units: Sequence[str]) -> Any:
-    """Return a result that was just computed in other units; as it is, with a warning, where these do not fit."""
-    try:
-        return converted(result, units)
-    except InputError as error:
-        warnings.warn(f"--units: {error}; nothing is converted", stacklevel=2)
-        return result
+def converted_as_far(result: Any, units: Sequence[str]) -> Any:
+    """Return a result that was just computed in those of the units that match; a warning names the others."""
+    for unit in units:
+        try:
+            result = converted(result, [unit])
+        except InputError as error:
+            warnings.warn(f"--units: {error}", stacklevel=2)
+    return result
 
 
 def units_of(result: Any) -> dict[str, list[str]]:

@@ -20,6 +20,7 @@ from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.cli.orbit_rows import plain
 from grazing.cli.whole import whole_number
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
+from grazing.config.own import is_own
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
 from grazing.parameter import whole
@@ -94,6 +95,8 @@ def command(study: str) -> Callable[..., int]:
         if dry_run:
             return estimated(plan_of(recipe), threads, json)
         files, shown = output.targets(out, endings(study)), output.checked_units(units)
+        if shown and "mass" not in recipe and "model" not in recipe and not is_own(recipe["map"]):
+            raise InputError("--units: the model is dimensionless; give it with --si, or its mass with --mass")
         if study in ("orbit", "branch", "windows", "bifurcations", "response"):
             from grazing.cli.orbits import compute as found
 
@@ -132,7 +135,7 @@ def compute(
         else:
             result = result_of(recipe, threads=threads, progress=show)
     seconds = time.monotonic() - start
-    result = output.converted_or_not(result, units)
+    result = output.converted_as_far(result, units)
     written = [str(file) for file in stores]
     for file in files:
         if file not in stores:

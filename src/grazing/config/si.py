@@ -57,7 +57,10 @@ def from_table(raw: Mapping[str, Any]) -> dict[str, Any]:
         found["vary"]["omega"] = _turned(vary["frequency"])
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not {"frequency", "omega"} & {*table}
     if open_frequency and table.get("base"):
-        raise InputError("a base makes a force that depends on the frequency; give frequency beside its range")
+        raise InputError(
+            "a base makes a force that depends on the frequency, and a sweep keeps it; give the frequency at which the "
+            "base has this amplitude beside the range"
+        )
     usual = {"force": 0.0, "side": "above", "base": 0.0, "moves": "both", "load": 0.0, "frequency": None}
     missing = [name for name in ("m", "c", "k", "gap") if name not in table]
     if missing:
