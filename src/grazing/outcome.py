@@ -186,7 +186,7 @@ def abridged(word: str) -> str:
     --------
     >>> from grazing.outcome import abridged
     >>> abridged("LLR"), abridged("L" * 99 + "R")[-24:]
-    ('LLR', 'LLLLL... (100 characters)')
+    ('LLR', 'LLLL... (100 characters)')
     """
     return word if len(word) <= LETTERS else f"{word[:LETTERS]}... ({len(word)} characters)"
 

@@ -14,8 +14,8 @@ from grazing_checker.value import check_value
 
 #: All that is imported from the standard library.
 STANDARD_LIBRARY = (
-    "__future__", "collections.abc", "contextlib", "fractions", "hashlib", "itertools", "json", "math", "pathlib", "re",
-    "sys", "threading", "typing",
+    "__future__", "collections.abc", "contextlib", "fractions", "hashlib", "itertools", "json", "math", "os", "pathlib",
+    "re", "stat", "sys", "threading", "typing",
 )  # fmt: skip
 #: What every certificate rests on.
 TRUSTED_BASE = (

@@ -125,6 +125,7 @@ def calls():
         "Oscillator.replace": dict(self=t.m, d=0.1, V=0.3),
         "load": dict(path="nothing.nc"),
         "save": dict(result=t.diagram, path="/nowhere/a.nc"),
+        "to_dataframe": dict(result=t.flown, dimension="impact"),
         "to_csv": dict(result=t.diagram, path="/nowhere/a.csv"),
         "to_parquet": dict(result=t.diagram, path="/nowhere/a.parquet"),
         "Oscillator.from_si": dict(

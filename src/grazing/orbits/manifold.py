@@ -312,6 +312,7 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         "multiplier": saddle.multiplier,
         "period": orbit.period,
         "orbit_word": orbit.word,
+        "box": np.array(about["box"]).ravel(),
         "model": repr(P),
         "parameters": json.dumps(dict(P.params)),
         "grazing_config": json.dumps(config, sort_keys=True, separators=(",", ":"), allow_nan=False),

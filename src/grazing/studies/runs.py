@@ -287,8 +287,9 @@ def checked_arithmetic(arithmetic: str) -> str:
 
 def checked_values(name: str, values: ArrayLike, P: Map | None = None) -> Floats:
     """Return finite values in a one-dimensional array, those of a quantity in the map's units, or raise InputError."""
-    if P is not None:
-        values = magnitude(values, labels.quantity(P, name).get("units", ""), name)
+    units = "1" if P is None else labels.quantity(P, name).get("units", "")
+    if units != "1" or hasattr(values, "magnitude"):
+        values = magnitude(values, units, name)
     wanted = f"give finite values of {name} in a list or a one-dimensional array"
     try:
         if np.iscomplexobj(values):
