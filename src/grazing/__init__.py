@@ -20,13 +20,14 @@ _PUBLIC = {
     "Trust": "outcome",
     "UserCodeError": "outcome",
     "describe": "outcome",
-    "Forcing": "oscillator.model",
+    "Forcing": "oscillator.forcing",
     "Oscillator": "oscillator.model",
     "pinball": "oscillator.model",
     "active": "oscillator.reset",
     "newton": "oscillator.reset",
     "reset": "oscillator.reset",
     "triggered": "oscillator.reset",
+    "wall": "oscillator.wall",
     "trajectory": "oscillator.trajectory",
     "Map": "maps.map",
     "gap_map": "maps.gap",
@@ -135,7 +136,7 @@ if TYPE_CHECKING:
     from grazing.orbits.sensitivity import sensitivity as sensitivity
     from grazing.orbits.windows import windows as windows
     from grazing.orbits.word import words as words
-    from grazing.oscillator.model import Forcing as Forcing
+    from grazing.oscillator.forcing import Forcing as Forcing
     from grazing.oscillator.model import Oscillator as Oscillator
     from grazing.oscillator.model import pinball as pinball
     from grazing.oscillator.reset import active as active

@@ -91,7 +91,8 @@ class Parameter:
 @cache
 def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
-    made: Any = namedtuple("Parameters", names or ("none",))  # type: ignore[misc]  # no tuple of nothing in a kernel
+    fields = tuple(name.replace(".", "_") for name in names)  # A.r is A_r in code
+    made: Any = namedtuple("Parameters", fields or ("none",))  # type: ignore[misc]  # no tuple of nothing in a kernel
     made.__qualname__ = f"{PREFIX}{','.join(names)}"  # a name of its own, by which pickle finds it in any process
     return made
 
@@ -113,9 +114,13 @@ def checked_params(params: Any) -> dict[str, float]:
     if not isinstance(params, Mapping):
         raise InputError(f"params is {shown(params)}; give a mapping of names to numbers, such as {{'a': 1.9}}")
     for name in params:
-        if not (isinstance(name, str) and name.isidentifier() and not iskeyword(name) and not name.startswith("_")):
+        if not (isinstance(name, str) and all(map(_is_name, name.split(".")))):
             raise InputError(f"parameter name {shown(name)}; allowed is a Python name, no keyword, no leading _")
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
+
+
+def _is_name(text: str) -> bool:
+    return text.isidentifier() and not iskeyword(text) and not text.startswith("_")
 
 
 def checked_coordinates(names: Any) -> tuple[str, ...]:

@@ -15,7 +15,8 @@ from grazing.maps.impact import impact_map
 from grazing.maps.map import Map
 from grazing.maps.normal_form import normal_form
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.oscillator.model import Forcing, Oscillator, pinball
+from grazing.oscillator.forcing import Forcing
+from grazing.oscillator.model import Oscillator, pinball
 from grazing.outcome import InputError
 
 #: Maps that have a section in time.

@@ -16,7 +16,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 from grazing.config import values
 from grazing.maps.gap import PARAMETERS as GAP_MAP
 from grazing.oscillator import reset as laws
-from grazing.oscillator.model import MOST_HARMONICS, pinball
+from grazing.oscillator.forcing import MOST_HARMONICS
+from grazing.oscillator.model import pinball
 from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reset import Reset
 from grazing.outcome import InputError

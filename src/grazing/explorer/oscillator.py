@@ -17,6 +17,7 @@ from grazing.maps.starting import paper_box, reach_box
 from grazing.maps.stroboscopic import step_of, tangent_of
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.legs import END, LEG, PERIOD, START, V, Y, recorder_of
 from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reach import reach_of
 from grazing.oscillator.reset import (
@@ -28,7 +29,6 @@ from grazing.oscillator.reset import (
     triggered_contraction,
     triggered_law,
 )
-from grazing.oscillator.trajectory import END, LEG, PERIOD, START, V, Y, recorder_of
 from grazing.parameter import Parameter, parameter_tuple
 
 #: Harmonics of the forcing that a row has; a model with fewer has zeros, and the same bits.

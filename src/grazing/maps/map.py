@@ -18,6 +18,7 @@ from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import differences_of, extended, stepping, units_of
+from grazing.maps.hits import Hits
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
@@ -85,8 +86,9 @@ class Map(ByValue):
         Names of the state's components.
     box : sequence of (low, high)
         Where random starts are drawn, one pair per coordinate.
-    letters : str, optional
-        The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period).
+    letters : str or Hits, optional
+        The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period); between two walls,
+        the walls that letters name.
 
     Other Parameters
     ----------------
@@ -152,7 +154,7 @@ class Map(ByValue):
     params: Mapping[str, float]
     coordinates: Sequence[str] = ("x",)
     box: Sequence[tuple[float, float]] = ((0.0, 1.0),)
-    letters: str | None = None
+    letters: str | Hits | None = None
     prepare: Callable[..., Any] | None = None
     tangent: Callable[..., Any] | None = None
     block: Callable[..., Any] | None = None

@@ -7,6 +7,9 @@ from functools import lru_cache
 from math import log
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from grazing.kernel.primitives import unit
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import Constants, forcing
@@ -26,6 +29,8 @@ from grazing.outcome import (
 
 #: Impacts in one period after which the step gives up by name.
 MAX_IMPACTS = 10_000
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 INFINITY = float("inf")
 NAN = float("nan")
 
@@ -128,3 +133,8 @@ def period_of(
         return (ball.y + c.sigma, ball.v), letter, outcome, whole, near, slow
 
     return period
+
+
+def periods_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+    """Return the time that so many periods take; ``omega`` is the place of the frequency in a row."""
+    return np.broadcast_to(steps * 2.0 * np.pi / rows[:, omega, None], letters.shape)

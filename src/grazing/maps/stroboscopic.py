@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
-from grazing.maps.period import period_of
+from grazing.maps.period import period_of, periods_passed
 from grazing.maps.settle import Settled
 from grazing.maps.starting import boxes_at, strobe_box
+from grazing.maps.walled import walled_map
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.pointed import POINTED, pointed_derivative
+from grazing.oscillator.walled import Walled
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
 
@@ -77,11 +79,6 @@ def above_wall(state: Any, params: Any) -> None:
         )
 
 
-def periods_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
-    """Return the time that so many periods take; ``omega`` is the place of the frequency in a row."""
-    return np.broadcast_to(steps * 2.0 * np.pi / rows[:, omega, None], letters.shape)
-
-
 def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
@@ -106,6 +103,8 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     >>> orbit.letters[-6:].tolist()
     [1, 0, 0, 1, 0, 0]
     """
+    if isinstance(model, Walled):
+        return walled_map(model, checked_phase(model, phase))
     checked_model(model)
     law = model.reset
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from grazing.maps.hits import Hits
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
 from grazing.orbits.manifold_saddle import Saddle, checked_saddle, short_pieces
@@ -252,8 +253,10 @@ def _box(orbit: Orbit, box: Any) -> Floats:
 # ---- result
 
 
-def _word(letters: NDArray[np.int16], P: Map) -> str:
+def _word(letters: NDArray[np.int32], P: Map) -> str:
     """Return letters as text, as :func:`grazing.orbits.word.word` writes them, but neither rotated nor shortened."""
+    if isinstance(P.letters, Hits):
+        return "".join(P.letters.symbol(int(k)) for k in letters)
     if P.letters is not None:
         return "".join(P.letters[k] for k in letters)
     named = {CHATTER_LETTER: "C", STUCK_LETTER: "S"}

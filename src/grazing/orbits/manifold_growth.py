@@ -135,7 +135,7 @@ class Piece(NamedTuple):
 
     t: Floats
     state: Floats
-    letters: NDArray[np.int16]
+    letters: NDArray[np.int32]
     length: float
     cut: tuple[bool, bool]
 

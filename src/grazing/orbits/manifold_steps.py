@@ -45,7 +45,7 @@ class Leaves:
     one code that are neighbours in t lie on one curve.
     """
 
-    def __init__(self, t: Floats, code: Codes, state: Floats, letters: NDArray[np.int16]) -> None:
+    def __init__(self, t: Floats, code: Codes, state: Floats, letters: NDArray[np.int32]) -> None:
         self.t, self.code, self.state, self.letters = t, code, state, letters
 
     def __len__(self) -> int:
@@ -97,16 +97,16 @@ def mixed(code: Codes, letter: Any) -> Codes:
     return np.asarray(new ^ (new >> np.uint64(29)), np.uint64)
 
 
-def stepped(P: Map, state: Floats, n: int) -> tuple[Floats, NDArray[np.int16]]:
+def stepped(P: Map, state: Floats, n: int) -> tuple[Floats, NDArray[np.int32]]:
     """Return states (m, 2) n steps later, NaN where an orbit ended, and their letters (m, n)."""
     if len(state) == 0:
-        return state, np.empty((0, n), np.int16)
+        return state, np.empty((0, n), np.int32)
     lanes, letters = np.array(state.T, np.float64, order="C"), [np.empty((0, len(state)), np.int64)]
     while n > 0:
         _points, some, _outcomes = P.run(lanes, 0, min(n, CHUNK))
         letters.append(some)
         n -= CHUNK
-    return lanes.T.copy(), np.concatenate(letters).T.astype(np.int16)
+    return lanes.T.copy(), np.concatenate(letters).T.astype(np.int32)
 
 
 class Forwards:
@@ -148,7 +148,7 @@ class Backwards:
         good = self.returning(back)
         rows = np.flatnonzero(good[-1])
         code, state = back[-1].code[rows], back[-1].state[rows]
-        letters = np.empty((len(rows), order), np.int16)
+        letters = np.empty((len(rows), order), np.int32)
         for k in range(order, 0, -1):  # the last step back is the first letter
             letters[:, order - k] = back[k].letter[rows]
             rows = back[k].origin[rows]
@@ -207,7 +207,7 @@ class Solved:
 
     def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
         """Return the states that come to the starts in ``order`` steps and are connected to what is known."""
-        state, letters = self.ray.at(seed), np.empty((len(t), 0), np.int16)
+        state, letters = self.ray.at(seed), np.empty((len(t), 0), np.int32)
         for k in range(1, order + 1):
             state = self.before(seed, state, k)
             good = np.isfinite(state).all(axis=1)

@@ -9,7 +9,8 @@ import numpy as np
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.word import least_rotation, letters_of, primitive, word
-from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.forcing import Forcing
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import active_law, contraction_at, newton
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError, shown

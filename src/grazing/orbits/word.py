@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
+from grazing.maps.hits import Hits
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
@@ -91,16 +92,16 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
     return s[first:] + s[:first]
 
 
-def word(letters: Iterable[int], symbols: str | None = None) -> str:
+def word(letters: Iterable[int], symbols: str | Hits | None = None) -> str:
     """Return the word of a cycle of letters.
 
     Parameters
     ----------
     letters : iterable of int
         The letters of one period, from any point of the orbit on; several periods give the same word.
-    symbols : str, optional
-        The symbol of letter 0, 1, ... (:attr:`grazing.Map.letters`); None for counts, with those above 9 in
-        parentheses, C for completed chatter and S for a ball at rest throughout.
+    symbols : str or Hits, optional
+        The symbol of letter 0, 1, ..., or the walls that letters name (:attr:`grazing.Map.letters`); None for counts,
+        with those above 9 in parentheses, C for completed chatter and S for a ball at rest throughout.
 
     Returns
     -------
@@ -121,7 +122,7 @@ def word(letters: Iterable[int], symbols: str | None = None) -> str:
     return "".join(_symbol(letter, symbols) for letter in least_rotation(primitive(letters)))
 
 
-def letters_of(text: str, symbols: str | None = None) -> tuple[int, ...]:
+def letters_of(text: str, symbols: str | Hits | None = None) -> tuple[int, ...]:
     """Return the letters that a word spells; the inverse of :func:`word` on words.
 
     Parameters
@@ -148,6 +149,10 @@ def letters_of(text: str, symbols: str | None = None) -> tuple[int, ...]:
     letters: list[int] = []
     position = 0
     while position < len(text):
+        if isinstance(symbols, Hits):
+            letter, position = symbols.read(text, position)
+            letters.append(letter)
+            continue
         found = None if symbols is not None else _COUNT.match(text, position)
         if symbols is not None and text[position] in symbols:
             letters.append(symbols.index(text[position]))
@@ -281,7 +286,9 @@ def _sequence(letters: Iterable[int]) -> tuple[int, ...]:
     return s
 
 
-def _symbol(letter: int, symbols: str | None) -> str:
+def _symbol(letter: int, symbols: str | Hits | None) -> str:
+    if isinstance(symbols, Hits):
+        return symbols.symbol(letter)
     if symbols is None:
         if letter in _SPECIAL:
             return _SPECIAL[letter]

@@ -270,39 +270,45 @@ def aloft(a: Anchor, launch: Launch, c: Constants) -> tuple[float, float, float]
 
 
 @unit
-def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
-    """Fly to the first impact, or to the end of the period.
+def contact_until(ball: Ball, until: float, c: Constants) -> tuple[bool, Ball, int, float]:
+    """Fly to the first impact, or to a time, T at most.
 
     Returns
     -------
     hit : bool
     ball : Ball
-        At the impact, with y = 0 and the incoming velocity, else at t = T.
+        At the impact, with y = 0 and the incoming velocity, else at that time.
     flags : int
     near : float
         The narrowest miss on the way, a lower bound where the ball stayed well off the wall; infinity for none.
     """
     flags, near = OK, INFINITY
-    while ball.t < c.T:
+    while ball.t < until:
         i = window_of(ball.t, ball.i, c)
         a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
         far, low, phase = aloft(a, ball.launch, c)
         if far > 0.0:
+            far = min(far, until - ball.t)
             y, v = flight(far, a, c)
             error_y, error_v = noise(far, a, c)
-            end = ball.t + far if far < c.T - ball.t else c.T
+            end = ball.t + far if far < until - ball.t else until
             near = min(near, low)
             ball = Ball(end, y, v, i, error_y + phase, error_v + c.rate * phase, ball.launch)
             continue
-        end = min(c.edges[i + 1], ball.t + c.piece)
+        end = min(c.edges[i + 1], ball.t + c.piece, until)
         hit, s, y, v, said, low = piece_hit(a, end - ball.t, window_sign(i, c), ball.launch, c)
         flags |= said
         near = min(near, low)
         error_y, error_v = noise(s, a, c)
-        ball = Ball(min(ball.t + s, c.T) if hit else end, y, v, i, error_y, error_v, ball.launch)
+        ball = Ball(min(ball.t + s, until) if hit else end, y, v, i, error_y, error_v, ball.launch)
         if hit or (y == 0.0 and v < 0.0):  # the second is an impact exactly at the edge
             return True, ball, flags, near
     return False, ball, flags, near
+
+
+def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
+    """Fly to the first impact, or to the end of the period, see :func:`contact_until`."""
+    return contact_until(ball, c.T, c)
 
 
 def chatter_completes(

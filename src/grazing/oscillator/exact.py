@@ -16,7 +16,8 @@ from math import inf, isfinite, nan
 from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.forcing import Forcing
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import Reset, contraction_at
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from grazing.parameter import parameter_tuple

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.legs import END, LEG, MAX_IMPACTS, START, V_MINUS, V_PLUS, V, Y, flown, flown_legs
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_kind, pointed_model
-from grazing.oscillator.trajectory import END, LEG, MAX_IMPACTS, START, V_MINUS, V_PLUS, V, Y, flown, flown_legs
 
 Floats = NDArray[np.float64]
 

@@ -7,90 +7,14 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any, NamedTuple
 
+from grazing.oscillator.forcing import LATEST, TOO_LATE, Forcing, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe
 from grazing.oscillator.si import si_numbers
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, real, updated
+from grazing.parameter import Parameter, updated
 from grazing.units import magnitude
-
-#: Harmonics of a forcing: each is two parameters of the model and of every map that is made of it.
-MOST_HARMONICS = 1000
-#: Angles beyond which a double is too coarse for a phase.
-LATEST = 1e15
-_TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
-
-
-@dataclass(frozen=True, slots=True)
-class Forcing:
-    """A periodic forcing: f(t) = offset + sum_j cos[j-1] cos(j omega (t + t0)) + sin[j-1] sin(j omega (t + t0)).
-
-    Parameters
-    ----------
-    omega : float
-        Frequency, > 0; the period is 2 pi/omega.
-    t0 : float
-        Time shift.
-    offset : float
-        Constant part.
-    cos, sin : sequence of float
-        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros.
-
-    Examples
-    --------
-    >>> import grazing as gz
-    >>> gz.Forcing(omega=2.0, cos=(1.0,), sin=(0.0, 0.5)).sin
-    (0.0, 0.5)
-    """
-
-    omega: float
-    t0: float = 0.0
-    offset: float = 0.0
-    cos: Sequence[float] = (1.0,)
-    sin: Sequence[float] = ()
-
-    def __post_init__(self) -> None:
-        for name in ("omega", "t0", "offset"):
-            object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
-        if not 1e-100 <= self.omega <= 1e100:
-            raise InputError(f"omega = {self.omega:g}; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow")
-        if abs(self.t0) * self.omega > LATEST:
-            raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {_TOO_LATE}")
-        for name, values in (("cos", self.cos), ("sin", self.sin)):
-            if hasattr(values, "__len__") and len(values) > MOST_HARMONICS:
-                raise InputError(f"{name} has {len(values)} amplitudes; allowed are at most {MOST_HARMONICS}")
-        cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
-        m = max(len(cos), len(sin), 1)
-        object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
-        object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
-
-    def __repr__(self) -> str:
-        said = [f"{name}={getattr(self, name)!r}" for name in ("omega", "t0", "offset")]
-        for name, values in (("cos", self.cos), ("sin", self.sin)):
-            said.append(f"{name}=({listed(map(repr, values), 8)}{',' if len(values) == 1 else ''})")
-        return f"Forcing({', '.join(said)})"
-
-
-def _series(force: Any) -> str:
-    """Say which forces are possible, to who gave something else."""
-    if not callable(force):
-        return "give a gz.Forcing(omega=..., ...)"
-    return (
-        "a force is a Fourier series here, not a function: give gz.Forcing(omega=..., offset=a0, cos=(a1, ...), "
-        "sin=(b1, ...)) with its coefficients, which numpy.fft.rfft finds from a period of samples"
-    )
-
-
-def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
-    try:
-        items = tuple(values)
-    except TypeError:
-        raise InputError(
-            f"{name} = {shown(values)}; give one amplitude per harmonic, such as {name}=(1.0, 0.5)"
-            + (f": {_series(values)}" if callable(values) else "")
-        ) from None
-    return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
 
 
 class Reach(NamedTuple):
@@ -168,7 +92,7 @@ class Oscillator:
                     f"{name} = {getattr(self, name):g}; allowed is {name} <= 1e100: beyond, numbers overflow"
                 )
         if not isinstance(self.forcing, Forcing):
-            raise InputError(f"forcing is {shown(self.forcing)}; {_series(self.forcing)}")
+            raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")
         if not isinstance(self.reset, Reset):
             raise InputError(f"reset is {shown(self.reset)}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
         clash = [name for name in self.reset.params if means_model(name)]
@@ -177,6 +101,14 @@ class Oscillator:
         if not self.reset.affine:
             f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
             probe(self.reset, drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1])
+
+    def __new__(cls, *args: Any, walls: Any = None, **named: Any) -> Any:
+        """Make an oscillator over one wall, or with ``walls`` one between them."""
+        if walls is None:
+            return object.__new__(cls)
+        from grazing.oscillator.walled import Walled
+
+        return Walled(*args, walls=walls, **named)
 
     @classmethod
     def from_si(
@@ -328,16 +260,21 @@ class Oscillator:
         return f"<Oscillator {values}, {mass}{shown(self.reset)}>"
 
 
-def checked_phase(model: Oscillator, phase: Any) -> float:
+def checked_phase(model: Any, phase: Any) -> float:
     """Return the time of a section, or raise InputError, also for one so late that doubles have no phase there."""
     time = describe_parameter("phase").check(phase)
     if abs(time) * model.forcing.omega > LATEST:
-        raise InputError(f"phase = {time:g}; allowed is |phase| <= {LATEST / model.forcing.omega:g}: {_TOO_LATE}")
+        raise InputError(f"phase = {time:g}; allowed is |phase| <= {LATEST / model.forcing.omega:g}: {TOO_LATE}")
     return time
 
 
 def checked_model(model: Any) -> None:
     """Raise InputError for anything that is not an oscillator."""
+    if hasattr(model, "walls"):
+        raise InputError(
+            f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits and branches "
+            "of others: gz.periodic_orbits and gz.continuation of gz.stroboscopic_map(model)"
+        )
     if not isinstance(model, Oscillator):
         raise InputError(f"model is {shown(model)}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
 

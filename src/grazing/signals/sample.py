@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.oscillator.model import Forcing, Oscillator
+from grazing.oscillator.forcing import Forcing
+from grazing.oscillator.legs import flown
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES
 from grazing.oscillator.reset import newton
-from grazing.oscillator.trajectory import flown
 from grazing.outcome import InputError, shown
 from grazing.parameter import real
 

@@ -174,7 +174,7 @@ def plan(
         coords={"coordinate": ("coordinate", np.array(P.coordinates))},
         variables={
             "reached_period": Variable((), "int32", labels.period_attributes(keep // 2)),
-            "reached_word": Variable((), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+            "reached_word": Variable((), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)),
             "reached_point": Variable(("coordinate",), "float64", {"long_name": "a point of the attractor"}),
             "outcome": Variable((), "int32", labels.outcome_attributes()),
             "trust": Variable((), "int8", labels.trust_attributes()),

@@ -135,7 +135,7 @@ def plan(
         axes=runs.axes,
         axis_attrs={name: labels.quantity(P, name) for name in runs.axes},
         sizes={"rank": lanes},
-        variables=_variables(runs.settings.keep) | runs.variables,
+        variables=_variables(P, runs.settings.keep) | runs.variables,
         compute=partial(_compute, runs, steps),
         together=runs.together,
         work=runs.work,
@@ -159,13 +159,13 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
     grow(P, runs.rows(cells), found, first, steps, arrays)
 
 
-def _variables(keep: int) -> dict[str, Variable]:
+def _variables(P: Map, keep: int) -> dict[str, Variable]:
     period = labels.period_attributes(keep // 2)
     period["flag_values"] = np.array([0, -1, -2, UNUSED], np.int32)
     period["flag_meanings"] += " no_further_attractor"
     return {
         "period": Variable(("rank",), "int32", period),
-        "word": Variable(("rank",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+        "word": Variable(("rank",), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)),
         "share": Variable(("rank",), "float64", {"long_name": "share of the starts", "units": "1"}),
         "exponent": Variable(("rank",), "float64", {"long_name": "largest Lyapunov exponent per step", "units": "1"}),
         "outcome": Variable(("rank",), "int32", labels.outcome_attributes()),

@@ -125,7 +125,7 @@ def plan(
         axis_attrs={name: labels.quantity(P, name)},
         sizes={"start": runs.settings.lanes, "coordinate": P.dimension},
         coords={"coordinate": ("coordinate", np.array(P.coordinates))},
-        variables=_variables(runs.settings.keep) | runs.variables,
+        variables=_variables(P, runs.settings.keep) | runs.variables,
         compute=partial(_compute, runs),
         together=runs.together,
         work=2 * runs.work,
@@ -150,11 +150,13 @@ def _compute(runs: Runs, cells: Ints, arrays: Arrays) -> Iterator[None]:
     arrays["steps"][...] = yield from lifetimes(runs, cells, found, settled.period)
 
 
-def _variables(keep: int) -> dict[str, Variable]:
+def _variables(P: Map, keep: int) -> dict[str, Variable]:
     never = {"flag_values": np.array([NEVER], np.int64), "flag_meanings": "settled_on_no_cycle"}
     return {
         "reached_period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
-        "reached_word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+        "reached_word": Variable(
+            ("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)
+        ),
         "last": Variable(("start", "coordinate"), "float64", {"long_name": "last point of the orbit", "units": "1"}),
         "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
         "trust": Variable(("start",), "int8", labels.trust_attributes()),

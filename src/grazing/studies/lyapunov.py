@@ -175,7 +175,7 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
         found["return_time"] = Variable(("start",), "float64", {"long_name": "mean time of a step", "units": time})
     return found | {
         "period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
-        "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+        "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)),
         "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
         "trust": Variable(("start",), "int8", labels.trust_attributes()),
     }

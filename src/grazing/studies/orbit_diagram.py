@@ -183,7 +183,7 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
     return points | {
         "letter": Variable(both, "int32", labels.letter_attributes(P)),
         "period": Variable(("start",), "int32", labels.period_attributes(keep // 2)),
-        "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2)),
+        "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)),
         "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
         "trust": Variable(("start",), "int8", labels.trust_attributes()),
         "near_miss": Variable(("start",), "float64", nearness["near_miss"]),

@@ -1,0 +1,218 @@
+"""The stroboscopic map of an oscillator between walls, or at one that moves or is above it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.primitives import unit
+from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
+from grazing.maps.map import Map
+from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
+from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.flight import modes
+from grazing.oscillator.frames import (
+    Frames,
+    first_contact,
+    frame_of,
+    frames_kind,
+    frames_of,
+    frames_rows,
+    plain_frames,
+    seen_at_strobe,
+    seen_from_strobe,
+)  # fmt: skip
+from grazing.oscillator.pointed import POINTED, Derived
+from grazing.oscillator.walled import Walled
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    DIVERGED,
+    GRAZE,
+    INSIDE_WALL,
+    OK,
+    TOO_MANY_IMPACTS,
+    TOO_MANY_SWINGS,
+)
+from grazing.outcome import (
+    CHATTER as CHATTERED,
+)
+
+INFINITY = float("inf")
+NAN = float("nan")
+Floats = NDArray[np.float64]
+Law = tuple[Callable[..., float], Callable[..., float], Callable[..., Any]]
+
+
+@lru_cache(maxsize=256)
+def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]:
+    """Return ``period(state, c) -> (state, letter, outcome, J, near, slow)``: one period (0, T] between walls.
+
+    As :func:`grazing.maps.period.period_of` for one wall, whose letters it has where there is one wall only.
+
+    Parameters
+    ----------
+    first, second : tuple of callable
+        ``law``, ``slope`` and ``contraction`` of the first wall and of the second.
+    with_tangent : bool
+    """
+    departs, departs_b = departure_of(*first), departure_of(*second)
+    slope, slope_b = first[1], second[1]
+
+    @unit
+    def period(state: Any, c: Any) -> Any:
+        u, v = state
+        J, area, lost = (1.0, 0.0, 0.0, 1.0), 0.0, (NAN, NAN, NAN, NAN, NAN)
+        T = c.a.T
+        inside = c.side * (u - c.za) < 0.0 or (c.two and u > c.zb)
+        if inside or not abs(u) < INFINITY or not abs(v) < INFINITY:
+            return (NAN, NAN), 0, (INSIDE_WALL if inside else OK), lost, INFINITY, INFINITY
+        if T > MAX_SWINGS * c.a.piece:
+            return (NAN, NAN), 0, TOO_MANY_SWINGS, lost, INFINITY, INFINITY
+        b, ball = seen_from_strobe(u, v, c)
+        impacts, outcome, near, slow = 0, OK, INFINITY, INFINITY
+        contact = ball.y == 0.0 and ball.v <= 0.0
+        smooth, letter, special, lay = True, 0, 0, False
+        while True:
+            if contact:
+                arrived, here = ball.v, frame_of(b, c)
+                if b:
+                    kind, ball, flags = departs_b(ball, c.patience, here)
+                else:
+                    kind, ball, flags = departs(ball, c.patience, here)
+                outcome |= flags
+                if flags & (BAD_LAW | DIVERGED):
+                    return (NAN, NAN), impacts, outcome, lost, near, slow
+                if flags & CHATTERED:
+                    special = CHATTER - (2 if b else 0)
+                if arrived < 0.0 or ball.v > 0.0:
+                    impacts += 1
+                    letter = 3 * letter + (2 if b else 1) if impacts <= MOST else letter
+                    slow = min(slow, -arrived)
+                if with_tangent:
+                    if kind != FLIES:
+                        J, area = (0.0, 0.0, 0.0, 0.0), -INFINITY
+                    elif arrived < 0.0:
+                        steep = slope_b(arrived, here.p) if b else slope(arrived, here.p)
+                        J = product(saltation(ball.t, arrived, ball.v, steep, here), J)
+                        area += log_size(steep * ball.v / arrived)
+                    else:  # a touch, or a kick from rest: nearby orbits do something else
+                        smooth = False
+                if kind == LIES:
+                    lay = impacts == 0
+                    break
+                if impacts > MAX_IMPACTS:
+                    return (NAN, NAN), impacts, outcome | TOO_MANY_IMPACTS, lost, near, slow
+                if ball.t >= T:
+                    break
+            left = ball.t
+            contact, b, ball, flags, low = first_contact(ball, b, c)
+            near = min(near, low)
+            outcome |= flags
+            if with_tangent:
+                J = product(modes(ball.t - left, c.a), J)
+                area -= c.a.alpha * (ball.t - left)
+            if not contact:
+                break
+        whole = (J[0], J[1], J[2], J[3], area)
+        if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
+            whole = lost
+        if not c.two:
+            letter = impacts
+        elif impacts > MOST:
+            letter = MANY
+        if special != 0:
+            letter = special
+        elif lay:
+            letter = LAY - (2 if b else 0)
+        return seen_at_strobe(ball, b, c), letter, outcome, whole, near, slow
+
+    return period
+
+
+@lru_cache(maxsize=256)
+def walled_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
+    """Return the step of the map with its Jacobian and log|det J| behind it."""
+    period = walled_of(first, second, True)
+
+    def derived(state: Any, c: Any) -> Any:
+        new, letter, outcome, J, _near, _slow = period(state, c)
+        return new, letter, outcome, J
+
+    return derived
+
+
+@lru_cache(maxsize=256)
+def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
+    """Return the step of the map."""
+    period = walled_of(first, second, False)
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J, _near, _slow = period(state, c)
+        return new, letter, outcome
+
+    return step
+
+
+def walled_map(model: Walled, phase: float) -> Map:
+    """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
+    laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
+    params = {**model.params, "phase": phase}
+    return Map(
+        walled_step_of(laws[0], laws[-1]),
+        params=params,
+        coordinates=("u", "v"),
+        box=_box(model, list(params.values())),
+        letters=Hits(model.names) if len(model.walls) > 1 else None,
+        boxes=partial(_boxes, model),
+        prepare=partial(_plain, model),
+        tangent=walled_tangent_of(laws[0], laws[-1]),
+        name="stroboscopic map",
+        check=partial(_between, model),
+        exact=all(wall.law.exact_slope for wall in model.walls),
+        source=partial(_again, model),
+        pointed=partial(_pointed, model),
+        describe=partial(Walled.describe, model),
+        clock=partial(periods_passed, list(params).index("omega")),
+    )
+
+
+def _pointed(model: Walled, rows: Floats, arithmetic: str = "strict") -> Derived:
+    """Return the derivative of the step with the laws by address: compiled once for all."""
+    numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
+    H = model.harmonics
+    return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
+
+
+def _plain(model: Walled, p: Any) -> Frames:
+    return plain_frames(model, np.array(p, np.float64))
+
+
+def _again(model: Walled, values: dict[str, float]) -> Map:
+    new = model.replace(**{name: x for name, x in values.items() if name != "phase"})
+    return walled_map(new, values["phase"])
+
+
+def _between(model: Walled, state: Any, params: Any) -> None:
+    """Raise InputError for a ball inside a wall."""
+    model.refuse_inside(float(state[0]), params["phase"])
+
+
+def _box(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
+    c = plain_frames(model, np.array(row))
+    reach = model.reach_at(row[:-1])
+    speed = max(min(one.speed, one.after) if c.two else one.speed for one in reach)
+    low, high = c.za, c.zb
+    if not c.two:
+        low, high = sorted((c.za, c.za + c.side * reach[0].height))
+    edge = 1e-3 * (high - low)
+    return (low + edge, high - edge), (min(c.wa, c.wb) - speed, max(c.wa, c.wb) + speed)
+
+
+def _boxes(model: Walled, rows: Floats) -> Floats:
+    return np.array([_box(model, row) for row in rows.tolist()]).reshape(-1, 2, 2)

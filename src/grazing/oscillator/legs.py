@@ -1,0 +1,151 @@
+"""The legs of a trajectory, flights and rests, one after the other; every impact located, none sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import unpacker
+from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
+from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
+from grazing.oscillator.reset import in_python
+from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError
+from grazing.parameter import parameters
+
+Floats = NDArray[np.float64]
+
+#: Chatter is followed impact by impact down to this fraction of its first speed, then completed in closed form.
+PATIENCE = 1e-6
+CAPACITY = 4096
+#: A trajectory lists every impact; beyond so many it is refused by name.
+MAX_IMPACTS = 200_000
+# columns of a leg
+PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG = range(9)
+
+
+@lru_cache(maxsize=64)
+def recorder_of(
+    law: Callable[..., float],
+    slope: Callable[..., float],
+    contraction: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
+) -> Callable[..., int]:
+    """Compile ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
+
+    ``state`` holds (periods, t, y, v, window, fastest, in the air) and is moved along, so the call can be repeated.
+    A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
+    impact. As in the stroboscopic map, the state at each strobe is the one that the next decisions are right for.
+    """
+    departure = departure_of(law, slope, contraction)
+    unpack = unpacker(kind)
+
+    def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
+        c = prepare(unpack(row))
+        n, fastest, grounded = int(state[0]), state[5], state[6] == 0.0
+        ball = placed(state[1], state[2], state[3], int(state[4]))
+        count = 0
+        while count + 2 < legs.shape[0] and n * c.T + ball.t < until:
+            leg = legs[count]
+            leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
+            leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
+            count += 1
+            hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
+            if not hit:
+                hit, ball, flags, _near = next_contact(ball, c)
+            leg[4] = ball.t
+            if hit:
+                arrived = ball.v
+                how, ball, said = departure(ball, patience * fastest, c)
+                flags |= said
+                if arrived < 0.0 or ball.v > 0.0:
+                    leg[5], leg[6] = arrived, ball.v
+                fastest = max(fastest, ball.v) if how == FLIES else 0.0
+                if said & (BAD_LAW | DIVERGED):
+                    leg[7], leg[8] = flags, ball.v
+                    break
+                if how != FLIES:
+                    rest = legs[count]
+                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, leg[4], 0.0, 0.0, ball.t
+                    rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
+                    count += 1
+            leg[7] = flags
+            grounded = ball.t >= c.T  # only at a strobe can the ball be on the wall with its contact still to come
+            if grounded:
+                n, fastest = n + 1, 0.0
+                ball = placed(0.0, ball.y, ball.v, 0)
+        state[0], state[1], state[2], state[3], state[4] = n, ball.t, ball.y, ball.v, ball.i
+        state[5], state[6] = fastest, 0.0 if grounded else 1.0
+        return count
+
+    return compiled(record)
+
+
+@lru_cache(maxsize=64)
+def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
+    """Compile ``sample(row, t, y, v, s, u, w)``: position u and velocity w at times s after flights began at (t, y, v).
+
+    Numbers of one flight stand together: what it needs is computed once.
+    """
+    unpack = unpacker(kind)
+
+    def sample(row: Any, t: Any, y: Any, v: Any, s: Any, u: Any, w: Any) -> None:
+        c = prepare(unpack(row))
+        a = anchored(t[0], y[0], v[0], c)
+        for j in range(s.shape[0]):
+            if j > 0 and not (t[j] == t[j - 1] and y[j] == y[j - 1] and v[j] == v[j - 1]):
+                a = anchored(t[j], y[j], v[j], c)
+            height, w[j] = flight(s[j], a, c)
+            u[j] = max(height, 0.0) + c.sigma
+
+    return compiled(sample)
+
+
+def flown_legs(model: Oscillator, state: tuple[float, float], start: float, until: float, limit: int) -> Floats:
+    """Return all legs of a trajectory, shape (legs, 9), columns as named at the top of this file."""
+    law = model.reset
+    numbers, prepare = pointed_model(model, start), constants_of(model.harmonics, section_phase)
+    record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
+    now = np.array([0.0, 0.0, state[0] - model.sigma, state[1], 0.0, 0.0, 0.0])
+    tables = []
+    impacts = 0
+    while now[0] * model.period + now[1] < until - start:
+        legs = np.zeros((CAPACITY, 9))
+        count = call(record, numbers.row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
+        tables.append(legs[:count])
+        bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
+        if bad.size:
+            in_python(law.law)(float(bad[0, V_MINUS]), parameters(law.params))  # which says its line, if it raises
+            raise UserCodeError(
+                f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
+                f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "
+                "allowed is a finite v_plus >= 0, away from the wall"
+            )
+        impacts += int(np.count_nonzero(~np.isnan(legs[:count, V_MINUS])))
+        if impacts > limit:
+            raise InputError(
+                f"more than {limit} impacts up to t = {start + now[0] * model.period + now[1]:g}; "
+                "choose an earlier end, r < 1 or a larger V, or declare the contraction of your law"
+            )
+    return np.concatenate(tables)
+
+
+def flown(model: Oscillator, start: float, t: Floats, y: Floats, v: Floats, s: Floats) -> tuple[Floats, Floats]:
+    """Return positions and velocities at times ``s`` after flights began at ``t``, counted from the section ``start``.
+
+    ``y`` are heights above the wall. Where the ball rests, is for the caller to say.
+    """
+    numbers = pointed_model(model, start)
+    sample = sampler_of(constants_of(model.harmonics, section_phase), flight_kind(model.harmonics))
+    u, w = np.empty_like(s), np.empty_like(s)
+    if s.size:
+        sample(numbers.row, t, y, v, s, u, w)
+    return u, w

@@ -1,0 +1,277 @@
+"""A forced linear oscillator between two walls, or at one that moves or is above it.
+
+Seen from a wall, with y the distance to it, every such model is an oscillator above one wall at rest: a wall above
+turns u into -u, a moving one adds its inertia to the force. So all that is proven of one wall holds for each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.oscillator.forcing import Forcing, series_said
+from grazing.oscillator.model import Oscillator, Reach
+from grazing.oscillator.parameters import COORDINATES, describe_parameter, means_model
+from grazing.oscillator.wall import Wall, checked_walls, harmonics_of
+from grazing.outcome import InputError, listed, shown
+from grazing.parameter import Parameter, updated
+
+Floats = NDArray[np.float64]
+#: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
+HEAD = 5
+#: Places in a period, times the number of harmonics, at which the room between two walls is measured.
+PLACES = 64
+
+
+class Place(NamedTuple):
+    """Where the numbers of a wall stand in a row of parameters: its position, motion (a cosine first) and law."""
+
+    sigma: int
+    motion: slice
+    law: slice
+
+
+@dataclass(frozen=True, slots=True)
+class Walled:
+    """A forced linear oscillator with its walls: what ``gz.Oscillator(..., walls=...)`` makes.
+
+    u'' + alpha u' + k^2 u = f(t) between the walls; a wall's law says what an impact makes of the velocity relative to
+    it.
+
+    Parameters
+    ----------
+    alpha : float
+        Damping coefficient, >= 0.
+    k : float
+        Natural frequency, >= 0; 0 for a ball without a spring.
+    forcing : Forcing
+        The periodic force f; its frequency is that of the walls' motions, too.
+    walls : sequence of Wall
+        One or two of :func:`grazing.wall`; from below, once the model is made.
+
+    Raises
+    ------
+    InputError
+        For a value out of range, walls that leave no room between them at some time, or a motion whose frequency is
+        no multiple of the forcing's.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> table = gz.wall(0.0, gz.newton(0.85), motion=gz.Forcing(omega=1.0, sin=(1.0,), cos=()))
+    >>> ball = gz.Oscillator(alpha=0, k=0, forcing=gz.Forcing(omega=1.0, offset=-1.0, cos=()), walls=[table])
+    >>> ball.replace(r=0.5).params["r"]
+    0.5
+    """
+
+    alpha: float
+    k: float
+    forcing: Forcing
+    walls: Sequence[Wall]
+
+    def __post_init__(self) -> None:
+        walls = checked_walls(self.walls)
+        object.__setattr__(self, "walls", walls)
+        if not isinstance(self.forcing, Forcing):
+            raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")
+        for one in walls:
+            clash = [name for name in one.law.params if means_model(name)]
+            if clash:
+                raise InputError(
+                    f"the parameter {min(clash)!r} of the law of wall {one.name} has the name of a model parameter; "
+                    "rename it"
+                )
+        for j in range(len(walls)):
+            self.seen_from(j)  # checks ranges, and the law at speeds of this model
+        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+        if not room > 0.0:
+            raise InputError(
+                f"the walls come within {room:g} of each other; the ball needs room between them: move them apart, or "
+                "make their motions smaller"
+            )
+
+    # ---- parameters
+
+    @property
+    def params(self) -> Mapping[str, float]:
+        """All parameters, flat and in a fixed order: those of the flight, then wall by wall from below.
+
+        With two walls those of each have its name in front: ``A.sigma``, ``A.r``; so has a motion, ``A.cos1``, always.
+        """
+        f = self.forcing
+        values = {"alpha": self.alpha, "k": self.k, "omega": f.omega, "t0": f.t0, "offset": f.offset}
+        for j, (c, s) in enumerate(zip(f.cos, f.sin, strict=True), start=1):
+            values |= {f"cos{j}": c, f"sin{j}": s}
+        for one in self.walls:
+            front = f"{one.name}." if len(self.walls) > 1 else ""
+            values[f"{front}sigma"] = one.position
+            if one.motion is not None:
+                for j, (c, s) in enumerate(zip(*harmonics_of(one.motion, f), strict=True), start=1):
+                    values |= {f"{one.name}.cos{j}": c, f"{one.name}.sin{j}": s}
+            values |= {f"{front}{name}": value for name, value in one.law.params.items()}
+        return values
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Where the numbers of each wall stand in a row of :attr:`params`."""
+        found, at = [], HEAD + 2 * len(self.forcing.cos)
+        for one in self.walls:
+            moving = 0 if one.motion is None else 2 * len(harmonics_of(one.motion, self.forcing)[0])
+            law = at + 1 + moving
+            found.append(Place(at, slice(at + 1, law), slice(law, law + len(one.law.params))))
+            at = law + len(one.law.params)
+        return tuple(found)
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics of force and motions."""
+        moving = [(place.motion.stop - place.motion.start) // 2 for place in self.places]
+        return max(len(self.forcing.cos), *moving)
+
+    @property
+    def period(self) -> float:
+        """Period T = 2 pi/omega of the forcing."""
+        return 2.0 * pi / self.forcing.omega
+
+    @property
+    def names(self) -> str:
+        """The names of the walls, from below."""
+        return "".join(str(one.name) for one in self.walls)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a wall moves."""
+        return any(one.motion is not None for one in self.walls)
+
+    def replace(self, **changes: float) -> Walled:
+        """Return the model with other parameter values; names as in :attr:`params`."""
+        new = updated(self.params, changes, "the model")
+        for name, value in changes.items():
+            self.describe(name).check(value)
+        row = list(new.values())
+        head = dict(zip(("omega", "t0", "offset"), row[2:HEAD], strict=True))
+        stop = HEAD + 2 * len(self.forcing.cos)
+        forcing = Forcing(**head, cos=row[HEAD:stop:2], sin=row[HEAD + 1 : stop : 2])
+        walls = []
+        for one, place in zip(self.walls, self.places, strict=True):
+            wave = row[place.motion]
+            motion = Forcing(head["omega"], head["t0"], cos=wave[::2], sin=wave[1::2]) if wave else None
+            law = one.law.replace(**dict(zip(one.law.params, row[place.law], strict=True)))
+            walls.append(replace(one, position=row[place.sigma], motion=motion, law=law))
+        return Walled(row[0], row[1], forcing, walls)
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or a coordinate."""
+        front, _dot, last = name.rpartition(".")
+        known = COORDINATES[last] if last in COORDINATES and not front else describe_parameter(last)
+        if front:
+            of = "motion" if last.startswith(("cos", "sin")) else "wall"
+            meaning = known.meaning.replace("of the forcing", f"of the motion of wall {front}")
+            meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
+            known = replace(known, name=name, symbol=f"{known.symbol.rstrip()}^{{{front}}}", meaning=meaning)
+        return replace(known, units="1")
+
+    # ---- the model as each wall sees it
+
+    def rows_seen_from(self, j: int, rows: Floats) -> Floats:
+        """Return parameters of the oscillator that wall j sees, for rows of :attr:`params`: shape (rows, numbers).
+
+        In the order of :attr:`Oscillator.params`. With x = sign (u - z), z the motion of the wall, the force is
+        sign (f - z'' - alpha z' - k^2 z) and the wall lies at rest at sign sigma.
+        """
+        place, sign, H = self.places[j], self.walls[j].sign, self.harmonics
+        law = rows[:, place.law]
+        found = np.zeros((len(rows), HEAD + 2 * H + 1 + law.shape[1]))
+        found[:, :4] = rows[:, :4]
+        found[:, 4] = sign * rows[:, 4]
+        own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
+        found[:, HEAD : HEAD + own.shape[1]] = own
+        cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
+        W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
+        lift, drag = W * W - rows[:, 1:2] * rows[:, 1:2], rows[:, :1] * W
+        moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
+        found[:, moved[0]] += lift * cosines - drag * sines
+        found[:, moved[1]] += lift * sines + drag * cosines
+        found[:, HEAD : HEAD + 2 * H] *= sign
+        found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
+        found[:, HEAD + 2 * H + 1 :] = law
+        return found + 0.0  # no -0
+
+    def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
+        """Return the oscillator that wall j sees, at this model's parameters or at a row of others."""
+        values = list(self.params.values()) if row is None else list(row)
+        found = self.rows_seen_from(j, np.array([values], np.float64))[0].tolist()
+        stop = HEAD + 2 * self.harmonics
+        law = self.walls[j].law
+        forcing = Forcing(found[2], found[3], found[4], cos=found[HEAD:stop:2], sin=found[HEAD + 1 : stop : 2])
+        law = law.replace(**dict(zip(law.params, found[stop + 1 :], strict=True)))
+        return Oscillator(found[0], found[1], forcing, law, found[stop])
+
+    def waves(self, j: int, rows: Floats) -> Floats:
+        """Return the motion of wall j as harmonics 1, 2, ..., cosine and sine: shape (rows, 2 harmonics)."""
+        found = np.zeros((len(rows), 2 * self.harmonics))
+        motion = rows[:, self.places[j].motion]
+        found[:, : motion.shape[1]] = motion
+        return found
+
+    def rooms(self, rows: Floats) -> Floats:
+        """Return the least distance between two walls in a period, or less: shape (rows,); infinity for one wall."""
+        if len(self.walls) < 2:
+            return np.full(len(rows), np.inf)
+        low, high = self.places
+        still = rows[:, high.sigma] - rows[:, low.sigma]
+        between = self.waves(1, rows) - self.waves(0, rows)
+        size = np.hypot(between[:, ::2], between[:, 1::2])
+        if not between.any():
+            return np.asarray(still)
+        # between two places the distance differs from the nearer one's by half a step's second derivative at most
+        j = np.arange(1, self.harmonics + 1)
+        angles = np.arange(PLACES * self.harmonics) * (2.0 * pi / (PLACES * self.harmonics))
+        seen = between[:, ::2] @ np.cos(np.outer(j, angles)) + between[:, 1::2] @ np.sin(np.outer(j, angles))
+        bend = 0.125 * (angles[1] ** 2) * (size * j * j).sum(axis=1)
+        return np.asarray(still + np.maximum(seen.min(axis=1) - bend, -size.sum(axis=1)))
+
+    def reach_at(self, row: Sequence[float]) -> tuple[Reach, ...]:
+        """Return how far and how fast the ball goes as each wall sees it, at a row of parameters."""
+        rows = np.array([row], np.float64)
+        return tuple(
+            self.seen_from(j).reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j in range(len(self.walls))
+        )
+
+    def places_at(self, t: Floats) -> tuple[Floats, Floats]:
+        """Return positions and velocities of the walls at times: shape (walls, times)."""
+        f, rows = self.forcing, np.array([list(self.params.values())])
+        j = np.arange(1, self.harmonics + 1)
+        angle = np.outer(f.omega * (t + f.t0), j)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        at, speed = [], []
+        for i, wall in enumerate(self.walls):
+            wave = self.waves(i, rows)[0]
+            at.append(wall.position + cosine @ wave[::2] + sine @ wave[1::2])
+            speed.append(cosine @ (j * f.omega * wave[1::2]) - sine @ (j * f.omega * wave[::2]))
+        return np.array(at), np.array(speed)
+
+    def refuse_inside(self, u: float, t: float) -> None:
+        """Raise InputError for a ball inside a wall at time t."""
+        for wall, at in zip(self.walls, self.places_at(np.array([t]))[0][:, 0].tolist(), strict=True):
+            if wall.sign * (u - at) < -1e-15 * (self.harmonics * abs(at) + abs(wall.position)):
+                allowed = "u >= " if wall.sign > 0.0 else "u <= "
+                raise InputError(
+                    f"the ball starts inside wall {wall.name}, which is {wall.side} it: u = {u:g}, the wall is at "
+                    f"{at:g} then; start with {allowed}{at:g}"
+                )
+
+    def __repr__(self) -> str:
+        values = listed(
+            f"{name}={value:g}" for name, value in list(self.params.items())[: HEAD + 2 * len(self.forcing.cos)]
+        )
+        walls = ", ".join(
+            f"{one.name} {one.side} at {one.position:g}{' moving' if one.motion is not None else ''}: {shown(one.law)}"
+            for one in self.walls
+        )
+        return f"<Oscillator {values}; {walls}>"
