@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.derivative import extended
 from grazing.maps.map import Map
-from grazing.maps.period import product
+from grazing.maps.period import periods_passed, product
 from grazing.maps.starting import boxes_at, local_box
-from grazing.maps.stroboscopic import above_wall, periods_passed
+from grazing.maps.stroboscopic import above_wall
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase

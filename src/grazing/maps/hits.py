@@ -74,7 +74,7 @@ class Hits:
         """Return the letter that stands at a position of a text, and where the next one begins."""
         found = self._symbols.match(text, position)
         if found is None:
-            low, high = self.names
+            low, high = self.names[0], self.names[1]
             raise InputError(
                 f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are 0, {low}, "
                 f"{high}, several impacts of one period such as ({low}{high}), and (C{low}), (S{low}), (C{high}), "

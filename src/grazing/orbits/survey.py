@@ -13,10 +13,10 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, first_contact, impact_state, simple_zeros, turning
 from grazing.oscillator.constants import constants_of
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
 from grazing.oscillator.windows import series
-from grazing.outcome import InputError, OutsideForm
+from grazing.outcome import OutsideForm
 from grazing.parameter import parameter_tuple
 
 #: Columns of a survey: phase, dG/dphi, then the values of :func:`grazing.orbits.closure.impact_state`, then the time
@@ -47,8 +47,7 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     OutsideForm
         For a reset law that is not known to be affine piece by piece.
     """
-    if not isinstance(model, Oscillator):
-        raise InputError(f"model is {model!r}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
+    checked_model(model)
     law = model.reset
     if law.law not in (newton_law, active_law, triggered_law):
         raise OutsideForm(

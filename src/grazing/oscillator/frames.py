@@ -191,9 +191,8 @@ def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, F
     source = np.ascontiguousarray(np.column_stack(seen))
     found, at = [], 0
     for j, one in enumerate(seen):
-        kind = parameter_tuple((*model.seen_from(j).params, "phase"))
         own = source[:, at : at + one.shape[1]]
-        found.append(pointed_rows(model.harmonics, model.walls[j].law, kind, own, arithmetic))
+        found.append(pointed_rows(model.harmonics, model.walls[j].law, model.kind_seen_from(j), own, arithmetic))
         at += one.shape[1]
     return np.ascontiguousarray(np.column_stack([found[0], found[-1], link_rows(model, rows)])), source
 
@@ -202,8 +201,8 @@ def plain_frames(model: Walled, row: Floats) -> Frames:
     """Return the frames at a row of the model's parameters and a phase, with laws as plain Python has them."""
     rows = np.asarray(row, np.float64).reshape(1, -1)
     prepare = constants_of(model.harmonics, section_phase)
-    seen = []
-    for j in range(len(model.walls)):
-        kind = parameter_tuple((*model.seen_from(j).params, "phase"))
-        seen.append(prepare(kind(*model.rows_seen_from(j, rows)[0].tolist(), float(rows[0, -1]))))
+    seen = [
+        prepare(model.kind_seen_from(j)(*model.rows_seen_from(j, rows)[0].tolist(), float(rows[0, -1])))
+        for j in range(len(model.walls))
+    ]
     return linked(seen[0], seen[-1], tuple(link_rows(model, rows)[0].tolist()))

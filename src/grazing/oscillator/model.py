@@ -49,6 +49,9 @@ class Oscillator:
     mass : float, optional
         In kg, > 0: the numbers are then metres and seconds, and results and figures carry units. Default: all is
         dimensionless. :meth:`from_si` makes such a model from mass, damper, spring and force.
+    walls : sequence of wall, optional
+        One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
+        move. The model is then of another class, for trajectories and stroboscopic maps.
 
     Raises
     ------
@@ -108,7 +111,14 @@ class Oscillator:
             return object.__new__(cls)
         from grazing.oscillator.walled import Walled
 
-        return Walled(*args, walls=walls, **named)
+        given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
+        beside = sorted(set(given) - {"alpha", "k", "forcing"})
+        if beside or len(args) > 3:
+            raise InputError(
+                f"walls are given beside {listed(beside or ['reset'])}; each wall has its own law and position: "
+                "gz.wall(position, law)"
+            )
+        return Walled(**given, walls=walls)
 
     @classmethod
     def from_si(

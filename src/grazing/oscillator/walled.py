@@ -19,7 +19,7 @@ from grazing.oscillator.model import Oscillator, Reach
 from grazing.oscillator.parameters import COORDINATES, describe_parameter, means_model
 from grazing.oscillator.wall import Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, updated
+from grazing.parameter import Parameter, parameter_tuple, updated
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -130,7 +130,7 @@ class Walled:
     @property
     def harmonics(self) -> int:
         """Number of harmonics of force and motions."""
-        moving = [(place.motion.stop - place.motion.start) // 2 for place in self.places]
+        moving: list[int] = [(place.motion.stop - place.motion.start) // 2 for place in self.places]
         return max(len(self.forcing.cos), *moving)
 
     @property
@@ -201,6 +201,12 @@ class Walled:
         found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
         found[:, HEAD + 2 * H + 1 :] = law
         return found + 0.0  # no -0
+
+    def kind_seen_from(self, j: int) -> type:
+        """Return the named tuple of a row of :meth:`rows_seen_from`, and of a phase behind it."""
+        waves = [f"{name}{i}" for i in range(1, self.harmonics + 1) for name in ("cos", "sin")]
+        head = ("alpha", "k", "omega", "t0", "offset", *waves, "sigma")
+        return parameter_tuple((*head, *self.walls[j].law.params, "phase"))
 
     def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
         """Return the oscillator that wall j sees, at this model's parameters or at a row of others."""

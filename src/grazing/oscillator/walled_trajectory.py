@@ -8,7 +8,7 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
@@ -132,7 +132,9 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
     return np.concatenate(tables)
 
 
-def walled_trajectory(model: Walled, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
+def walled_trajectory(
+    model: Walled, state: tuple[float, float], start: float, until: float, samples: int
+) -> xr.Dataset:
     """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
     import xarray as xr
 
@@ -155,9 +157,8 @@ def walled_trajectory(model: Walled, state: ArrayLike, start: float, until: floa
         if leg[LEG]:
             u, v = at[j], speed[j]
         else:
-            y, w = flown(
-                seen[j], start, np.full_like(s, leg[START]), np.full_like(s, leg[Y]), np.full_like(s, leg[V]), s
-            )
+            first, height, speed_then = np.full((3, len(s)), leg[[START, Y, V]][:, None])
+            y, w = flown(seen[j], start, first, height, speed_then, s)
             y -= seen[j].sigma
             y[0], w[0] = leg[Y], leg[V]  # the ends of a flight are known better than by a formula
             u, v = at[j] + sign * y, speed[j] + sign * w
@@ -192,6 +193,7 @@ def walled_trajectory(model: Walled, state: ArrayLike, start: float, until: floa
                 model.places_at(t)[0],
                 {"long_name": "position of the wall", "units": "1"},
             ),
+            "side": ("wall", [str(wall.side) for wall in model.walls], {"long_name": "side of the ball"}),
             "trust": ((), trust.value),
         },
         coords={"t": ("t", t, about["t"]), "wall": ("wall", names)},

@@ -11,7 +11,7 @@ from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
-from grazing.plot.trajectory import wall_of
+from grazing.plot.trajectory import limits, places_of, walls_of
 
 
 @inline
@@ -25,7 +25,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
     ax : matplotlib Axes, optional
         Default: a new figure two columns wide.
     of : {"u", "v"}
-        Position, above the wall, or velocity, which jumps at impacts.
+        Position, with the walls, or velocity, which jumps at impacts.
     colour : str
         Of the motion.
 
@@ -40,16 +40,18 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     with styled():
         ax = axes(ax, DOUBLE, 50.0)
-        sigma = wall_of(result)
+        walls = walls_of(result)
         t, x, hits = (np.asarray(result[name].values) for name in ("t", of, "impact_time"))
         shown_hits = (hits >= t[0]) & (hits <= t[-1])
         hits = hits[shown_hits]
         wall, impacts = None, []
         if of == "u":
-            before = np.full_like(hits, sigma)
-            reach = max(float(x.max()) - sigma, 1e-12)
-            wall = ax.axhspan(sigma - 0.08 * reach, sigma, color=WALL, lw=0, zorder=0)
-            ax.set_ylim(sigma - 0.08 * reach, sigma + 1.08 * reach)
+            before = places_of(result)[shown_hits]
+            ends = limits(x, walls)
+            for at, below in walls:
+                far = ends[0] if below else ends[1]
+                wall = ax.fill_between(t, far, at, color=WALL, lw=0, zorder=0)
+            ax.set_ylim(*ends)
         else:
             ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
             before, after = (result[name].values[shown_hits] for name in ("v_minus", "v_plus"))

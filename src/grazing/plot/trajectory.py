@@ -7,15 +7,18 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
 
+Floats = NDArray[np.float64]
+
 
 @inline
 def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe: Any = None) -> dict[str, Any]:
-    """Draw a trajectory in the (u, v) plane: flights solid, impacts dashed along the wall.
+    """Draw a trajectory in the (u, v) plane: flights solid, impacts dashed along the walls.
 
     Parameters
     ----------
@@ -37,31 +40,59 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
     expect(result, "trajectory", {"u": ("t",), "v": ("t",)})
     with styled():
         ax = axes(ax)
-        sigma = wall_of(result)
+        walls = walls_of(result)
         u, v = np.asarray(result["u"].values), np.asarray(result["v"].values)
         # an impact is a time that occurs twice, before and after it, with two velocities
         cut = np.flatnonzero((np.diff(result["t"].values) <= 0.0) & (np.abs(np.diff(v)) > 1e-9 * np.abs(v).max())) + 1
         (flights,) = ax.plot(np.insert(u, cut, np.nan), np.insert(v, cut, np.nan), color=colour, lw=1.1, zorder=3)
         impacts: list[Line2D] = []
-        for before, after in zip(result["v_minus"].values, result["v_plus"].values, strict=True):
-            impacts += ax.plot([sigma, sigma], [before, after], color=GRAZE, lw=1.0, ls=(0, (3, 1.5)), zorder=4)
-            ax.plot(sigma, before, "o", ms=3.2, color=GRAZE, zorder=5)
-            ax.plot(sigma, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
+        for at, before, after in zip(places_of(result), result["v_minus"].values, result["v_plus"].values, strict=True):
+            impacts += ax.plot([at, at], [before, after], color=GRAZE, lw=1.0, ls=(0, (3, 1.5)), zorder=4)
+            ax.plot(at, before, "o", ms=3.2, color=GRAZE, zorder=5)
+            ax.plot(at, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
         dots = None
         if strobe is not None:
             points = np.atleast_2d(strobe)
             (dots,) = ax.plot(points[:, 0], points[:, 1], "s", ms=3.6, mfc="white", mec=colour, mew=0.9, zorder=6)
-        reach = max(float(u.max()) - sigma, 1e-12)
         low, high = float(min(v.min(), 0.0)), float(max(v.max(), 0.0))
-        wall = ax.axvspan(sigma - 0.08 * reach, sigma, color=WALL, lw=0, zorder=0)
+        ends = limits(u, walls)
+        wall = None
+        for at, below in walls:
+            far, near = (ends[0], at.max()) if below else (ends[1], at.min())
+            outer = at.min() if below else at.max()
+            wall = ax.axvspan(far, outer, color=WALL, lw=0, zorder=0)
+            if near != outer:  # where it moves
+                ax.axvspan(outer, near, color=WALL, alpha=0.4, lw=0, zorder=0)
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
-        ax.set_xlim(sigma - 0.08 * reach, sigma + 1.08 * reach)
+        ax.set_xlim(*ends)
         ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
         ax.set_xlabel(quantity(result["u"]))
         ax.set_ylabel(quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
 
 
-def wall_of(result: Any) -> float:
-    """Return the position of the wall of a trajectory, in its own units."""
-    return float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
+def walls_of(result: Any) -> list[tuple[Floats, bool]]:
+    """Return where the walls of a trajectory are at its times, in its own units, and which are below the ball."""
+    if "wall_position" in result:
+        sides = result["side"].values.tolist()
+        return [(at, side == "below") for at, side in zip(result["wall_position"].values, sides, strict=True)]
+    at = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
+    return [(np.full(result.sizes["t"], at), True)]
+
+
+def places_of(result: Any) -> Floats:
+    """Return where each impact of a trajectory is."""
+    walls, hits = walls_of(result), result["impact_time"].values
+    places = np.array([np.interp(hits, result["t"].values, at) for at, _below in walls])
+    if "impact_wall" not in result:
+        return np.asarray(places[0])
+    names = result["wall"].values.tolist()
+    return places[[names.index(name) for name in result["impact_wall"].values.tolist()], np.arange(len(hits))]
+
+
+def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:
+    """Return the ends of an axis of positions: a little beyond the motion, and into the walls."""
+    low = min([float(u.min()), *(float(at.min()) for at, below in walls if below)])
+    high = max([float(u.max()), *(float(at.max()) for at, below in walls if not below)])
+    edge = 0.08 * max(high - low, 1e-12)
+    return low - edge, high + edge

@@ -15,6 +15,8 @@ from grazing.oscillator.legs import flown
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES
 from grazing.oscillator.reset import newton
+from grazing.oscillator.wall import Wall, wall
+from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError, shown
 from grazing.parameter import real
 
@@ -83,11 +85,14 @@ def sample(trajectory: xr.Dataset, rate: float) -> xr.Dataset:
     us, vs = _between(model, t, u, v, times)
     kept = trajectory.drop_dims("t")
     found = kept.assign({"u": ("t", us, trajectory["u"].attrs), "v": ("t", vs, trajectory["v"].attrs)})
+    if isinstance(model, Walled):
+        places, _speeds = model.places_at(times)
+        found = found.assign(wall_position=(("wall", "t"), places, trajectory["wall_position"].attrs))
     found = found.assign_coords(t=("t", times, trajectory["t"].attrs))
     return found.assign_attrs(trajectory.attrs | {"sample_rate": rate})
 
 
-def model_of(trajectory: Any) -> Oscillator:
+def model_of(trajectory: Any) -> Oscillator | Walled:
     """Return the oscillator whose flights a trajectory follows; its impacts are those that are recorded.
 
     Raises
@@ -110,12 +115,27 @@ def model_of(trajectory: Any) -> Oscillator:
             cos=tuple(has[name] for name in waves),
             sin=tuple(has["sin" + name[3:]] for name in waves),
         )
+        if "wall_position" in names:
+            walls = _walls(trajectory, has, forcing)
+            return Walled(has["alpha"], has["k"], forcing, walls)
         return Oscillator(has["alpha"], has["k"], forcing, newton(1.0), has["sigma"])
     except KeyError as missing:
         raise InputError(f"the trajectory does not say its parameter {missing}; give one from gz.trajectory") from None
 
 
-def _warn_if_low(model: Oscillator, rate: float) -> None:
+def _walls(trajectory: xr.Dataset, has: dict[str, Any], forcing: Forcing) -> list[Wall]:
+    """Return the walls of a trajectory, whatever their laws."""
+    found = []
+    for name, side in zip(trajectory["wall"].values.tolist(), trajectory["side"].values.tolist(), strict=True):
+        waves = sum(key.startswith(f"{name}.cos") for key in has)
+        cosines, sines = ([has[f"{name}.{kind}{j + 1}"] for j in range(waves)] for kind in ("cos", "sin"))
+        motion = Forcing(forcing.omega, forcing.t0, cos=cosines, sin=sines) if waves else None
+        at = has[f"{name}.sigma"] if f"{name}.sigma" in has else has["sigma"]
+        found.append(wall(at, newton(1.0), side, motion, name))
+    return found
+
+
+def _warn_if_low(model: Oscillator | Walled, rate: float) -> None:
     f = model.forcing
     highest = max((j for j, wave in enumerate(zip(f.cos, f.sin, strict=True), 1) if any(wave)), default=0)
     enough = 2.0 * highest / model.period
@@ -127,14 +147,35 @@ def _warn_if_low(model: Oscillator, rate: float) -> None:
         )
 
 
-def _between(model: Oscillator, t: Floats, u: Floats, v: Floats, times: Floats) -> tuple[Floats, Floats]:
+def _between(model: Oscillator | Walled, t: Floats, u: Floats, v: Floats, times: Floats) -> tuple[Floats, Floats]:
     """Return positions and velocities at times, each by the flight from the point before it."""
+    if isinstance(model, Walled):
+        return _between_walls(model, t, u, v, times)
     before = np.searchsorted(t, times, side="right") - 1  # the later one of two points at an impact
     after = np.minimum(before + 1, len(t) - 1)
     rests = (u[before] == model.sigma) & (v[before] == 0.0) & (u[after] == model.sigma) & (v[after] == 0.0)
     phases = np.fmod(t[before] - t[0], model.period)
     us, vs = flown(model, t[0], phases, u[before] - model.sigma, v[before], times - t[before])
     us[rests], vs[rests] = model.sigma, 0.0
+    exact = times == t[before]
+    us[exact], vs[exact] = u[before][exact], v[before][exact]
+    return us, vs
+
+
+def _between_walls(model: Walled, t: Floats, u: Floats, v: Floats, times: Floats) -> tuple[Floats, Floats]:
+    """Return the same between walls: flights as over a floor that is out of reach, rests on the wall that carries."""
+    before = np.searchsorted(t, times, side="right") - 1  # the later one of two points at an impact
+    after = np.minimum(before + 1, len(t) - 1)
+    low, high = float(u.min()), float(u.max())
+    floor = low - max(high - low, np.spacing(max(abs(low), abs(high))))
+    free = Oscillator(model.alpha, model.k, model.forcing, newton(1.0), floor)
+    phases = np.fmod(t[before] - t[0], model.period)
+    us, vs = flown(free, t[0], phases, u[before] - floor, v[before], times - t[before])
+    (now, speed), (places, speeds) = model.places_at(times), model.places_at(t)
+    for at, moving, here, then in zip(now, speed, places, speeds, strict=True):
+        rides = (u == here) & (v == then)
+        rests = rides[before] & rides[after]
+        us[rests], vs[rests] = at[rests], moving[rests]
     exact = times == t[before]
     us[exact], vs[exact] = u[before][exact], v[before][exact]
     return us, vs

@@ -66,7 +66,7 @@ def letter_attributes(P: Map) -> Attributes:
     if isinstance(P.letters, Hits):
         codes = np.array(sorted(P.letters.special), np.int32)
         meanings = " ".join(P.letters.special[code] for code in codes.tolist())
-        first, second = P.letters.names
+        first, second = P.letters.names[0], P.letters.names[1]
         said = f"letter of the step: the walls that are hit, in order, as digits to base 3: {first} is 1, {second} is 2"
         return {"long_name": said, "flag_values": codes, "flag_meanings": meanings}
     codes = np.arange(len(P.letters), dtype=np.int32)
