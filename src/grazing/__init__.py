@@ -144,6 +144,7 @@ if TYPE_CHECKING:
     from grazing.oscillator.reset import reset as reset
     from grazing.oscillator.reset import triggered as triggered
     from grazing.oscillator.trajectory import trajectory as trajectory
+    from grazing.oscillator.wall import wall as wall
     from grazing.outcome import GrazingError as GrazingError
     from grazing.outcome import InputError as InputError
     from grazing.outcome import Outcome as Outcome

@@ -69,6 +69,7 @@ def calls():
         "active": dict(r=0.5, V=0.4),
         "newton": dict(r=0.5),
         "triggered": dict(r=0.5, V=0.4, trigger=0.1),
+        "wall": dict(position=-0.5, law=gz.newton(0.5), side="below", motion=gz.Forcing(omega=2.0), name="A"),
         "reset": dict(law=soft, contraction=(0.9, 1.0), r=0.8, c=0.1),
         "pinball": dict(alpha=0.3, k=1.0, omega=2.0, t0=0.0, d=0.1, r=0.8, V=0.4, sigma=0.0),
         "gap_map": dict(lam=0.5, mu=0.1, l=0.2),
