@@ -142,7 +142,7 @@ runpy.run_module("grazing", run_name="__main__", alter_sys=True)
 def study_that_takes_for_ever(folder, *study):
     given = [*study, "--map", "gap", *([] if "chart" in study else ["--lam", "0.5"]), "--l", "0.1"]
     return subprocess.Popen(
-        [sys.executable, "-c", BEGUN, *given, "--transient", "10000000", "-o", "a.png"],
+        [sys.executable, "-c", BEGUN, *given, "--transient", "10000000", "--threads", "1", "-o", "a.png"],
         env=os.environ | {"PYTHONPATH": str(SOURCE)}, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
@@ -157,7 +157,7 @@ def test_ctrl_c_stops_a_study_at_once_and_leaves_no_file(tmp_path):
     try:
         for process in processes:
             assert process.stdout.readline() == "begun\n"
-        time.sleep(1.0)  # into the kernels
+        time.sleep(0.5)  # into the kernels
         for process in processes:
             process.send_signal(signal.SIGINT)
         for process in processes:

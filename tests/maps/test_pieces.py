@@ -86,9 +86,9 @@ def test_grazes_that_must_be_settled_are_settled_in_any_piece(monkeypatch):
     rows = np.array([list(P.params.values())])
     rng = np.random.default_rng(1)
     lanes = np.concatenate([np.zeros((1, 1, 8)), rng.uniform(0, 1e-9, (1, 1, 8))], axis=1)
-    whole = P.run_columns(rows, lanes.copy(), 500, 300, threads=1)
+    whole = P.run_columns(rows, lanes.copy(), 100, 60, threads=1)
     monkeypatch.setattr(module, "steps_of", lambda P: 1)
-    assert same(joined(list(pieces(P, rows, lanes.copy(), 500, 300))), whole)
+    assert same(joined(list(pieces(P, rows, lanes.copy(), 100, 60))), whole)
 
 
 def test_joining_folds_outcomes_and_keeps_the_nearest():

@@ -111,7 +111,7 @@ def test_the_default_starts_find_all_five_attractors_of_a_bouncing_ball():
     forcing = gz.Forcing(omega=1, offset=-1, cos=(1.02,))
     P = gz.stroboscopic_map(gz.Oscillator(alpha=0, k=0, forcing=forcing, reset=gz.newton(0.85)))
     for seed in (0, 1):
-        found = gz.coexistence(P, "r", [0.85], starts=200, transient=1000, keep=64, seed=seed)
+        found = gz.coexistence(P, "r", [0.85], starts=200, transient=300, keep=64, seed=seed)
         assert {"C", "1", "01", "001", "021"} <= {*found.word.values.tolist()}
 
 

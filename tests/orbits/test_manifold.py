@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.orbits import manifold_steps
 from grazing.orbits.manifold import manifolds
-from grazing.orbits.manifold_steps import Backwards, Ray, swift
+from grazing.orbits.manifold_saddle import checked_saddle
+from grazing.orbits.manifold_steps import Backwards, Forwards, Ray, swift, traced
 from grazing.orbits.orbit import Orbit, condition_of
 from tests.models import MODELS
 
@@ -322,7 +324,7 @@ def test_points_of_the_unstable_manifold_come_from_the_saddle(saddle):
         some = rows[order == n]
         for row in some[:: max(1, len(some) // 4)]:
             point, start = found.manifold.values[row], starts_of(found, [row])[0]
-            back = Backwards(saddle.map, Ray(point, np.zeros(2)), size).trace(np.zeros(1), np.zeros(1), k)
+            back = traced(Backwards(saddle.map, Ray(point, np.zeros(2)), size), np.zeros(1), np.zeros(1), k)
             if len(back):
                 before = saddle.map.iterate(start, int(n) - k)[-1]
                 away.append(float(np.abs(back.state - before).max(axis=1).min()) / size)
@@ -376,6 +378,35 @@ def test_newtons_method_finds_what_flying_back_finds():
     assert len(points) > 60 and float(solved.branch_length.sum()) > 0.8
     inside = ((points > np.array(box)[:, 0]) & (points < np.array(box)[:, 1])).all(axis=1)
     assert np.quantile(distances(points[inside], flown), 0.98) < 1e-5
+
+
+def test_points_go_on_from_where_they_are():
+    """In a + b steps from the saddle they come to what b steps make of them after a: nothing is grown again."""
+    saddle = one_impact_saddle(LIGHT, 2, 1.0)
+    t = np.linspace(0.0, 1.0, 9)
+    unstable, stable = (
+        Ray(saddle.points[0], checked_saddle(saddle, side).directions[0]) for side in ("unstable", "stable")
+    )
+    for steps in (Forwards(saddle.map, unstable), Backwards(saddle.map, stable, 2.0)):
+        here = traced(steps, t, 1e-3 * t, 4)
+        for found, wanted in ((steps.further(here, 3), traced(steps, t, 1e-3 * t, 7)), (steps.further(here, 0), here)):
+            assert len(found) == len(wanted) > 4
+            for name in ("t", "seed", "code", "state", "letters"):
+                assert np.array_equal(getattr(found, name), getattr(wanted, name)), name
+
+
+def test_an_image_of_the_short_piece_begins_with_the_one_before(monkeypatch):
+    """Or the work would grow like the square of the steps."""
+    flown, plain = [], manifold_steps.stepped
+
+    def counted(P, state, n):
+        flown.append(len(state) * n)
+        return plain(P, state, n)
+
+    monkeypatch.setattr(manifold_steps, "stepped", counted)
+    saddle = one_impact_saddle(*SADDLES["passive"])
+    found = manifolds(saddle, "unstable", length=1.0)
+    assert found.order.values.max() > 50 and sum(flown) < 4 * found.order.values.sum()
 
 
 def test_a_branch_that_comes_to_an_attractor_is_ended_there():

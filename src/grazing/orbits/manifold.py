@@ -15,7 +15,7 @@ from grazing.maps.hits import Hits
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
 from grazing.orbits.manifold_saddle import Saddle, checked_saddle, short_pieces
-from grazing.orbits.manifold_steps import Backwards, Forwards, Ray, Solved, Steps
+from grazing.orbits.manifold_steps import Backwards, Forwards, Leaves, Ray, Solved, Steps, traced
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import InputError
 from grazing.parameter import checked_box, real, whole
@@ -178,6 +178,7 @@ def _grown(
     branches = {(point, sign): Branch() for point in range(p) for sign in (1, -1)}
     numbers = {key: number for number, key in enumerate(branches)}
     t = {key: np.linspace(0.0, 1.0, FIRST) for key in branches}
+    leaves: dict[tuple[int, int], Leaves] = {}
     grown: list[Grown] = []
     for order in range(0, most + 1, stride):
         for start, sign in branches:
@@ -186,10 +187,14 @@ def _grown(
             if branch.end:
                 continue
             distance = sign * np.array([0.0 if order == 0 else near[start], far[start]])
-            room = reach - branch.length
-            image = image_of(movers[start, sign], distance, order, t[start, sign], ruler, spacing, room, MOST)
+            room, steps, first = reach - branch.length, movers[start, sign], t[start, sign]
+            if (start, sign) in leaves:  # from where they were at the order before
+                here = steps.further(leaves[start, sign], order - leaves[start, sign].letters.shape[1])
+            else:
+                here = traced(steps, first, along(first, distance), order)
+            image = image_of(steps, distance, order, first, here, ruler, spacing, room, MOST)
             if order > 0:
-                t[start, sign] = image.t
+                t[start, sign], leaves[start, sign] = image.t, image.leaves
             grown += [Grown(numbers[to], order, start, one, along(one.t, distance)) for one in image.pieces]
             branch.extend(image, order, spacing)
         if all(branch.end for branch in branches.values()):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.manifold_steps import Leaves, Steps
+from grazing.orbits.manifold_steps import Leaves, Steps, traced
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -146,6 +146,7 @@ class Image(NamedTuple):
     pieces: list[Piece]
     length: float
     t: Floats
+    leaves: Leaves  # those of these parameters
     full: bool  # whether it was ended by its length
     cut_short: bool  # or because it has too many points
     alive: bool  # whether any point is left, inside the box or not
@@ -154,8 +155,9 @@ class Image(NamedTuple):
 
 
 def image_of(
-    steps: Steps, distance: Floats, order: int, t: Floats, ruler: Ruler, spacing: float, room: float, most: int
-) -> Image:
+    steps: Steps, distance: Floats, order: int, t: Floats, leaves: Leaves, ruler: Ruler, spacing: float, room: float,
+    most: int,
+) -> Image:  # fmt: skip
     """Return one image of the short piece, refined until it is smooth and its cuts are where they are.
 
     Parameters
@@ -168,28 +170,31 @@ def image_of(
         Steps from the short piece.
     t : ndarray, shape (n,)
         Parameters tried first, increasing from 0 to 1.
+    leaves : Leaves
+        What becomes of the starts of these parameters in so many steps.
     ruler : Ruler
     spacing, room : float
         Distance of neighbouring points; length after which the image is ended.
     most : int
         Points that may be computed.
     """
-    leaves = steps.trace(t, along(t, distance), order)
     line = Line.of(leaves, t, ruler, spacing)
     for _ in range(ROUNDS):
         fresh = put_between(t, wanted(line, t, ruler, spacing, room))
         if len(fresh) == 0 or len(t) + len(fresh) > most:
             break
-        leaves = leaves.with_more(steps.trace(fresh, along(fresh, distance), order))
+        leaves = leaves.with_more(traced(steps, fresh, along(fresh, distance), order))
         t = np.sort(np.concatenate([t, fresh]))
         line = Line.of(leaves, t, ruler, spacing)
     cut_short = len(fresh) > 0
     run = line.run(ruler, len(t) - 1)
     before = np.append(0.0, np.cumsum(run))  # the length up to each parameter
-    pieces = _pieces(line, t, ruler, spacing, before <= room)
+    pieces, kept = _pieces(line, t, ruler, spacing, before <= room), _kept(line, t, spacing)
+    near = ruler.away(line.leaves.state) < FAR
     return Image(
-        pieces, sum(piece.length for piece in pieces), _kept(line, t, spacing), bool(before[-1] > room), cut_short,
-        len(line.leaves) > 0, bool((ruler.away(line.leaves.state) < FAR).any()), float(line.chord[line.goes_on].sum()),
+        pieces, sum(piece.length for piece in pieces), kept, leaves.at(np.isin(leaves.t, kept)),
+        bool(before[-1] > room), cut_short, len(line.leaves) > 0, bool(near.any()),
+        float(line.chord[line.goes_on].sum()),
     )  # fmt: skip
 
 

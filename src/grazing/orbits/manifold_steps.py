@@ -1,9 +1,9 @@
 """Steps along a manifold: starts near a saddle taken n steps of the map forwards, or backwards through its inverse.
 
-Each kind has ``trace(t, seed, order) -> Leaves``: the points that come in so many steps from starts on a straight line
-through the saddle, at distances ``seed``. Forwards there is one for each start, or none. Backwards an oscillator is
-flown back from contact to contact, through every branch of the inverse reset law; of any other map the preimage is
-solved for by Newton's method along the curve.
+Each kind has ``further(leaves, n) -> Leaves``: what becomes of points in n steps more. The first are starts on a
+straight line through the saddle. Forwards there is one for each start, or none. Backwards an oscillator is flown back
+from contact to contact, through every branch of the inverse reset law; of any other map the preimage is solved for by
+Newton's method along the curve.
 """
 
 from __future__ import annotations
@@ -39,26 +39,27 @@ DIFFERENCE = 1e-6
 
 
 class Leaves:
-    """Points found: for each the parameter ``t`` of its start, a ``code`` of its history, its state, its letters.
+    """Points found: parameter ``t`` and distance ``seed`` of the start, a ``code`` of the history, state, letters.
 
     ``state`` is (n, 2), ``letters`` (n, order): those that the map writes on the way, in the order of time. Points of
     one code that are neighbours in t lie on one curve.
     """
 
-    def __init__(self, t: Floats, code: Codes, state: Floats, letters: NDArray[np.int32]) -> None:
-        self.t, self.code, self.state, self.letters = t, code, state, letters
+    def __init__(self, t: Floats, seed: Floats, code: Codes, state: Floats, letters: NDArray[np.int32]) -> None:
+        self.t, self.seed, self.code, self.state, self.letters = t, seed, code, state, letters
 
     def __len__(self) -> int:
         return len(self.t)
 
     def at(self, rows: Any) -> Leaves:
         """Return some of the rows."""
-        return Leaves(self.t[rows], self.code[rows], self.state[rows], self.letters[rows])
+        return Leaves(self.t[rows], self.seed[rows], self.code[rows], self.state[rows], self.letters[rows])
 
     def with_more(self, other: Leaves) -> Leaves:
         """Return the rows of both."""
         return Leaves(
             np.concatenate([self.t, other.t]),
+            np.concatenate([self.seed, other.seed]),
             np.concatenate([self.code, other.code]),
             np.concatenate([self.state, other.state]),
             np.concatenate([self.letters, other.letters]),
@@ -79,8 +80,16 @@ class Ray(NamedTuple):
 class Steps(Protocol):
     """What a manifold is grown by."""
 
-    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
-        """Return what becomes of starts at distances ``seed`` (n,), of parameters ``t`` (n,), in ``order`` steps."""
+    ray: Ray
+
+    def further(self, leaves: Leaves, n: int) -> Leaves:
+        """Return what becomes of points in n steps more."""
+
+
+def traced(steps: Steps, t: Floats, seed: Floats, order: int) -> Leaves:
+    """Return what becomes of starts at distances ``seed`` (n,), of parameters ``t`` (n,), in ``order`` steps."""
+    none = np.zeros(len(t), np.uint64), steps.ray.at(seed), np.empty((len(t), 0), np.int32)
+    return steps.further(Leaves(t, seed, *none), order)
 
 
 def swift(P: Map) -> Map:
@@ -115,13 +124,13 @@ class Forwards:
     def __init__(self, P: Map, ray: Ray) -> None:
         self.map, self.ray = swift(P), ray
 
-    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
-        """Return what becomes of starts in ``order`` steps."""
-        state, letters = stepped(self.map, self.ray.at(seed), order)
-        code = np.zeros(len(t), np.uint64)
-        for k in range(letters.shape[1]):
+    def further(self, leaves: Leaves, n: int) -> Leaves:
+        """Return what becomes of points in n steps more."""
+        state, letters = stepped(self.map, leaves.state, n)
+        code, every = leaves.code, np.column_stack([leaves.letters, letters])
+        for k in range(n):
             code = mixed(code, letters[:, k])
-        return Leaves(t, code, state, letters).at(np.isfinite(state).all(axis=1))
+        return Leaves(leaves.t, leaves.seed, code, state, every).at(np.isfinite(state).all(axis=1))
 
 
 class Flown(NamedTuple):
@@ -140,19 +149,20 @@ class Backwards:
         assert isinstance(P.model, Oscillator)
         self.map, self.model, self.ray, self.size = swift(P), P.model, ray, size
 
-    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
-        """Return every state from which ``order`` steps of the map lead to a start."""
-        back = [Flown(np.arange(len(t)), np.zeros(len(t), np.uint64), self.ray.at(seed), np.zeros(len(t), np.int64))]
-        for _ in range(order):
+    def further(self, leaves: Leaves, n: int) -> Leaves:
+        """Return every state from which n steps of the map lead to one of the points."""
+        back = [Flown(np.arange(len(leaves)), leaves.code, leaves.state, np.zeros(len(leaves), np.int64))]
+        for _ in range(n):
             back.append(self.before(back[-1]))
         good = self.returning(back)
         rows = np.flatnonzero(good[-1])
         code, state = back[-1].code[rows], back[-1].state[rows]
-        letters = np.empty((len(rows), order), np.int32)
-        for k in range(order, 0, -1):  # the last step back is the first letter
-            letters[:, order - k] = back[k].letter[rows]
+        letters = np.empty((len(rows), n), np.int32)
+        for k in range(n, 0, -1):  # the last step back is the first letter
+            letters[:, n - k] = back[k].letter[rows]
             rows = back[k].origin[rows]
-        return Leaves(t[rows], code, state, letters)
+        from_here = leaves.at(rows)
+        return Leaves(from_here.t, from_here.seed, code, state, np.column_stack([letters, from_here.letters]))
 
     def returning(self, back: list[Flown]) -> list[NDArray[np.bool_]]:
         """Return which states, step by step, the map takes back to where they came from."""
@@ -205,18 +215,16 @@ class Solved:
         self.map, self.ray, self.size, self.anchor = swift(P), ray, size, anchor
         self.known: dict[int, tuple[Floats, Floats, Floats]] = {}
 
-    def trace(self, t: Floats, seed: Floats, order: int) -> Leaves:
-        """Return the states that come to the starts in ``order`` steps and are connected to what is known."""
-        state, letters = self.ray.at(seed), np.empty((len(t), 0), np.int32)
-        for k in range(1, order + 1):
-            state = self.before(seed, state, k)
+    def further(self, leaves: Leaves, n: int) -> Leaves:
+        """Return the states that come to the points in n steps and are connected to what is known."""
+        for _ in range(n):
+            state = self.before(leaves.seed, leaves.state, leaves.letters.shape[1] + 1)
             good = np.isfinite(state).all(axis=1)
-            t, seed, state, letters = t[good], seed[good], state[good], letters[good]
-            letters = np.column_stack([stepped(self.map, state, 1)[1], letters])
-        code = np.zeros(len(t), np.uint64)
-        for column in range(order):
-            code = mixed(code, letters[:, order - 1 - column])
-        return Leaves(t, code, state, letters)
+            leaves, state = leaves.at(good), state[good]
+            letter = stepped(self.map, state, 1)[1]
+            code, letters = mixed(leaves.code, letter[:, 0]), np.column_stack([letter, leaves.letters])
+            leaves = Leaves(leaves.t, leaves.seed, code, state, letters)
+        return leaves
 
     def before(self, seed: Floats, target: Floats, k: int) -> Floats:
         """Return a preimage of each target (n, 2) on the curve k steps back, NaN where none is connected to it."""
@@ -258,6 +266,8 @@ class Solved:
             for part in range(1, PARTS + 1):
                 share = part / PARTS
                 here = self.newton(here, (1.0 - share) * image[i : i + 1] + share * target[i : i + 1])
+                if not np.isfinite(here).all():
+                    break
             found[i] = here[0]
         return found
 
@@ -281,7 +291,7 @@ class Solved:
                     [defect[:, 0] * b[:, 1] - defect[:, 1] * b[:, 0], a[:, 0] * defect[:, 1] - a[:, 1] * defect[:, 0]]
                 )
                 state = state - step / det[:, None]
-            if not (least > 1e-15 * self.size).any():
+            if not ((least > 1e-15 * self.size) & np.isfinite(state).all(axis=1)).any():
                 break
         scale = self.size + np.abs(target).max(axis=1)
         best[~(least <= TOLERANCE * 1e-3 * scale)] = np.nan
