@@ -131,3 +131,20 @@ def test_following_has_a_limit_that_is_said_and_shows_how_far_it_is():
 def test_a_response_says_what_its_limit_cuts_off():
     result = gz.response(gz.stroboscopic_map(undamped()), "omega", np.linspace(1.5, 4.0, 5), starts=5, points=50)
     assert "the limit of 50 points in all" in result.attrs["unfinished"]
+
+
+def test_the_orbit_without_impacts_is_followed_though_no_start_reaches_it():
+    model = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=3.0, cos=(1,)), sigma=-0.2, reset=gz.newton(0.8))
+    P, values = gz.stroboscopic_map(model), [2.4, 2.9, 3.1, 3.2]
+    inside = ((0.0, 0.001), (2.0, 2.001))  # all starts go to the orbit with impacts
+    result = bifurcation_diagram(P, "omega", values, starts=1, period=4, box=inside)
+    assert "0" not in result.word.values.ravel().tolist()
+    # the amplitude 1/|k^2 - omega^2 + i alpha omega| is 0.2 at the graze
+    root = np.roots([1.0, 0.0, 0.1**2 - 2.0, 0.0, 1.0 - 1.0 / 0.2**2])
+    graze = float(max(root[abs(root.imag) < 1e-9].real))
+    low, high, low_type, _high_type = windows(result)["0", 1]
+    assert (low, high) == pytest.approx((graze, 3.2), abs=1e-9) and low_type == "gr"
+    rows = result.disagreement_word.values == "0"
+    assert result.disagreement_kind.values[rows].tolist() == ["branch only"]
+    found = gz.response(P, "omega", values, starts=[[0.0, 2.0]])
+    assert "0" in found.branch_word.values.tolist()

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece, Work, followed
 from grazing.orbits.branch_table import branch_table
+from grazing.orbits.free_equations import free_orbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
 from grazing.orbits.special import Special
@@ -30,6 +31,8 @@ Floats = NDArray[np.float64]
 SAME = 1e-6
 #: Branches that are begun at most; part of all points that one of them may take; step and points of one piece.
 MOST, SHARE, STEP, LIMIT = 200, 0.25, 0.03, 2000
+#: The word of the orbit of an oscillator without impacts.
+FREE = "0"
 
 
 class Window(NamedTuple):
@@ -123,8 +126,9 @@ def bifurcation_diagram(
 
     Notes
     -----
-    A branch is begun at each attractor of the scan that lies on no branch yet, and at each period doubling and
-    branch point of an admissible orbit. A scanned orbit lies on a branch if Newton's method from the branch ends at
+    A branch is begun at each attractor of the scan that lies on no branch yet, at each period doubling and branch
+    point of an admissible orbit, and where the orbit of an oscillator without impacts is stable and no start reached
+    it: its basin can be small. A scanned orbit lies on a branch if Newton's method from the branch ends at
     its points. That no start reaches a stable orbit is no error: its basin may be small, or lie outside of the box.
 
     Examples
@@ -195,10 +199,32 @@ class Search:
             points = np.stack([scan[c].values[i] for c in self.P.coordinates], axis=-1)
             kept = representatives(periods, words, points, self.size).tolist()
             met += [Attractor(value, int(periods[j]), str(words[j]), points[j]) for j in kept]
+        self._free(np.unique(scan[self.name].values).tolist(), met)
         for one in sorted(met, key=lambda one: one.period):
             self._begin(one.period)
             self._attractor(one.value, one.period, one.word, one.points)
         self._begin(self.longest)
+
+    def _free(self, grid: list[float], met: list[Attractor]) -> None:
+        """Follow the stable orbits without impacts that no start has reached, each of which is known in closed form."""
+        if self.P.model is None:
+            return
+        reached = {one.value for one in met if one.period == 1 and one.word == FREE}
+        for value in grid:
+            if value in reached:
+                continue
+            P = self.P.replace(**{self.name: value})
+            orbit = free_orbit(P.model)
+            if orbit is not None and orbit.admissible and orbit.stable and not self._passes(value, orbit):
+                try:
+                    self._add(self._followed(P, orbit))
+                except GrazingError:
+                    continue
+
+    def _passes(self, value: float, orbit: Orbit) -> bool:
+        """Whether a known branch passes through a stable orbit."""
+        every = (one for branch in self.branches for piece in branch.pieces for one in stable_at(piece, value))
+        return any(one.word == orbit.word and same_points(one.points, orbit.points, SAME * self.size) for one in every)
 
     def _begin(self, longest: int) -> None:
         """Follow the branches that begin at special points, of periods up to this one."""

@@ -94,7 +94,8 @@ def response(
     The sweep up starts at the least value from rest, where the constant forces balance or at the wall, and at each
     value where the one before it ended; the sweep down does so from the greatest value. Readings of an attractor are
     taken over one cycle, in closed form from flight to flight, of one without period over ``keep`` periods. Chatter is
-    read impact by impact as :func:`grazing.trajectory` lists it. Virtual orbits, which the oscillator does not have,
+    read impact by impact as :func:`grazing.trajectory` lists it. The orbit without impacts is followed wherever it is
+    stable, also where no run reached it. Virtual orbits, which the oscillator does not have,
     and orbits that ended have no readings. A branch is begun at each attractor that lies on no branch yet, so an
     unstable orbit that no branch leads to is missed.
 

@@ -188,8 +188,8 @@ def periodic_orbits(
     impacts = sum(letters) * periods[-1] // len(letters) if letters is not None and P.section == "strobe" else 0
     if impacts > MOST_IMPACTS:
         raise InputError(
-            f"word {shown(word)} and period {periods[-1]} have {impacts} impacts; allowed are {MOST_IMPACTS}: the search "
-            "costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
+            f"word {shown(word)} and period {periods[-1]} have {impacts} impacts; allowed are {MOST_IMPACTS}: the "
+            "search costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
         )
     if P.step is not gap_step:
         refuse_many(P, starts, periods[-1])
