@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
-from grazing.oscillator.reset import Reset, active, linear_part, probe
+from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
 from grazing.oscillator.si import si_numbers
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, real, updated
@@ -176,7 +176,9 @@ class Oscillator:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
         if not self.reset.affine:
             f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
-            probe(self.reset, drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1])
+            speed = drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1]
+            probe(self.reset, speed)
+            warn_of_gain(self.reset, speed)
 
     @classmethod
     def from_si(

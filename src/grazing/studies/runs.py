@@ -13,7 +13,7 @@ from grazing.kernel.compile import FLAGS
 from grazing.maps.columns import Columns
 from grazing.maps.ensemble import padded
 from grazing.maps.map import Map
-from grazing.maps.pieces import joined, pieces, steps_of_piece
+from grazing.maps.pieces import joined, let_go, pieces, steps_of_piece
 from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
@@ -161,7 +161,7 @@ class Runs:
         for part in self.pieces(cells, states):
             parts.append(part)
             yield None
-        yield joined(parts)
+        yield let_go(self.P, joined(parts))
 
     @property
     def config(self) -> dict[str, Any]:
