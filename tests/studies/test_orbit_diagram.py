@@ -346,7 +346,7 @@ def test_orbits_that_grow_without_bound_have_diverged():
     found = gz.orbit_diagram(P, "d" if "d" in P.params else "offset", [0.0], starts=5)
     assert (found.period.values == -2).all() and np.isnan(found.u.values).all()
     assert (found.outcome.values == gz.Outcome.diverged).all()
-    reached = gz.basins(P, {"u": [0.0, 1.0], "v": [1.0]}, transient=200, keep=30)
+    reached = gz.basins(P, {"u": [0.0, 1.0], "v": [1.0, 1.5]}, transient=200, keep=30)
     assert (reached.outcome.values == gz.Outcome.diverged).all()
     softer = gz.reset(gain, r=0.5, c=0.5)  # gives back less at every speed: no warning, and nothing diverges
     P = gz.stroboscopic_map(gz.Oscillator(0.05, 1.0, gz.Forcing(2.2, cos=(1.0,)), softer))

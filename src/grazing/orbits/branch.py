@@ -298,7 +298,11 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     """Return where a branch begins that holds a given orbit."""
     low, high = bounds
     value = float(orbit.map.params.get(name, np.nan))
-    differ = [key for key, x in orbit.map.params.items() if key not in P.params or (key != name and P.params[key] != x)]
+    made = () if P.model is None or P.model.base is None else P.model.base.made  # they follow the parameter
+    moved = (name, *made)
+    differ = [
+        key for key, x in orbit.map.params.items() if key not in P.params or not (key in moved or P.params[key] == x)
+    ]
     if differ:
         raise InputError(
             f"{shown(orbit)} is an orbit of {shown(orbit.map)}, not of {shown(P)}: {', '.join(differ)}; give "
