@@ -70,8 +70,16 @@ def branch_rows(result: Any) -> dict[str, Any]:
     loci = rows_of(result, {"type": "locus_type", "word": "locus_word"})
     numbers = result["locus_number"].values.tolist()
     meetings = rows_of(
-        result, {"locus": "meeting_number", "type": "meeting_type", **{name: f"meeting_{name}" for name in names}}
+        result,
+        {
+            "locus": "meeting_number",
+            "type": "meeting_type",
+            "admissible": "meeting_admissible",
+            **{name: f"meeting_{name}" for name in names},
+        },
     )
+    for row in meetings:
+        row["admissible"] = bool(row["admissible"])
     for i, row in enumerate(loci):
         row["points"] = numbers.count(i)
         for name in names:

@@ -107,10 +107,18 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
     ]
     said += [*aligned(["locus", "word", "points", first, second], rows), ""] if rows else ["no locus", ""]
     met = [
-        [one["type"], f"{one[first]:.10g}", f"{one[second]:.10g}", tables["loci"][one["locus"]]["type"]]
+        [
+            one["type"],
+            f"{one[first]:.10g}",
+            f"{one[second]:.10g}",
+            tables["loci"][one["locus"]]["type"],
+            "admissible" if one["admissible"] else "virtual",
+        ]
         for one in tables["meetings"]
     ]
-    said += [*aligned(["meeting", first, second, "on locus"], met), ""] if met else ["no meeting of two of them", ""]
+    said += (
+        [*aligned(["meeting", first, second, "on locus", ""], met), ""] if met else ["no meeting of two of them", ""]
+    )
     return [*said, *(f"not followed: {why}" for why in tables["locus_not_followed"])]
 
 

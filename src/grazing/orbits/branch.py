@@ -104,7 +104,10 @@ class Branch(ByValue):
 
     def __repr__(self) -> str:
         low, high = self.bounds
-        names = listed(f"{one.type} {one.value:.6g}" for one in self.special) or "no special point"
+        names = (
+            listed(f"{one.type} {one.value:.6g}{'' if one.admissible else ' (virtual)'}" for one in self.special)
+            or "no special point"
+        )
         words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self)), 8)
         rest = "" if self.complete else "; unfinished: the limit of points was reached"
         return f"<Branch of {words} in {self.parameter} [{low:g}, {high:g}]: {names}{rest}>"

@@ -139,7 +139,7 @@ def si_numbers(
     amplitudes = (base, "base", "m"), (acceleration, "acceleration", "m/s^2"), (force, "force", "N")
     shakes, jerks, pushes = (_amplitudes(*one) for one in amplitudes)
     signed = [tuple(SIDES[side] * x for x in one) for one in (shakes, jerks)]
-    moved = based(moves, *signed, tuple(sign * x for x in pushes), ())
+    moved = based(moves, *signed, tuple(sign * x + 0.0 for x in pushes), ())
     natural = sqrt(stiffness / mass)
     cos, sin = zip(*moved.forces(damping / mass, natural, w), strict=True)
     shaken = any(shakes) or any(jerks)
