@@ -291,7 +291,9 @@ def test_scan_and_branches_together(folder, capsys):
     command = json.loads(said(capsys, 0, "info", "a.nc", "--json"))["command"]
     assert command.startswith("grazing bifurcations mu=0.3:0.9:7 --map gap --lam 0.8 --l 1.0 --starts 8 --period 6")
     text = said(capsys, 0, *tokens)
-    assert "\nwindow" in text
+    assert "\nwindow" in text and "unfinished" not in text
+    assert "\nunfinished: " in said(capsys, 0, *tokens, "--points", "10")
+    assert "limit of 10" in told(capsys, *tokens, "--points", "10")["unfinished"]
     assert ("scan and branches agree\n" if not found["disagreements"] else "\ndisagreement  mu") in text
     gz.save(expected, "python.nc")  # its configuration is that of its scan alone
     assert "no command: it was made in Python" in said(capsys, 0, "info", "python.nc")

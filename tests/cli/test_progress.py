@@ -169,3 +169,16 @@ def test_ctrl_c_stops_a_study_at_once_and_leaves_no_file(tmp_path):
             process.kill()
             process.communicate()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_follows_may_be_counted_to_another_total(clock, capsys):
+    with progress.counted("values", then="points of branches") as show:
+        for done in range(1, 11):
+            clock.now += 1.0
+            show(done, 10)
+        for done in range(100, 400, 100):
+            clock.now += 10.0
+            show(done, 1000)
+    said = lines(capsys)
+    assert any(line.endswith("; points of branches") for line in said)
+    assert "[ 300/1000]" in said[-1] and "points of branches/s" in said[-1]

@@ -107,3 +107,44 @@ def test_what_a_wrong_call_is_told():
             bifurcation_diagram(other, "d", [0.1, 0.11], starts=2)
     with pytest.raises(gz.InputError, match="give the result of"):
         gz.plot.bifurcation_diagram(gz.orbit_diagram(P, "d", [0.1], starts=2))
+
+
+def undamped():
+    """An undamped oscillator, whose grazes begin pieces with ever more impacts."""
+    return gz.Oscillator(alpha=0, k=1, forcing=gz.Forcing(omega=2.5, cos=(1,)), sigma=0, reset=gz.newton(0.8))
+
+
+def test_following_has_a_limit_that_is_said_and_shows_how_far_it_is():
+    seen = []
+    P, values = gz.stroboscopic_map(undamped()), np.linspace(1.5, 4.0, 9)
+    result = bifurcation_diagram(P, "omega", values, starts=10, points=400, progress=lambda *done: seen.append(done))
+    assert result.sizes["branch_point"] <= 400 + 10  # an event takes a point of its own
+    assert "the limit of 400 points in all" in result.attrs["unfinished"]
+    rows = result["disagreement_kind"].values == "not followed"
+    assert "the limit of 400 points was reached" in result["disagreement_reason"].values[rows].tolist()
+    assert result["branch_period"].values[0] == 1  # short ones first
+    counted = [done for done, total in seen if total == 400]
+    assert (9, 9) in seen and len(counted) > 1 and counted == sorted(counted)
+    assert "unfinished" not in bifurcation_diagram(P, "omega", [3.4, 3.5], starts=5, period=2).attrs
+
+
+def test_a_response_says_what_its_limit_cuts_off():
+    result = gz.response(gz.stroboscopic_map(undamped()), "omega", np.linspace(1.5, 4.0, 5), starts=5, points=50)
+    assert "the limit of 50 points in all" in result.attrs["unfinished"]
+
+
+def test_the_orbit_without_impacts_is_followed_though_no_start_reaches_it():
+    model = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=3.0, cos=(1,)), sigma=-0.2, reset=gz.newton(0.8))
+    P, values = gz.stroboscopic_map(model), [2.4, 2.9, 3.1, 3.2]
+    inside = ((0.0, 0.001), (2.0, 2.001))  # all starts go to the orbit with impacts
+    result = bifurcation_diagram(P, "omega", values, starts=1, period=4, box=inside)
+    assert "0" not in result.word.values.ravel().tolist()
+    # the amplitude 1/|k^2 - omega^2 + i alpha omega| is 0.2 at the graze
+    root = np.roots([1.0, 0.0, 0.1**2 - 2.0, 0.0, 1.0 - 1.0 / 0.2**2])
+    graze = float(max(root[abs(root.imag) < 1e-9].real))
+    low, high, low_type, _high_type = windows(result)["0", 1]
+    assert (low, high) == pytest.approx((graze, 3.2), abs=1e-9) and low_type == "gr"
+    rows = result.disagreement_word.values == "0"
+    assert result.disagreement_kind.values[rows].tolist() == ["branch only"]
+    found = gz.response(P, "omega", values, starts=[[0.0, 2.0]])
+    assert "0" in found.branch_word.values.tolist()

@@ -50,7 +50,15 @@ def test_words_of_the_table(side, sign):
     recipe = checked(RIG | {"si": SI | {"side": side, "load": 8.0, "base": 1e-3, "moves": "stop"}})
     assert recipe["parameters"]["d"] == pytest.approx(sign * 10.0, rel=1e-15)
     w = 28.0 * math.pi
-    assert recipe["parameters"]["sin"] == pytest.approx([sign * 2.4 * w * 1e-3 / 0.8], rel=1e-14)
+    assert recipe["parameters"]["sin"] == [] and recipe["base"] == f"moves=stop,displacement={sign * 1e-3!r}"
+    model = map_in(recipe).model
+    assert model.params["sin1"] == pytest.approx(sign * 2.4 * w * 1e-3 / 0.8, rel=1e-14)
+    swept = SI | {"base": 1e-3}
+    del swept["frequency"]
+    both = {"study": "diagram", "vary": {"omega": "80:90:3"}, "parameters": {"r": 0.7}, "si": swept}
+    assert map_in(checked(both)).replace(omega=80.0).model.base.displacement == (-1e-3,)
+    with pytest.raises(gz.InputError, match="base = 'moves=up'; give moves=both, spring or stop"):
+        checked({"study": "diagram", "vary": {"d": "0:1:3"}, "base": "moves=up"})
 
 
 def test_a_frequency_that_varies_is_omega_in_turns(rig):
@@ -125,8 +133,6 @@ def test_units_are_checked_before_anything_is_computed(capsys, folder):
         ({"vary": {"frequency": "1:2:3", "omega": "1:2:3"}}, "si: frequency and omega both vary"),
         ({"vary": {"frequency": "a:2:3"}}, "si: frequency = 'a' is not a real number"),
         ({"map": "gap"}, "mass: the map gap is dimensionless"),
-        ({"si": {**{k: v for k, v in SI.items() if k != "frequency"}, "base": 1e-3}, "vary": {"omega": "80:90:3"}},
-         "si: a base makes a force that depends on the frequency"),
         ({"si": {k: v for k, v in SI.items() if k != "frequency"}}, "si: neither is given; give frequency"),
     ],
     ids=str,

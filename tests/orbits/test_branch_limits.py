@@ -95,3 +95,15 @@ def test_a_step_that_is_none(step):
     orbit = gz.one_impact_orbits(gz.pinball(d=0.11, V=0.4), 3)[0]
     with pytest.raises(gz.InputError, match="step"):
         continuation(orbit.map, orbit, "d", (0.1, 0.12), step=step)
+
+
+def test_a_branch_ends_at_its_limit_of_points_and_says_so():
+    model = gz.Oscillator(alpha=0, k=1, forcing=gz.Forcing(omega=2.7, cos=(1,)), sigma=0, reset=gz.newton(0.8))
+    [orbit] = [one for one in gz.one_impact_orbits(model, 1) if one.admissible]
+    whole = continuation(orbit.map, orbit, "omega", (2.65, 4.0))
+    [doubling] = [one for one in whole.special if one.type == "pd" and one.admissible]
+    assert whole.complete and "unfinished" not in repr(whole) and "unfinished" not in whole.dataset.attrs
+    cut = continuation(orbit.map, doubling, "omega", (1.5, 6.0), points=300)
+    assert not cut.complete and "unfinished" in repr(cut) and "limit of points" in cut.dataset.attrs["unfinished"]
+    with pytest.raises(gz.InputError, match="points"):
+        continuation(orbit.map, orbit, "omega", (2.65, 4.0), points=1)

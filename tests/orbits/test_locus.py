@@ -5,7 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.orbits.branch import continuation
-from grazing.orbits.locus import locus
+from grazing.orbits.locus import edge, locus
 from tests.orbits.test_branch import admissible, free_orbit
 
 
@@ -107,7 +107,7 @@ def test_the_curves_of_a_resonant_graze_are_tangent_to_the_curve_of_grazes(type)
     assert slope == pytest.approx(2.0, abs=0.1)
     assert any(set(meeting.type.split("+")) & {"v0", "gr"} for meeting in found.meetings)
     near = [m for m in found.meetings if abs(m.values[1] - star) < 1e-6]
-    assert len(near) == 1 and near[0].type == {"lp": "lp+pd+v0", "pd": "pd+lp+v0"}[type]  # one point, listed once
+    assert len(near) == 1 and near[0].type == "gr+lp+pd"  # one point, listed once, by one name
     assert abs(near[0].values[0] - np.hypot(1.0 - star**2, 0.04 * star)) < 1e-6
 
 
@@ -230,3 +230,25 @@ def test_what_a_wrong_call_is_told():
         locus(special, ("d", "V"), ((0.0, 0.14), (0.5, 0.7)))
     with pytest.raises(gz.InputError, match="no locus can be drawn"):
         gz.plot.locus(special)
+
+
+def test_meetings_have_one_name_are_drawn_once_and_say_whether_they_are_virtual():
+    model = gz.Oscillator(0.1, 1.0, gz.Forcing(0.85, cos=(1.0,)), gz.newton(0.8), -2.0)
+    P = gz.stroboscopic_map(model)
+    orbit = next(one for one in gz.one_impact_orbits(model, 1) if one.admissible)
+    names = ("sigma", "omega")
+    branch = gz.continuation(P, orbit, "sigma", (-6.0, -0.5))
+    ranges = ((-6.0, -0.5), (0.4, 2.2))
+    loci = [locus(one, names, ranges) for one in branch.special if one.type in ("lp", "gr", "pd")]
+    met = [one for curve in loci for one in curve.meetings]
+    assert all(one.type.split("+") == sorted(one.type.split("+")) and "v0" not in one.type for one in met)
+    for curve in loci:
+        assert curve.dataset.meeting_admissible.values.tolist() == [int(edge(one.orbit)) for one in curve.meetings]
+        assert repr(curve).count("(virtual)") == sum(not edge(one.orbit) for one in curve.meetings)
+    drawn = gz.plot.locus(loci)
+    places = {(one.type, *np.round(one.values, 5).tolist()) for one in met}
+    assert len(drawn["markers"]) == len(places) <= len(met)
+    assert sum("(virtual)" in text.get_text() for text in drawn["names"]) == len(
+        {(one.type, *np.round(one.values, 5).tolist()) for one in met if not edge(one.orbit)}
+    )
+    assert repr(branch).count("(virtual)") == sum(not one.admissible for one in branch.special)

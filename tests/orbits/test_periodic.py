@@ -240,3 +240,13 @@ def test_more_starts_find_no_more():
     P = gz.stroboscopic_map(gz.pinball(d=0.1232, V=0.4))
     few, many = (periodic_orbits(P, range(1, 7), starts=n, seed=n) for n in (200, 4000))
     assert [orbit.word for orbit in few] == [orbit.word for orbit in many] and len(few) > 1
+
+
+def test_a_word_of_many_impacts_costs_bounded_work_and_says_so():
+    P = gz.stroboscopic_map(gz.pinball(V=0.0))
+    found = gz.periodic_orbits(P, word="0(60)", starts=50)
+    assert found.searched.attempts < 4000
+    assert " random guesses of the word instead of 4000" in found.statement
+    assert "random guesses" not in gz.periodic_orbits(P, word="01", starts=50).statement
+    with pytest.raises(gz.InputError, match=r"have 999 impacts; allowed are 200.*letter C"):
+        gz.periodic_orbits(P, word="0(999)")

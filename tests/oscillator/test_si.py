@@ -1,5 +1,6 @@
 """From mass, damper, spring and stop: held to an integration of the engineer's own equation, in his own coordinates."""
 
+import pickle
 from itertools import product
 
 import numpy as np
@@ -124,3 +125,71 @@ def test_the_numbers_are_those_of_the_equation_per_mass():
 def test_what_is_wrong_is_said(wrong, said):
     with pytest.raises(InputError, match=said):
         gz.Oscillator.from_si(**{**RIG, **wrong})
+
+
+# ---- a base that keeps its amplitude over a sweep
+
+
+def shaken(frequency=14.0, gap=1.0, **more):
+    return gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, gap=gap, frequency=frequency, reset=gz.newton(0.7), **more)
+
+
+def steady(omega, z, moves):
+    """Return the amplitude of the free motion seen from the stop, from the equations of the rig in x and z."""
+    m, c, k = 0.8, 2.4, 3200.0
+    x = {
+        "both": (k + 1j * omega * c) * z,
+        "spring": (k + 1j * omega * c) * z,
+        "stop": 0.0,
+    }[moves] / (k - m * omega**2 + 1j * omega * c)
+    return abs(x - (0.0 if moves == "spring" else z))
+
+
+@pytest.mark.parametrize("moves", ["both", "spring", "stop"])
+@pytest.mark.parametrize("side", ["above", "below"])
+def test_a_sweep_keeps_the_amplitude_of_a_base_as_the_closed_form_has_it(moves, side):
+    P = gz.stroboscopic_map(shaken(14.0, base=3e-4, moves=moves, side=side))
+    omega = 2.0 * np.pi * np.array([6.0, 9.0, 12.0])
+    read = gz.response(P, "omega", omega, starts=[[0.0, 0.0]]).amplitude.sel(run="up").values
+    assert read == pytest.approx([steady(w, 3e-4, moves) for w in omega], rel=1e-9)
+    jerked = gz.stroboscopic_map(shaken(14.0, acceleration=2.0, moves=moves, side=side))
+    read = gz.response(jerked, "omega", omega, starts=[[0.0, 0.0]]).amplitude.sel(run="up").values
+    assert read == pytest.approx([steady(w, 2.0 / w**2, moves) for w in omega], rel=1e-9)
+
+
+def test_a_model_with_a_base_at_another_frequency_is_the_one_made_there():
+    for more in ({"base": [3e-4, 1e-5], "moves": "stop"}, {"acceleration": 2.0, "force": 0.3, "moves": "spring"}):
+        there = shaken(12.0, **more)
+        assert shaken(14.0, **more).replace(omega=2.0 * np.pi * 12.0) == there
+        assert pickle.loads(pickle.dumps(there)) == there and "base (moves=" in repr(there)
+    model = shaken(base=3e-4)
+    with pytest.raises(gz.InputError, match="cos1 is made by the moving base"):
+        model.replace(cos1=1.0)
+    P = gz.stroboscopic_map(model)
+    with pytest.raises(gz.InputError, match="cos1 is made by the moving base"):
+        gz.orbit_diagram(P, "cos1", [0.0, 1.0], starts=2)
+    with pytest.raises(gz.InputError, match="windows in omega does not know that the force of a base"):
+        gz.windows(model, "omega", N=1)
+    with pytest.raises(gz.InputError, match=r"sensitivity in .* does not know"):
+        gz.sensitivity(model, "sigma", N=1, span=(-1e-3, -9e-4))
+
+
+def test_a_branch_of_a_shaken_rig_grazes_where_the_closed_form_says():
+    P = gz.stroboscopic_map(shaken(9.0, gap=1.2e-3, base=3e-4))
+    omega = 2.0 * np.pi * np.array([8.0, 9.5])
+    found = gz.response(P, "omega", omega, starts=2)
+    graze = found.special_value.values[found.special_type.values == "gr"][0]
+    assert steady(graze, 3e-4, "both") == pytest.approx(1.2e-3, rel=1e-10)
+    form = gz.normal_form(P.model, "omega")
+    assert form.graze == pytest.approx(graze, rel=1e-12)
+
+
+def test_a_result_of_a_shaken_rig_is_made_again_by_its_command():
+    from grazing.config import command_of, recipe_of, result_of
+
+    P = gz.stroboscopic_map(shaken(14.0, gap=1.2e-3, base=3e-4, force=0.1))
+    found = gz.orbit_diagram(P, "omega", [80.0, 85.0, 90.0], starts=3)
+    recipe = recipe_of(found.attrs, {"omega": found.omega.values})
+    assert "--base moves=both,displacement=-0.0003" in command_of(recipe)
+    again = result_of(recipe)
+    assert (again.u.values == found.u.values).all() and again.attrs["base"] == found.attrs["base"]

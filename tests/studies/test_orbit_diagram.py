@@ -334,3 +334,20 @@ def test_a_sweep_with_given_starts_and_one_value():
 def test_a_sweep_has_a_direction(sweep):
     with pytest.raises(gz.InputError, match=f"sweep = {sweep!r}; allowed are 'up', 'down' and None"):
         orbit_diagram(GAP, "mu", [0.1], sweep=sweep)
+
+
+def test_orbits_that_grow_without_bound_have_diverged():
+    def gain(v, p):
+        return -p.r * v * (1.0 + p.c * v * v / (1.0 + v * v))
+
+    law = gz.reset(gain, r=0.8, c=0.5)
+    with pytest.warns(RuntimeWarning, match=r"reset law gain makes fast impacts faster.*diverged"):
+        P = gz.stroboscopic_map(gz.Oscillator(0.05, 1.0, gz.Forcing(2.2, cos=(1.0,)), law))
+    found = gz.orbit_diagram(P, "d" if "d" in P.params else "offset", [0.0], starts=5)
+    assert (found.period.values == -2).all() and np.isnan(found.u.values).all()
+    assert (found.outcome.values == gz.Outcome.diverged).all()
+    reached = gz.basins(P, {"u": [0.0, 1.0], "v": [1.0, 1.5]}, transient=200, keep=30)
+    assert (reached.outcome.values == gz.Outcome.diverged).all()
+    softer = gz.reset(gain, r=0.5, c=0.5)  # gives back less at every speed: no warning, and nothing diverges
+    P = gz.stroboscopic_map(gz.Oscillator(0.05, 1.0, gz.Forcing(2.2, cos=(1.0,)), softer))
+    assert (gz.orbit_diagram(P, "offset", [0.0], starts=5).outcome.values == 0).all()

@@ -16,6 +16,12 @@ def rows_of(result: Any, names: Mapping[str, str]) -> list[Row]:
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
+def unfinished(result: Any) -> dict[str, str]:
+    """Return what a limit has cut off, if it was reached."""
+    said = result.attrs.get("unfinished")
+    return {} if said is None else {"unfinished": str(said)}
+
+
 def orbit_rows(result: Any) -> dict[str, Any]:
     """Return the orbits of a result."""
     names = ("word", "period", "impacts", "stable", "admissible", "condition", "residual")
@@ -51,7 +57,12 @@ def window_rows(result: Any) -> list[Row]:
 def branch_rows(result: Any) -> dict[str, Any]:
     """Return special points, windows and loci of a branch."""
     relabelled = rows_of(result, {name: f"relabelling_{name}" for name in ("value", "before", "after")})
-    found = {"special": special_rows(result), "windows": window_rows(result), "relabellings": relabelled}
+    found = {
+        "special": special_rows(result),
+        "windows": window_rows(result),
+        "relabellings": relabelled,
+        **unfinished(result),
+    }
     found["not_followed"] = text.loads(result.attrs.get("not_followed", "[]"))
     if "locus_parameters" not in result.attrs:
         return found
@@ -59,8 +70,16 @@ def branch_rows(result: Any) -> dict[str, Any]:
     loci = rows_of(result, {"type": "locus_type", "word": "locus_word"})
     numbers = result["locus_number"].values.tolist()
     meetings = rows_of(
-        result, {"locus": "meeting_number", "type": "meeting_type", **{name: f"meeting_{name}" for name in names}}
+        result,
+        {
+            "locus": "meeting_number",
+            "type": "meeting_type",
+            "admissible": "meeting_admissible",
+            **{name: f"meeting_{name}" for name in names},
+        },
     )
+    for row in meetings:
+        row["admissible"] = bool(row["admissible"])
     for i, row in enumerate(loci):
         row["points"] = numbers.count(i)
         for name in names:
@@ -87,7 +106,12 @@ def diagram_rows(result: Any) -> dict[str, Any]:
     """Return windows, special points and disagreements of a scan and its branches."""
     names = ("kind", "low", "high", "values", "word", "period", "reason")
     differ = rows_of(result, {name: f"disagreement_{name}" for name in names})
-    return {"windows": window_rows(result), "special": special_rows(result), "disagreements": differ}
+    return {
+        "windows": window_rows(result),
+        "special": special_rows(result),
+        "disagreements": differ,
+        **unfinished(result),
+    }
 
 
 def response_rows(result: Any) -> dict[str, Any]:
@@ -112,7 +136,7 @@ def response_rows(result: Any) -> dict[str, Any]:
         for row, value in zip(special, result[f"special_{reading}"].values.tolist(), strict=True):
             row[reading] = value
     differ = rows_of(result, {key: f"difference_{key}" for key in ("low", "high", "values")})
-    return {"differences": differ, "special": special, "peaks": peaks, "swept": swept}
+    return {"differences": differ, "special": special, "peaks": peaks, "swept": swept, **unfinished(result)}
 
 
 def meanings(variable: Any) -> dict[str, str]:

@@ -30,6 +30,12 @@ def complex_text(parts: Sequence[float]) -> str:
     return short(real, 5) if imag == 0.0 else f"{real:.5g}{imag:+.5g}i"
 
 
+def unfinished(result: Any) -> list[str]:
+    """Return what a limit has cut off, a line, or none."""
+    said = result.attrs.get("unfinished", "")
+    return [f"unfinished: {said}", ""] if said else []
+
+
 def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> list[str]:
     """Return the table of orbits and how they were found."""
     rows = []
@@ -91,7 +97,7 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
     [name] = recipe["vary"]
     virtual = bool(recipe["settings"].get("virtual"))
     said = special_words(tables["special"], name, virtual) + window_words(tables["windows"], name)
-    said += [f"not followed: {why}" for why in tables["not_followed"]]
+    said += [f"not followed: {why}" for why in tables["not_followed"]] + unfinished(result)
     if "loci" not in tables:
         return said
     first, second = text.loads(result.attrs["locus_parameters"])
@@ -101,10 +107,18 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
     ]
     said += [*aligned(["locus", "word", "points", first, second], rows), ""] if rows else ["no locus", ""]
     met = [
-        [one["type"], f"{one[first]:.10g}", f"{one[second]:.10g}", tables["loci"][one["locus"]]["type"]]
+        [
+            one["type"],
+            f"{one[first]:.10g}",
+            f"{one[second]:.10g}",
+            tables["loci"][one["locus"]]["type"],
+            "admissible" if one["admissible"] else "virtual",
+        ]
         for one in tables["meetings"]
     ]
-    said += [*aligned(["meeting", first, second, "on locus"], met), ""] if met else ["no meeting of two of them", ""]
+    said += (
+        [*aligned(["meeting", first, second, "on locus", ""], met), ""] if met else ["no meeting of two of them", ""]
+    )
     return [*said, *(f"not followed: {why}" for why in tables["locus_not_followed"])]
 
 
@@ -150,6 +164,7 @@ def diagram_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, A
     [name] = recipe["vary"]
     admissible = [row for row in tables["special"] if row["admissible"]]
     said = window_words(tables["windows"], name) + special_words(admissible, name, virtual=False)
+    said += unfinished(result)
     if not tables["disagreements"]:
         return [*said, "scan and branches agree", ""]
     rows = []
@@ -173,7 +188,7 @@ def response_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, 
             rows.append([way, *(f"{short(row['greatest'])} at {name} = {short(row[name])}" for row in found)])
     table = [*aligned(["", *told.values()], rows), ""] if rows else []
     admissible = [row for row in tables["special"] if row["admissible"]]
-    return [*said, "", *table, *special_words(admissible, name, virtual=False)]
+    return [*said, "", *table, *special_words(admissible, name, virtual=False), *unfinished(result)]
 
 
 def _between(one: Row) -> str:

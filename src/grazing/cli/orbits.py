@@ -78,7 +78,7 @@ def compute(
     target = None if save is None else certificates_at(save)
     found: Any = None
     if study in ("bifurcations", "response"):
-        with progress.counted("values", quiet, "following the branches") as show:
+        with progress.counted("values", quiet, "points of branches") as show:
             result = result_of(recipe, threads=threads, progress=show)
     else:
         with progress.said(DOES[study], quiet):

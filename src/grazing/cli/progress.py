@@ -66,7 +66,7 @@ def counted(what: str, quiet: bool = False, then: str = "") -> Iterator[Counted]
     quiet : bool
         Show nothing.
     then : str
-        What follows when all are done, where that takes long.
+        What follows when all are done, where that takes long; it may be counted too, to another total.
     """
     if quiet:
         yield lambda done, total: None
@@ -97,11 +97,14 @@ def _counting_lines(what: str, then: str) -> Counted:
     """Return progress as a line now and then, ever more rarely, and one at the end."""
     start = last = time.monotonic()
     base: tuple[float, int] | None = None
-    wait = SOON
+    wait, before = SOON, -1
 
     def progress(done: int, total: int) -> None:
-        nonlocal base, last, wait
+        nonlocal base, before, last, what, then, wait
         now = time.monotonic()
+        if before not in (-1, total):  # what follows is counted as well
+            base, what, then = (last, 0), then or what, ""
+        before = total
         if base is None:  # compiling comes before it, and what a resumed sweep has already
             base = now, done
         if done < total and now - last < wait:
@@ -167,8 +170,14 @@ def _counting_bar(what: str, then: str) -> Iterator[Counted]:
     )  # fmt: skip
     with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False) as bar:
         task = bar.add_task(what, total=None, rate="")
+        before = -1
 
         def progress(done: int, total: int) -> None:
+            nonlocal before, what, then
+            if before not in (-1, total):  # what follows is counted as well
+                what, then = then or what, ""
+                bar.reset(task)
+            before = total
             speed = bar.tasks[0].speed
             shown = then if then and done >= total else what
             rate = f"{speed:.3g}/s" if speed else ""

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.branch import Branch, Piece, continuation
+from grazing.orbits.branch import POINTS, Branch, Piece, Work, followed
 from grazing.orbits.branch_table import branch_table
+from grazing.orbits.free_equations import free_orbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
 from grazing.orbits.special import Special
@@ -28,8 +29,10 @@ Floats = NDArray[np.float64]
 
 #: Orbits whose points differ by less than this part of the map's box are one.
 SAME = 1e-6
-#: Branches that are begun at most: each costs about a tenth of a second.
-MOST = 200
+#: Branches that are begun at most; part of all points that one of them may take; step and points of one piece.
+MOST, SHARE, STEP, LIMIT = 200, 0.25, 0.03, 2000
+#: The word of the orbit of an oscillator without impacts.
+FREE = "0"
 
 
 class Window(NamedTuple):
@@ -41,6 +44,15 @@ class Window(NamedTuple):
     high_type: str
     word: str
     period: int
+
+
+class Attractor(NamedTuple):
+    """A periodic orbit that a scan reached at a value of the parameter."""
+
+    value: float
+    period: int
+    word: str
+    points: Floats
 
 
 class Disagreement(NamedTuple):
@@ -69,6 +81,7 @@ def bifurcation_diagram(
     keep: int = 48,
     seed: int = 0,
     period: int = 16,
+    points: int = POINTS,
     box: Sequence[tuple[float, float]] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -84,9 +97,12 @@ def bifurcation_diagram(
     values : array_like, shape (m,)
         Its values, at least 2 different ones; branches are followed from the least to the greatest.
     starts, transient, keep, seed, box, threads, progress
-        Of the scan, as in :func:`grazing.orbit_diagram`.
+        Of the scan, as in :func:`grazing.orbit_diagram`. Branches go on with ``progress(points, limit)``.
     period : int
         Attractors of longer periods are listed and not followed.
+    points : int
+        Most points of all branches together, some 5 ms each; one branch takes at most a quarter. Short periods are
+        followed first. Where the limit is reached, the attribute ``unfinished`` says how much was left.
 
     Returns
     -------
@@ -110,8 +126,9 @@ def bifurcation_diagram(
 
     Notes
     -----
-    A branch is begun at each attractor of the scan that lies on no branch yet, and at each period doubling and
-    branch point of an admissible orbit. A scanned orbit lies on a branch if Newton's method from the branch ends at
+    A branch is begun at each attractor of the scan that lies on no branch yet, at each period doubling and branch
+    point of an admissible orbit, and where the orbit of an oscillator without impacts is stable and no start reached
+    it: its basin can be small. A scanned orbit lies on a branch if Newton's method from the branch ends at
     its points. That no start reaches a stable orbit is no error: its basin may be small, or lie outside of the box.
 
     Examples
@@ -128,11 +145,17 @@ def bifurcation_diagram(
     grid = np.unique(scan[name].values)
     if len(grid) < 2:
         raise InputError(f"values of {name} are {grid.tolist()}; give at least 2 different ones")
-    search = Search(P, name, (float(grid[0]), float(grid[-1])), longest, keep // 2, transient + keep)
+    most = whole(points, "points", 2)
+    search = Search(P, name, (float(grid[0]), float(grid[-1])), longest, keep // 2, transient + keep, most, progress)
     search.scanned(scan)
     branch = merged(P, name, search.bounds, search.branches)
     found = [*search.missed(), *search.unreached(scan)]
-    return labelled(scan, branch, windows_of(branch), found, name)
+    return with_limit(labelled(scan, branch, windows_of(branch), found, name), search)
+
+
+def with_limit(result: xr.Dataset, search: Search) -> xr.Dataset:
+    """Return a result that says, in the attribute ``unfinished``, what the limit of points has cut off."""
+    return result.assign_attrs(unfinished=search.unfinished) if search.unfinished else result
 
 
 def refuse_other_sections(P: Map) -> None:
@@ -154,19 +177,95 @@ class Search:
     longest: int
     seen: int
     steps: int
+    points: int
+    progress: Progress | None = None
+    left: int = field(init=False)
+    cut: int = 0
+    waiting: list[tuple[int, Branch, Special]] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
     alone: list[tuple[float, str, int, str]] = field(default_factory=list)
     reached: set[tuple[float, int, int]] = field(default_factory=set)
 
+    def __post_init__(self) -> None:
+        self.left = self.points
+
     def scanned(self, scan: xr.Dataset) -> None:
-        """Go through all attractors of a scan; follow those that lie on no branch."""
+        """Go through all attractors of a scan, short ones first; follow those that lie on no branch."""
         order = np.argsort(scan[self.name].values, kind="stable")
+        met = []
         for i in order.tolist():
             value = float(scan[self.name].values[i])
             periods, words = scan["period"].values[i], scan["word"].values[i]
             points = np.stack([scan[c].values[i] for c in self.P.coordinates], axis=-1)
-            for first in representatives(periods, words, points, self.size).tolist():
-                self._attractor(value, int(periods[first]), str(words[first]), points[first])
+            kept = representatives(periods, words, points, self.size).tolist()
+            met += [Attractor(value, int(periods[j]), str(words[j]), points[j]) for j in kept]
+        self._free(np.unique(scan[self.name].values).tolist(), met)
+        for one in sorted(met, key=lambda one: one.period):
+            self._begin(one.period)
+            self._attractor(one.value, one.period, one.word, one.points)
+        self._begin(self.longest)
+
+    def _free(self, grid: list[float], met: list[Attractor]) -> None:
+        """Follow the stable orbits without impacts that no start has reached, each of which is known in closed form."""
+        if self.P.model is None:
+            return
+        reached = {one.value for one in met if one.period == 1 and one.word == FREE}
+        for value in grid:
+            if value in reached:
+                continue
+            P = self.P.replace(**{self.name: value})
+            orbit = free_orbit(P.model)
+            if orbit is not None and orbit.admissible and orbit.stable and not self._passes(value, orbit):
+                try:
+                    self._add(self._followed(P, orbit))
+                except GrazingError:
+                    continue
+
+    def _passes(self, value: float, orbit: Orbit) -> bool:
+        """Whether a known branch passes through a stable orbit."""
+        every = (one for branch in self.branches for piece in branch.pieces for one in stable_at(piece, value))
+        return any(one.word == orbit.word and same_points(one.points, orbit.points, SAME * self.size) for one in every)
+
+    def _begin(self, longest: int) -> None:
+        """Follow the branches that begin at special points, of periods up to this one."""
+        while True:
+            ready = [item for item in self.waiting if item[0] <= longest]
+            if not ready:
+                return
+            item = min(ready, key=lambda item: item[0])
+            self.waiting.remove(item)
+            _period, branch, one = item
+            if len(self.branches) < MOST and not self._begun(one):
+                try:
+                    self.branches.append(self._followed(branch.map, one))
+                except GrazingError:
+                    continue
+
+    def _followed(self, P: Map, orbit: Orbit | Special) -> Branch:
+        """Return the branch through an orbit, with at most its share of the points that are left."""
+        if self.left < 2:
+            self.cut += 1
+            raise GrazingError(f"the limit of {self.points} points was reached")
+        work = Work(min(self.left, max(int(SHARE * self.points), 2)), self._spent)
+        branch = followed(P, orbit, self.name, self.bounds, STEP, LIMIT, work)
+        self.cut += not branch.complete
+        return branch
+
+    def _spent(self, points: int) -> None:
+        """Count points of branches, and say how many of the limit they are."""
+        self.left = max(self.left - points, 0)
+        if self.progress is not None:
+            self.progress(self.points - self.left, self.points)
+
+    @property
+    def unfinished(self) -> str:
+        """Say what the limit of points has cut off; nothing if it was not reached."""
+        if self.cut == 0:
+            return ""
+        many = "1 branch was" if self.cut == 1 else f"{self.cut} branches were"
+        limit = f"{self.points} points in all, of which one branch takes at most {int(SHARE * self.points)}"
+        advice = "a larger limit (points) or a narrower range follows more"
+        return f"{many} not followed to the end, as the limit of {limit} and a piece {LIMIT}, was reached; {advice}"
 
     @property
     def size(self) -> Floats:
@@ -189,7 +288,7 @@ class Search:
             admissible=True, condition=1.0, residual=0.0,
         )  # fmt: skip
         try:
-            self._add(continuation(P, orbit, self.name, self.bounds))
+            self._add(self._followed(P, orbit))
         except GrazingError as error:
             self.alone.append((value, word, N, str(error)))
             return
@@ -197,16 +296,12 @@ class Search:
             self.alone.append((value, word, N, "its branch does not pass through its points"))
 
     def _add(self, branch: Branch) -> None:
-        """Keep a branch, and the branches that begin at its period doublings and branch points."""
+        """Keep a branch, and note the branches that begin at its period doublings and branch points."""
         self.branches.append(branch)
         for one in branch.special:
             begins = one.orbit.period * (2 if one.type == "pd" else 1)
             if one.type in ("pd", "bp") and one.converged and one.admissible and begins <= self.longest:
-                if len(self.branches) < MOST and not self._begun(one):
-                    try:
-                        self.branches.append(continuation(branch.map, one, self.name, self.bounds))
-                    except GrazingError:
-                        continue
+                self.waiting.append((begins, branch, one))
 
     def _begun(self, special: Special) -> bool:
         """Whether a branch that is known begins at this special point already."""
@@ -362,7 +457,8 @@ def merged(P: Map, name: str, bounds: tuple[float, float], branches: Sequence[Br
             one._replace(piece=one.piece + shift, to=one.to + shift if one.to >= 0 else -1) for one in branch.special
         ]
         relabellings += [one._replace(piece=one.piece + shift) for one in branch.relabellings]
-    return Branch(P, name, bounds, tuple(pieces), tuple(special), tuple(relabellings))
+    left = sum(branch.unfollowed for branch in branches)
+    return Branch(P, name, bounds, tuple(pieces), tuple(special), tuple(relabellings), left)
 
 
 def labelled(

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.compare.bifurcation_diagram import Search, merged, same_attractor
+from grazing.compare.bifurcation_diagram import Search, merged, same_attractor, with_limit
 from grazing.maps.map import Map
-from grazing.orbits.branch import Branch, Piece
+from grazing.orbits.branch import POINTS, Branch, Piece
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
@@ -49,6 +49,7 @@ def response(
     keep: int = 48,
     seed: int = 0,
     period: int = 1,
+    points: int = POINTS,
     box: Sequence[tuple[float, float]] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -67,6 +68,8 @@ def response(
         Of the random starts, as in :func:`grazing.orbit_diagram`; each sweep makes the same steps at each value.
     period : int
         Attractors up to this period, in periods of the forcing, are followed as branches.
+    points : int
+        Most points of all branches together, as in :func:`grazing.bifurcation_diagram`.
 
     Returns
     -------
@@ -91,7 +94,8 @@ def response(
     The sweep up starts at the least value from rest, where the constant forces balance or at the wall, and at each
     value where the one before it ended; the sweep down does so from the greatest value. Readings of an attractor are
     taken over one cycle, in closed form from flight to flight, of one without period over ``keep`` periods. Chatter is
-    read impact by impact as :func:`grazing.trajectory` lists it. Virtual orbits, which the oscillator does not have,
+    read impact by impact as :func:`grazing.trajectory` lists it. The orbit without impacts is followed wherever it is
+    stable, also where no run reached it. Virtual orbits, which the oscillator does not have,
     and orbits that ended have no readings. A branch is begun at each attractor that lies on no branch yet, so an
     unstable orbit that no branch leads to is missed.
 
@@ -127,18 +131,23 @@ def response(
     drawn = scanned(0, starts, box, None)
     swept = [scanned(n, [at_rest(P, name, grid)], None, sweep) for n, sweep in enumerate(SWEEPS, 1)]
     scans = xr.concat([one.drop_vars(NAME, errors="ignore") for one in (*swept, drawn)], "start")
-    search = Search(P, name, (float(grid.min()), float(grid.max())), longest, keep // 2, transient + keep)
+    bounds = float(grid.min()), float(grid.max())
+    search = Search(P, name, bounds, longest, keep // 2, transient + keep, whole(points, "points", 2), progress)
     search.scanned(scans)
     result = runs_read(P, name, scans)
     result = result.merge(differences(P, name, scans))
     result = result.merge(branches_read(merged(P, name, search.bounds, search.branches)))
     if NAME in drawn:
         result[NAME] = drawn[NAME]
-    config = json.loads(drawn.attrs["grazing_config"]) | {"study": "response", "period": longest}
+    config = json.loads(drawn.attrs["grazing_config"]) | {
+        "study": "response",
+        "period": longest,
+        "points": search.points,
+    }
     for key in ("map", "coordinates", "params"):
         del config[key]
     result.attrs = labels.document(P, f"response of the {P.name} in {name}", config)
-    return with_note(result)
+    return with_limit(with_note(result), search)
 
 
 def checked_strobe(P: Any) -> Map:

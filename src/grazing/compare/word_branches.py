@@ -180,7 +180,8 @@ def with_loci(table: xr.Dataset, loci: Sequence[Locus], names: tuple[str, str]) 
 
     Dimension ``locus``: ``locus_type`` and ``locus_word``. Dimension ``locus_point``: ``locus_number``, both parameters
     by ``locus_`` and their names, ``locus_admissible``. Dimension ``meeting``: ``meeting_number`` (of the locus),
-    ``meeting_type``, both parameters by ``meeting_`` and their names. :func:`loci_of` takes them apart again.
+    ``meeting_type``, ``meeting_admissible``, both parameters by ``meeting_`` and their names.
+    :func:`loci_of` takes them apart again.
     """
     import xarray as xr
 
@@ -203,6 +204,7 @@ def with_loci(table: xr.Dataset, loci: Sequence[Locus], names: tuple[str, str]) 
             about = dict(parts[0][name].attrs) if parts else {"long_name": name}
             new[f"{front}_{name}"] = kept, joined(key, np.float64), about
     new["locus_admissible"] = "locus_point", joined("admissible", np.int8), {"long_name": "admissible"}
+    new["meeting_admissible"] = "meeting", joined("meeting_admissible", np.int8), {"long_name": "admissible"}
     new["meeting_type"] = "meeting", joined("meeting_type", object), {"long_name": "what happens at once"}
     both = xr.Dataset(new)
     return table.merge(both).assign_attrs({**table.attrs, "locus_parameters": json.dumps(list(names))})
@@ -235,6 +237,7 @@ def loci_of(table: xr.Dataset) -> list[xr.Dataset]:
             columns[f"meeting_{name}"] = "meeting", table[f"meeting_{name}"].values[meetings], dict(at.attrs)
         columns["admissible"] = "point", table["locus_admissible"].values[points]
         columns["meeting_type"] = "meeting", table["meeting_type"].values[meetings]
+        columns["meeting_admissible"] = "meeting", table["meeting_admissible"].values[meetings]
         attrs = {"type": kind, "word": str(table["locus_word"].values[i]), "parameters": json.dumps(names)}
         found.append(xr.Dataset(columns, attrs=attrs))
     return found

@@ -26,7 +26,8 @@ Recipe = dict[str, Any]
 DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = (
-    "study", "map", "order", "unfold", "model", "law", "mass", "parameters", "vary", "settings", "curves", "coordinate",
+    "study", "map", "order", "unfold", "model", "law", "mass", "base", "parameters", "vary", "settings", "curves",
+    "coordinate",
 )  # fmt: skip
 
 
@@ -226,6 +227,9 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if "mass" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
         yield Problem(("mass",), f"{brings}; leave the mass out")
+    if "base" in config and (config.get("model") or not oscillator):
+        brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
+        yield Problem(("base",), f"{brings}; leave the base out")
     beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
         if config.get(key) and kind != at and not (key == "order" and beside):

@@ -23,6 +23,7 @@ KEYS = {
     "model": None,
     "law": LAW,
     "mass": None,
+    "base": None,
     "si": None,
     "curves": None,
     "coordinate": None,

@@ -17,6 +17,7 @@ from grazing.maps.normal_form import normal_form
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.forcing import Forcing
 from grazing.oscillator.model import Oscillator, pinball
+from grazing.oscillator.si import base_of, based
 from grazing.outcome import InputError
 
 #: Maps that have a section in time.
@@ -185,4 +186,9 @@ def model_of(config: Mapping[str, Any]) -> Oscillator:
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
     paper = beyond_pinball(config) is None
     kept: dict[str, Any] = {"mass": config.get("mass"), "offset_name": "d", "paper": paper}
+    if config.get("base"):
+        moved = base_of(config["base"])
+        kept["base"] = based(
+            moved.moves, moved.displacement, moved.acceleration, tuple(forcing.cos), tuple(forcing.sin)
+        )
     return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], **kept)

@@ -15,6 +15,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, LAWS, OF_LAWS, law_names
 from grazing.config.schema import MAPS
 from grazing.config.settings import STUDIES, settings_of
 from grazing.config.values import extremes, values_of, written_as
+from grazing.oscillator.si import base_of
 from grazing.outcome import GrazingError, InputError, shown
 from grazing.studies.labels import fingerprint
 
@@ -64,7 +65,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
     try:
-        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs.get("mass"))
+        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs)
     except GrazingError:
         raise
     except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:  # it can say anything
@@ -72,7 +73,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
 
 
 def _recipe_in(
-    config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str, mass: Any
+    config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str, attrs: Mapping[str, Any]
 ) -> Recipe:
     study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
     if study is None:
@@ -81,10 +82,14 @@ def _recipe_in(
         "study": study,
         **_map(config),
         **({"order": config["order"]} if "order" in config else {}),
-        **({} if mass is None else {"mass": mass}),
+        **({"mass": attrs["mass"]} if "mass" in attrs else {}),
         "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
     }
+    if "base" in attrs:
+        base = base_of(attrs["base"])
+        recipe["base"] = base.alone.text
+        recipe["parameters"] |= {"cos": list(base.cos), "sin": list(base.sin) if any(base.sin) else []}
     try:
         return _own_box(checked(recipe), config)
     except GrazingError as error:

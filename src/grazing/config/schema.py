@@ -13,6 +13,7 @@ from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
 from grazing.config.si import SCHEMA
 from grazing.maps.discontinuity import ORDERS
 from grazing.oscillator.parameters import MASS
+from grazing.oscillator.si import base_of
 
 MAPS = {
     "stroboscopic": "the state (u, v) once per period of the forcing",
@@ -66,6 +67,13 @@ def _mass(value: Any) -> float | None:
 Mass = Annotated[float | None, BeforeValidator(_mass), WithJsonSchema({"type": "number", "exclusiveMinimum": 0.0})]
 
 
+def _base(value: Any) -> str | None:
+    return None if value is None else base_of(value).alone.text
+
+
+Moved = Annotated[str | None, BeforeValidator(_base), WithJsonSchema({"type": "string"})]
+
+
 def _in_order(value: Any) -> Any:
     """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
     if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
@@ -85,6 +93,11 @@ class Config(Table):
     model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator of your own")
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
     mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")
+    base: Moved = Field(
+        default=None,
+        description="a base whose amplitude a sweep keeps: moves=both,displacement=0.0003 or acceleration=5, with the "
+        "sign of u, blanks between harmonics; cos and sin are what forces the mass beside it",
+    )
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
         default=None,
         description="mass, damping, stiffness and stop in SI units or with their own, in place of parameters: "

@@ -23,7 +23,14 @@ SCHEMA = {
             "properties": {
                 **{name: {"type": ["number", "string"], "description": known.meaning} for name, known in SI.items()},
                 "force": {"type": ["number", "string", "array"], "description": "amplitude of the force, N"},
-                "base": {"type": ["number", "string", "array"], "description": "amplitude of the base, m"},
+                "base": {
+                    "type": ["number", "string", "array"],
+                    "description": "amplitude of the base, m, which a sweep keeps",
+                },
+                "acceleration": {
+                    "type": ["number", "string", "array"],
+                    "description": "amplitude of the acceleration of the base, m/s^2, which a sweep keeps",
+                },
                 "side": {"enum": list(SIDES), "description": "where the stop is"},
                 "moves": {"type": "string", "description": "what the base carries: both, spring or stop"},
             },
@@ -56,28 +63,27 @@ def from_table(raw: Mapping[str, Any]) -> dict[str, Any]:
         found["vary"] = {"omega" if name == "frequency" else name: item for name, item in vary.items()}
         found["vary"]["omega"] = _turned(vary["frequency"])
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not {"frequency", "omega"} & {*table}
-    if open_frequency and table.get("base"):
-        raise InputError(
-            "a base makes a force that depends on the frequency, and a sweep keeps it; give the frequency at which the "
-            "base has this amplitude beside the range"
-        )
-    usual = {"force": 0.0, "side": "above", "base": 0.0, "moves": "both", "load": 0.0, "frequency": None}
+    usual: dict[str, Any] = {"side": "above", "moves": "both", "frequency": None}
+    usual |= dict.fromkeys(("force", "base", "acceleration", "load"), 0.0)
     missing = [name for name in ("m", "c", "k", "gap") if name not in table]
     if missing:
         raise InputError(f"{', '.join(missing)} missing; give m, c, k and gap, with units or in kg, N s/m, N/m and m")
     made = si_numbers(**{**usual, "omega": 1.0 if open_frequency else None, **table})
+    cos, sin = (made.cos, made.sin) if made.base is None else (made.base.cos, made.base.sin)
     parameters = {
-        "alpha": made.alpha, "k": made.k, "omega": made.omega, "d": made.offset, "cos": list(made.cos),
-        "sin": list(made.sin) if any(made.sin) else [], "sigma": made.sigma,
+        "alpha": made.alpha, "k": made.k, "omega": made.omega, "d": made.offset, "cos": list(cos),
+        "sin": list(sin) if any(sin) else [], "sigma": made.sigma,
     }  # fmt: skip
     if open_frequency:
         del parameters["omega"]
     given = found.get("parameters", {})
-    both = sorted({*parameters, "mass"} & {*given, *found}) if isinstance(given, Mapping) else []
+    both = sorted({*parameters, "mass", "base"} & {*given, *found}) if isinstance(given, Mapping) else []
     if both:
         raise InputError(f"the table gives {', '.join(both)}, too; give it there alone")
     found["parameters"] = {**parameters, **given} if isinstance(given, Mapping) else given
     found["mass"] = made.mass
+    if made.base is not None:
+        found["base"] = made.base.alone.text
     found.setdefault("law", LAW)
     return found
 
@@ -91,7 +97,7 @@ def _table(given: Any) -> dict[str, Any]:
         given = {name.strip(): _number(value.strip()) for name, _equals, value in parts}
     if not isinstance(given, Mapping):
         raise InputError(f"si = {shown(given)}; give a table, such as {{ m = 0.8, c = 2.4, k = 3200.0, ... }}")
-    known = [*SI, "force", "base", *WORDS]
+    known = [*SI, "force", "base", "acceleration", *WORDS]
     for name in given:
         if name not in known:
             raise unknown(name, known, "si")

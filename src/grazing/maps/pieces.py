@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.columns import CUT, Columns
+from grazing.outcome import DIVERGED
 
 if TYPE_CHECKING:
     from grazing.maps.map import Map
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 #: Steps of a piece, over all its orbits, each well under 0.2 s: of a map that is a formula, of one whose orbits fly as
 #: blocks, and of one that follows flight after flight.
 FORMULA, BLOCK, FLIGHT = 6_000_000, 200_000, 40_000
+#: Sizes of the box of an oscillator's map beyond which an orbit that still grows has diverged, and the fewest points
+#: that show that it grows.
+FAR_AWAY, LEAST = 1e4, 6
 
 Floats = NDArray[np.float64]
 
@@ -69,3 +73,26 @@ def joined(parts: list[Columns]) -> Columns:
         np.minimum.reduce([part.slowest for part in parts]),
         np.add.reduce([part.undecided for part in parts]),
     )
+
+
+def let_go(P: Map, found: Columns) -> Columns:
+    """Return orbits of which those of an oscillator that grow without bound have ended, with outcome diverged.
+
+    These are farther from the wall than so many sizes of the map's box, and get farther with every third of what is
+    kept, from impact to impact. The numbers would take thousands of periods more to overflow.
+    """
+    keep = found.points.shape[1]
+    if P.model is None or keep < LEAST:
+        return found
+    size = np.array([high - low for low, high in P.box])[:, None]
+    with np.errstate(invalid="ignore", over="ignore"):
+        ends = np.array_split(np.arange(keep), 3)
+        thirds = [(np.abs(found.points[:, part]) / size).max(axis=(1, 2)) for part in ends]
+        gone = (thirds[0] > FAR_AWAY) & (thirds[1] > thirds[0]) & (thirds[2] > thirds[1])
+        gone &= (found.letters[:, ends[2]] != 0).any(axis=1)  # a ball that nothing brings back is another matter
+    if not gone.any():
+        return found
+    points, outcomes = found.points.copy(), found.outcomes.copy()
+    points[np.broadcast_to(gone[:, None, None], points.shape)] = np.nan
+    outcomes[:, -1][gone] |= DIVERGED
+    return found._replace(points=points, outcomes=outcomes)

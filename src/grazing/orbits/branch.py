@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -48,6 +48,8 @@ Floats = NDArray[np.float64]
 NARROWEST = 1e-10
 #: Part of a period that accumulation and release may be apart at an onset of chatter.
 MET = 1e-3
+#: Points that following takes in all, unless more are asked for: some 100 s.
+POINTS = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,8 @@ class Branch(ByValue):
         In the order in which they lie on the pieces.
     relabellings : tuple of Relabelling
         Where an impact crosses the strobe; no bifurcations.
+    unfollowed : int
+        Grazes at which further pieces begin that were not followed, as the limit of points was reached.
     """
 
     map: Map
@@ -96,12 +100,22 @@ class Branch(ByValue):
     pieces: tuple[Piece, ...]
     special: tuple[Special, ...]
     relabellings: tuple[Relabelling, ...]
+    unfollowed: int = 0
 
     def __repr__(self) -> str:
         low, high = self.bounds
-        names = listed(f"{one.type} {one.value:.6g}" for one in self.special) or "no special point"
+        names = (
+            listed(f"{one.type} {one.value:.6g}{'' if one.admissible else ' (virtual)'}" for one in self.special)
+            or "no special point"
+        )
         words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self)), 8)
-        return f"<Branch of {words} in {self.parameter} [{low:g}, {high:g}]: {names}>"
+        rest = "" if self.complete else "; unfinished: the limit of points was reached"
+        return f"<Branch of {words} in {self.parameter} [{low:g}, {high:g}]: {names}{rest}>"
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was followed to its ends: neither a piece nor the branch has reached the limit of its points."""
+        return self.unfollowed == 0 and not any("limit" in piece.ends for piece in self.pieces)
 
     def __iter__(self) -> Iterator[Orbit]:
         for piece in self.pieces:
@@ -145,6 +159,7 @@ def continuation(
     *,
     step: float = 0.03,
     limit: int = 2000,
+    points: int = POINTS,
 ) -> Branch:
     """Follow a periodic orbit in a parameter, by pseudo-arclength, and locate all that happens to it.
 
@@ -162,11 +177,15 @@ def continuation(
         Longest step, in units of the range and of the natural size of times and velocities.
     limit : int
         Most points of one piece.
+    points : int
+        Most points of all pieces together. Without damping, grazes can begin pieces with ever more impacts, without
+        end.
 
     Returns
     -------
     Branch
-        Pieces, special points with brackets, relabellings. Virtual orbits are followed too, and marked.
+        Pieces, special points with brackets, relabellings. Virtual orbits are followed too, and marked. What was found
+        when a limit was reached is kept, and ``branch.complete`` is False.
 
     Raises
     ------
@@ -195,6 +214,27 @@ def continuation(
     >>> [(point.type, round(point.value, 9)) for point in branch.special if point.admissible]
     [('gr', 0.098450445), ('pd', 0.12328145), ('v0', 0.123908389)]
     """
+    return followed(P, orbit, name, bounds, step, limit, Work(whole(points, "points", 2)))
+
+
+@dataclass
+class Work:
+    """How many points are still to be spent on following, of how many, and who is told."""
+
+    left: int
+    told: Callable[[int], None] | None = None
+
+    def spend(self, points: int) -> None:
+        """Count points."""
+        self.left = max(self.left - points, 0)
+        if self.told is not None:
+            self.told(points)
+
+
+def followed(
+    P: Map, orbit: Orbit | Special, name: str, bounds: tuple[float, float], step: float, limit: int, work: Work
+) -> Branch:
+    """Return the branch through an orbit, see :func:`continuation`; stop when there is no work left."""
     low, high = checked_bounds(P, name, bounds)
     step = checked_step(step)
     if isinstance(orbit, Special):
@@ -204,11 +244,14 @@ def continuation(
     else:
         raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
     if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
-        return resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
-    search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds)
-    while search.waiting:
+        rested = resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
+        work.spend(len(rested.pieces[0].orbits))
+        return rested
+    search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds, work)
+    while search.waiting and work.left > 1:
         search.advance()
-    return Branch(P, name, (low, high), tuple(search.pieces), tuple(search.special), tuple(search.relabellings))
+    found = tuple(search.pieces), tuple(search.special), tuple(search.relabellings)
+    return Branch(P, name, (low, high), *found, len(search.waiting))
 
 
 def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: RestEquations, value: float) -> Branch:
@@ -258,7 +301,11 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     """Return where a branch begins that holds a given orbit."""
     low, high = bounds
     value = float(orbit.map.params.get(name, np.nan))
-    differ = [key for key, x in orbit.map.params.items() if key not in P.params or (key != name and P.params[key] != x)]
+    made = () if P.model is None or P.model.base is None else P.model.base.made  # they follow the parameter
+    moved = (name, *made)
+    differ = [
+        key for key, x in orbit.map.params.items() if key not in P.params or not (key in moved or P.params[key] == x)
+    ]
     if differ:
         raise InputError(
             f"{shown(orbit)} is an orbit of {shown(orbit.map)}, not of {shown(P)}: {', '.join(differ)}; give "
@@ -302,8 +349,11 @@ class Crossing(NamedTuple):
 class _Search:
     """Pieces that are known, and seeds of pieces that wait to be followed."""
 
-    def __init__(self, name: str, bounds: tuple[float, float], step: float, limit: int, seeds: list[Seed]) -> None:
+    def __init__(
+        self, name: str, bounds: tuple[float, float], step: float, limit: int, seeds: list[Seed], work: Work
+    ) -> None:
         self.name, self.bounds, self.step, self.limit = name, bounds, step, limit
+        self.work = work
         self.waiting = list(seeds)
         self.pieces: list[Piece] = []
         self.special: list[Special] = []
@@ -358,9 +408,15 @@ class _Search:
                 p = np.array([bound])
         return x, p
 
+    def _followed(self, seed: Seed, first: Point) -> Path:
+        """Return the path from a point of a seed on."""
+        path = follow(seed.equations, first, self.bounds, step=self.step, limit=min(self.limit, max(self.work.left, 2)))
+        self.work.spend(len(path.points))
+        return path
+
     def _path(self, seed: Seed) -> Path:
         """Return the path through a seed, on both sides of it if wanted."""
-        forward = follow(seed.equations, seed.point, self.bounds, step=self.step, limit=self.limit)
+        forward = self._followed(seed, seed.point)
         if not seed.both or forward.ended == "closed":
             forward.began = "closed" if forward.ended == "closed" else seed.type
             if seed.leaves is not None:
@@ -368,7 +424,7 @@ class _Search:
                 forward.events = [(i + 1, event) for i, event in forward.events]
             return forward
         back = seed.point._replace(tangent=-seed.point.tangent)
-        backward = follow(seed.equations, back, self.bounds, step=self.step, limit=self.limit)
+        backward = self._followed(seed, back)
         return joined(backward, forward)
 
     def _note(self, equations: Equations, path: Path, event: Event, number: int) -> bool:

@@ -149,6 +149,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
         "coordinate_names": json.dumps(list(coordinates)),
         "arithmetic": "strict",
+        **({} if branch.complete else {"unfinished": "the limit of points was reached before the end of the branch"}),
         **({} if P.model is None else P.model.attributes),
     }
     return xr.Dataset(table, attrs=attributes)

@@ -34,6 +34,7 @@ class FlightEquations(Equations):
         for name in names:
             if name not in params:
                 raise unknown(name, params, "the model")
+        model.refuse_made(names)
         self.model, self.names = model, names
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self._index = [list(params).index(name) for name in names]
@@ -46,9 +47,9 @@ class FlightEquations(Equations):
 
     def values(self, p: Floats) -> Floats:
         """Return all parameters of the model, in their order."""
-        values = self._base.copy()
+        values: Floats = self._base.copy()
         values[self._index] = p
-        return values
+        return self.model.made_from_base(values)
 
     def row(self, values: Floats) -> Floats:
         """Return the numbers that a flight needs, in the order of :func:`grazing.oscillator.pointed.flight_fields`."""

@@ -98,6 +98,15 @@ class FreeEquations(FlightEquations):
         )
 
 
+def free_orbit(model: Oscillator | None) -> ImpactOrbit | None:
+    """Return the orbit without impacts, admissible or not; None where there is none, or one from every state."""
+    if model is None:
+        return None
+    equations, own = FreeEquations(model, ()), np.empty(0)
+    start = equations.start(own)
+    return equations.orbit(start, own) if np.isfinite(start).all() else None
+
+
 @lru_cache(maxsize=64)
 def turner(harmonics: int) -> Callable[..., None]:
     """Compile ``turn(row, x, out)``: one period from (y, v); see :meth:`FreeEquations.turned`."""

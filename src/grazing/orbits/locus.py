@@ -17,7 +17,7 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Point, closed, follow, joined, linearised, tangent_of
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
-from grazing.orbits.switching import ZERO
+from grazing.orbits.switching import ZERO, kick_of
 from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import Parameter, whole
 
@@ -168,7 +168,13 @@ class Locus(ByValue):
     ends: tuple[str, str]
 
     def __repr__(self) -> str:
-        met = listed(f"{one.type} ({one.values[0]:.6g}, {one.values[1]:.6g})" for one in self.meetings) or "none"
+        met = (
+            listed(
+                f"{one.type} ({one.values[0]:.6g}, {one.values[1]:.6g}){'' if edge(one.orbit) else ' (virtual)'}"
+                for one in self.meetings
+            )
+            or "none"
+        )
         of = f"{self.type} of {abridged(self.orbits[0].word)}"
         return f"<Locus of {of} in {', '.join(self.parameters)}; meetings: {met}>"
 
@@ -195,6 +201,8 @@ class Locus(ByValue):
         )
         kinds = np.array([one.type for one in self.meetings], dtype=object)
         columns["meeting_type"] = "meeting", kinds, {"long_name": "what happens at once"}
+        kept = np.array([int(edge(one.orbit)) for one in self.meetings], np.int8)
+        columns["meeting_admissible"] = "meeting", kept, {"long_name": "admissible"}
         attributes = {
             "title": f"{SPECIAL[self.type].split(':')[0]} of {self.orbits[0].word} in {' and '.join(self.parameters)}",
             "type": self.type, "word": self.orbits[0].word, "period": self.orbits[0].period,
@@ -224,17 +232,28 @@ def on_the_circle(orbit: Orbit) -> bool:
     return any(abs(a * b - 1.0) < DOUBLE and (a.imag != 0.0 or abs(a - b) < DOUBLE) for a, b in pairs)
 
 
+def name_of(parts: Iterable[str], orbit: Orbit) -> str:
+    """Return the one name of a point of codimension two, whichever locus it is found on: a cusp first, then by letter.
+
+    Where nothing kicks a ball that touches the wall, an impact of no speed is a graze: gr, as on branches.
+    """
+    passive = orbit.map.model is not None and kick_of(orbit.map.model) == 0.0
+    each = sorted("gr" if part == "v0" and passive else part for part in parts)
+    once = list(dict.fromkeys(each))
+    once = each if len(once) == 1 else once  # two things of one type, as two grazes
+    if "cusp" in once:
+        once = ["cusp", *(part for part in once if part not in ("cusp", "lp"))]
+    return "+".join(once)
+
+
 def met_once(met: Iterable[Meeting], spans: Floats) -> tuple[Meeting, ...]:
     """Return meetings, those at one point as one, with all that happens there in its type."""
     found: list[Meeting] = []
     for one in met:
         for i, known in enumerate(found):
             if same_meeting(one, known, spans):
-                parts = dict.fromkeys(f"{known.type}+{one.type}".split("+"))
-                first = "cusp" if "cusp" in parts else known.type.split("+")[0]
-                others = sorted(part for part in parts if part not in (first, "lp" if first == "cusp" else ""))
-                twice = not others  # two things of one type, as two grazes
-                kind = known.type if twice else "+".join([first, *others])
+                parts = {*known.type.split("+"), *one.type.split("+")}
+                kind = known.type if len(parts) == 1 else name_of(parts, known.orbit)
                 found[i] = known._replace(type=kind, converged=known.converged and one.converged)
                 break
         else:
@@ -352,6 +371,7 @@ def locus(
         if kind.endswith("+ns") and not on_the_circle(orbit):
             continue
         if low <= X[-1] <= high:
+            kind = name_of(kind.split("+"), orbit)
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
     orbits = tuple(equations.orbit(X, q) for X, q in solutions)

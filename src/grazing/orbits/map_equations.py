@@ -69,6 +69,8 @@ class MapEquations(PointEquations):
         for name in names:
             if name not in P.params:
                 raise unknown(name, P.params, P.name or "the map")
+        if P.model is not None:
+            P.model.refuse_made(names)
         self.P, self.names, self.letters, self.N = P, names, letters, len(letters)
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self.size = np.array([high - low for low, high in P.box])
@@ -94,7 +96,7 @@ class MapEquations(PointEquations):
         """Return the values of all parameters (k, parameters) for those that vary (k, names)."""
         rows = np.tile(self._row, (len(p), 1))
         rows[:, self._places] = p
-        return rows
+        return rows if self.P.model is None else self.P.model.made_from_base(rows)
 
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""

@@ -15,7 +15,7 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_rest import resting_orbits
-from grazing.orbits.search_section import Search, orbits_of, solutions_of
+from grazing.orbits.search_section import AIMED, Search, aimed_guesses, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, region, simulated
 from grazing.orbits.search_words import checked_word
 from grazing.orbits.word import letters_of
@@ -24,6 +24,8 @@ from grazing.parameter import whole
 
 #: Longest period of a search; of the gap map, whose words grow as 2^period/period.
 LONGEST, LONGEST_GAP = 64, 20
+#: Most impacts of a word that is looked for.
+MOST_IMPACTS = 200
 #: Random guesses of a period of a map that is no section of an oscillator.
 GUESSES = 500
 
@@ -109,6 +111,11 @@ class Orbits(tuple[Orbit, ...]):
         )
         if self.map.model is not None and self.map.section is not None and s.signatures:
             how += f", with up to {max(n for n, _N in s.signatures)} impacts"
+            letters = letters_of(self.word, self.map.letters) if self.word is not None else ()
+            impacts = max((n * sum(map(abs, letters)) // max(len(letters), 1) for n in s.periods), default=0)
+            if self.map.section == "strobe" and aimed_guesses(impacts) < AIMED:
+                how += f", {aimed_guesses(impacts)} random guesses of the word instead of {AIMED}, as each costs "
+                how += f"the cube of its {impacts} impacts"
         if len(self) == 0:
             return f"{how}; more starts, another seed or virtual=True may find some, and others may exist"
         return f"{how}; this is no proof that there are no others"
@@ -160,7 +167,8 @@ def periodic_orbits(
     Of an oscillator every flight between impacts is closed form, so that an orbit with n impacts solves 2n analytic
     equations (:mod:`grazing.orbits.closing`). Each solution is flown once more by the exact advance, which says whether
     it is admissible. Orbits that rest on the wall are found by flying from each instant at which the forcing lifts
-    the ball; their list is complete. Orbits that agree to 1e-7, at a fold, count as one.
+    the ball; their list is complete. A guess costs the cube of its impacts, so of words with more than 15 fewer are
+    tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one.
 
     Examples
     --------
@@ -177,6 +185,12 @@ def periodic_orbits(
     starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0, 2**64 - 1)
     asked, letters = checked_word(P, word)
     periods = _checked_periods(P, period, letters)
+    impacts = sum(letters) * periods[-1] // len(letters) if letters is not None and P.section == "strobe" else 0
+    if impacts > MOST_IMPACTS:
+        raise InputError(
+            f"word {shown(word)} and period {periods[-1]} have {impacts} impacts; allowed are {MOST_IMPACTS}: the "
+            "search costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
+        )
     if P.step is not gap_step:
         refuse_many(P, starts, periods[-1])
     tally, met = Tally(), 0

@@ -19,7 +19,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.search_flights import recorded
-from grazing.orbits.search_impacts import NOTHING, Solutions, Tally
+from grazing.orbits.search_impacts import A_FEW, NOTHING, WORK, Solutions, Tally
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, simulated
 from grazing.orbits.word import word
 from grazing.oscillator.flight import anchored, flight
@@ -34,6 +34,8 @@ PER_PERIOD, IN_ALL = 8, 40
 MOST = 2
 #: Random guesses of a signature, and of a word that is asked for.
 GUESSES, AIMED = 200, 4000
+#: Work on the guesses of a word, in that on the flights of one number of impacts: so words of up to 15 get them all.
+MORE = 20
 #: Forcing periods from one impact to the next that closed forms are tried for, on the impact map.
 FAR = 8
 
@@ -116,12 +118,17 @@ def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: 
         found.neighbours(N, max(counts))
 
 
+def aimed_guesses(n: int) -> int:
+    """Return how many random guesses of a word with n impacts are tried, each of which costs n^3."""
+    return min(AIMED, MORE * WORK // (n + 2) ** 3 + A_FEW)
+
+
 def _aimed(search: Search, N: int, speed: float) -> Floats:
     """Return random guesses whose impacts fall into the periods that a word wants, (k, 2n)."""
     assert search.letters is not None
     letters = search.letters * (N // len(search.letters))
     where = np.repeat(np.arange(N), np.maximum(letters, 0))
-    numbers = uniform(search.seed, (float(N), -1.0, *map(float, letters)), AIMED, 2 * len(where))
+    numbers = uniform(search.seed, (float(N), -1.0, *map(float, letters)), aimed_guesses(len(where)), 2 * len(where))
     times = np.sort(where + numbers[:, : len(where)], axis=1) * search.model.period
     return np.hstack([times, numbers[:, len(where) :] * speed])
 

@@ -23,7 +23,7 @@ from grazing.orbits.survey import PHASE, Family, families, survey
 from grazing.orbits.windows import EDGES, PIECES, windows
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.windows import series
 
 Floats = NDArray[np.float64]
@@ -104,6 +104,8 @@ def sensitivity(
     >>> [f"{name} {float(upper.sel(parameter=name)):+.6f}" for name in ("r", "V", "cos1", "d")]
     ['r -0.000790', 'V -0.017171', 'cos1 +0.130150', 'd +0.000000']
     """
+    checked_model(model)
+    model.refuse_base("a sensitivity", list(model.params))
     table = windows(model, name, N, span, samples)
     names = list(model.params)
     shape = table.sizes["window"], 2, len(names)

@@ -110,6 +110,7 @@ def windows(
     families(model, 1)  # refuses what is no oscillator, and laws outside the form
     if not isinstance(name, str) or name not in model.params:
         raise unknown(name, model.params, "the model")
+    model.refuse_base("a search for windows", [name])
     low, high = _span(model, name, span)
     cells = whole(samples, "samples", 2)
     refuse_too_large(ROW * cells, f"reduce samples ({cells})", "the first grid")

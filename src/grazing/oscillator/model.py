@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from grazing.oscillator.forcing import LATEST, TOO_LATE, Forcing, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
-from grazing.oscillator.reset import Reset, active, linear_part, probe
-from grazing.oscillator.si import si_numbers
+from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
+from grazing.oscillator.si import Base, si_numbers
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, updated
 from grazing.units import magnitude
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Reach(NamedTuple):
@@ -78,6 +82,7 @@ class Oscillator:
     mass: float | None = field(default=None, kw_only=True, repr=False)
     offset_name: str = field(default="offset", kw_only=True, repr=False)
     paper: bool = field(default=False, kw_only=True, repr=False)
+    base: Base | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         if isinstance(self.sigma, Sequence) and not isinstance(self.sigma, (str, bytes)):
@@ -101,9 +106,14 @@ class Oscillator:
         clash = [name for name in self.reset.params if means_model(name)]
         if clash:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
+        if self.base is not None:
+            cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
+            object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
         if not self.reset.affine:
             f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
-            probe(self.reset, drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1])
+            speed = drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1]
+            probe(self.reset, speed)
+            warn_of_gain(self.reset, speed)
 
     def __new__(cls, *args: Any, walls: Any = None, **named: Any) -> Any:
         """Make an oscillator over one wall, or with ``walls`` one between them."""
@@ -136,6 +146,7 @@ class Oscillator:
         load: Any = 0.0,
         frequency: Any = None,
         omega: Any = None,
+        acceleration: Any = 0.0,
     ) -> Oscillator:
         """Return the model of a mass on a spring and a damper with a stop, all in SI units.
 
@@ -154,8 +165,8 @@ class Oscillator:
         side : {"above", "below"}
             Where the stop is. Above, u points down: u = -x; below, u = x. In both the wall is at u = -gap.
         base : float or sequence of float
-            Amplitude in m of a base that moves by base cos(omega t), positive upwards. A sweep in ``omega`` keeps the
-            force that it makes at this frequency, not the amplitude.
+            Amplitude in m of a base that moves by base cos(omega t), positive upwards. A sweep in ``omega`` keeps it:
+            the force grows with the frequency.
         moves : {"both", "spring", "stop"}
             What the base carries: spring, damper and stop; the first two; or the stop. If it carries the stop, u is
             relative to the base.
@@ -163,6 +174,9 @@ class Oscillator:
             Constant force in N, positive upwards: a weight is ``-9.81 * m``.
         frequency, omega : float
             Of the forcing, in Hz or in rad/s: one of them.
+        acceleration : float or sequence of float
+            Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by
+            acceleration/omega^2 cos(omega t). Added to ``base``.
 
         Returns
         -------
@@ -183,9 +197,9 @@ class Oscillator:
         <Oscillator alpha=3, k=63.2456, omega=87.9646, t0=0, offset=0, cos1=-3.125, sin1=0, sigma=-0.0012, mass=0.8,
         newton(r=0.7)>
         """
-        found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega)
+        found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega, acceleration)
         forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
-        return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass)
+        return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base)
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate, with its units."""
@@ -198,9 +212,30 @@ class Oscillator:
         return "1" if self.mass is None else ", ".join(self.describe(name).units for name in names)
 
     @property
-    def attributes(self) -> dict[str, float]:
-        """What a result says of the units: the mass in kg, by which forces are divided; nothing if dimensionless."""
-        return {} if self.mass is None else {"mass": self.mass}
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of the units, the mass in kg by which forces are divided, and of a moving base."""
+        mass = {} if self.mass is None else {"mass": self.mass}
+        return mass if self.base is None else {**mass, "base": self.base.text}
+
+    def made_from_base(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Write the forces of a base into all parameters, shape (..., parameters), in place; return these."""
+        if self.base is not None:
+            self.base.row(values)
+        return values
+
+    def refuse_made(self, names: Sequence[str]) -> None:
+        """Raise InputError for parameters that are made from a base, and cannot vary by themselves."""
+        for name in names if self.base is not None else ():
+            if name in self.base.made:  # type: ignore[union-attr]
+                raise InputError(f"{name} is made by the moving base; make another model with from_si to change it")
+
+    def refuse_base(self, what: str, names: Sequence[str]) -> None:
+        """Raise InputError where something would change parameters that a base answers to, and keep its force."""
+        if self.base is not None and not {*names}.isdisjoint(("alpha", "k", "omega", *self.base.made)):
+            raise InputError(
+                f"{what} in {', '.join(names)} does not know that the force of a base depends on it; vary something "
+                "else, or follow orbits with gz.continuation"
+            )
 
     def _flight_params(self) -> dict[str, float]:
         f = self.forcing
@@ -252,6 +287,12 @@ class Oscillator:
         """
         given = {name: magnitude(value, self.describe(name).units, name) for name, value in changes.items()}
         new = updated(self.params, given, "the model")
+        if self.base is not None:
+            made = self.base.forces(new["alpha"], new["k"], new["omega"])
+            for name, value in zip(self.base.made, (x for pair in made for x in pair), strict=True):
+                if name in given and new[name] not in (value, self.params[name]):
+                    self.refuse_made([name])
+                new[name] = value
         new[self.offset_name] = describe_parameter(self.offset_name).check(new[self.offset_name])
         forcing = Forcing(
             omega=new["omega"],
@@ -261,12 +302,13 @@ class Oscillator:
             sin=tuple(new[f"sin{j + 1}"] for j in range(self.harmonics)),
         )
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
-        kept: dict[str, Any] = {"mass": self.mass, "offset_name": self.offset_name, "paper": self.paper}
+        kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base")}
         return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
 
     def __repr__(self) -> str:
         values = listed(f"{name}={value:g}" for name, value in self._flight_params().items())
         mass = "" if self.mass is None else f"mass={self.mass:g}, "
+        mass += "" if self.base is None else f"base ({self.base.text}), "
         return f"<Oscillator {values}, {mass}{shown(self.reset)}>"
 
 

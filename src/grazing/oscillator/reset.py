@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
@@ -18,6 +19,8 @@ V = Parameter("V", "V", "extra velocity given by an active bumper", 0.0, units="
 TRIGGER = Parameter("trigger", "v_s", "least speed of impact that fires the bumper", 0.0, units="m/s")
 #: Speeds at which a law is tried before it belongs to a model, whose own speeds are tried then: slow in any unit.
 SLOW = 1e-6
+#: How many times faster than its orbits a law is tried for what it does to fast impacts, and that squared.
+FAST = 100.0
 KNOWN = {parameter.name: parameter for parameter in (R, V, TRIGGER)}
 
 
@@ -267,6 +270,29 @@ def probe(made: Reset, scale: float) -> None:
                 f"contraction says v_plus <= {ratio:g} |v_minus| for speeds up to {speed:g}, "
                 f"but the law gives {w:g} for v_minus = {v:g}; correct one of them"
             )
+
+
+def warn_of_gain(made: Reset, speed: float) -> None:
+    """Warn of a law that makes fast impacts faster: what flight loses may not be enough to keep orbits bounded."""
+    for v in (FAST * speed, FAST * FAST * speed):
+        try:
+            w = made(-v)
+        except UserCodeError:  # so fast it need not hold
+            return
+        if not w > v * (1.0 + 1e-9):
+            return
+    _warn_once(made.law, made.name)
+
+
+@lru_cache(maxsize=256)
+def _warn_once(law: Callable[..., float], name: str) -> None:
+    """Warn of a law that makes fast impacts faster: once, though a study makes a model for each of its values."""
+    warnings.warn(
+        f"the reset law {name} makes fast impacts faster, v_plus > |v_minus|: orbits may grow without bound, and "
+        "those that do end as diverged",
+        RuntimeWarning,
+        stacklevel=5,
+    )
 
 
 def linear_part(made: Reset, params: Mapping[str, float], speed: float) -> tuple[float, float]:

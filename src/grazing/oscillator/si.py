@@ -23,6 +23,80 @@ SIDES = {"below": 1.0, "above": -1.0}
 MOVES = ("both", "spring", "stop")
 
 
+class Base(NamedTuple):
+    """A base whose amplitude stays as it is while the frequency varies, and what else forces the mass.
+
+    Harmonic j of the base is (displacement_j + acceleration_j/(j omega)^2) cos(j omega t), with the sign of u.
+    ``cos`` and ``sin`` are the forces per unit of mass that do not come from the base. All have the same length.
+    """
+
+    moves: str
+    displacement: tuple[float, ...]
+    acceleration: tuple[float, ...]
+    cos: tuple[float, ...]
+    sin: tuple[float, ...]
+
+    def forces(self, alpha: Any, k: Any, omega: Any) -> list[tuple[Any, Any]]:
+        """Return cosine and sine amplitude of each harmonic of the force per unit of mass; arrays are fine."""
+        found = []
+        parts = zip(self.displacement, self.acceleration, self.cos, self.sin, strict=True)
+        for j, (length, acceleration, cos, sin) in enumerate(parts, start=1):
+            W = j * omega
+            z = length + acceleration / (W * W)
+            inertia = length * W * W + acceleration if self.moves != "spring" else 0.0
+            side = {"both": 0.0, "spring": 1.0, "stop": -1.0}[self.moves]
+            found.append((cos + inertia + side * k * k * z + 0.0, sin - side * alpha * W * z + 0.0))
+        return found
+
+    def row(self, values: Any) -> None:
+        """Write the forces into all parameters of models, shape (..., parameters), in place."""
+        for j, (cos, sin) in enumerate(self.forces(values[..., 0], values[..., 1], values[..., 2])):
+            values[..., 5 + 2 * j], values[..., 6 + 2 * j] = cos, sin
+
+    @property
+    def made(self) -> tuple[str, ...]:
+        """The parameters of the model that are made from the base."""
+        return tuple(f"{name}{j}" for j in range(1, len(self.cos) + 1) for name in ("cos", "sin"))
+
+    @property
+    def alone(self) -> Base:
+        """The base without the forces that do not come from it."""
+        return self._replace(cos=(0.0,) * len(self.cos), sin=(0.0,) * len(self.sin))
+
+    @property
+    def text(self) -> str:
+        """The base as one line, which :func:`base_of` reads."""
+        parts = {name: values for name, values in zip(self._fields[1:], self[1:], strict=True) if any(values)}
+        said = (f",{name}={' '.join(map(repr, values))}" for name, values in parts.items())
+        return f"moves={self.moves}{''.join(said)}"
+
+
+def base_of(text: Any) -> Base:
+    """Return the base that :attr:`Base.text` has written.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    """
+    wanted = "give moves=both, spring or stop, and displacement=..., acceleration=..., cos=..., sin=... by harmonics"
+    try:
+        parts = dict(part.split("=") for part in text.split(","))
+        moves = parts.pop("moves").strip()
+        lists = {name.strip(): tuple(real(float(x), name, "") for x in part.split()) for name, part in parts.items()}
+    except (AttributeError, ValueError, LookupError):
+        raise InputError(f"base = {shown(text)}; {wanted}") from None
+    if moves not in MOVES or not set(lists) <= set(Base._fields) or len(lists) == 0:
+        raise InputError(f"base = {shown(text)}; {wanted}")
+    return based(moves, *(lists.get(name, ()) for name in Base._fields[1:]))
+
+
+def based(moves: str, *lists: tuple[float, ...]) -> Base:
+    """Return a base of which all lists are as long as the longest one."""
+    most = max(1, *map(len, lists))
+    return Base(moves, *((*one, *[0.0] * (most - len(one))) for one in lists))
+
+
 class Numbers(NamedTuple):
     """What the model is made of: damping, natural frequency, forcing and wall, per unit of mass."""
 
@@ -34,11 +108,12 @@ class Numbers(NamedTuple):
     cos: tuple[float, ...]
     sin: tuple[float, ...]
     sigma: float
+    base: Base | None
 
 
 def si_numbers(
     m: Any, c: Any, k: Any, force: Any, gap: Any, side: Any, base: Any, moves: Any, load: Any, frequency: Any,
-    omega: Any,
+    omega: Any, acceleration: Any = 0.0,
 ) -> Numbers:  # fmt: skip
     """Return the numbers of the model; see :meth:`grazing.Oscillator.from_si` for what is given.
 
@@ -60,19 +135,17 @@ def si_numbers(
             f"give side={other!r}; for a spring that presses the mass onto the stop, gap=0 and that force as load"
         )
     w = _frequency(frequency, omega)
-    pushes, shakes = _amplitudes(force, "force", "N"), _amplitudes(base, "base", "m")
     sign = SIDES[side] / mass
-    cos, sin = list[float](), list[float]()
-    for j in range(1, max(len(pushes), len(shakes), 1) + 1):
-        push, z, jw = _at(pushes, j), _at(shakes, j), j * w
-        inertia = mass * jw * jw * z if moves != "spring" else 0.0
-        spring = {"both": 0.0, "spring": stiffness * z, "stop": -stiffness * z}[moves]
-        damper = {"both": 0.0, "spring": -damping * jw * z, "stop": damping * jw * z}[moves]
-        cos.append(sign * (push + inertia + spring) + 0.0)
-        sin.append(sign * damper + 0.0)  # no negative zero
+    amplitudes = (base, "base", "m"), (acceleration, "acceleration", "m/s^2"), (force, "force", "N")
+    shakes, jerks, pushes = (_amplitudes(*one) for one in amplitudes)
+    signed = [tuple(SIDES[side] * x for x in one) for one in (shakes, jerks)]
+    moved = based(moves, *signed, tuple(sign * x + 0.0 for x in pushes), ())
+    natural = sqrt(stiffness / mass)
+    cos, sin = zip(*moved.forces(damping / mass, natural, w), strict=True)
+    shaken = any(shakes) or any(jerks)
     return Numbers(
-        mass, damping / mass, sqrt(stiffness / mass), w, sign * _checked(LOAD, load) + 0.0, tuple(cos), tuple(sin),
-        0.0 - distance,
+        mass, damping / mass, natural, w, sign * _checked(LOAD, load) + 0.0, cos, sin, 0.0 - distance,
+        moved if shaken else None,
     )  # fmt: skip
 
 
@@ -96,7 +169,3 @@ def _amplitudes(values: Any, name: str, units: str) -> tuple[float, ...]:
         real(magnitude(one, units, f"{name}[{j}]"), f"{name}[{j}]", f"any finite amplitude in {units} is allowed")
         for j, one in enumerate(several)
     )
-
-
-def _at(amplitudes: tuple[float, ...], j: int) -> float:
-    return amplitudes[j - 1] if j <= len(amplitudes) else 0.0

@@ -57,6 +57,7 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
     with styled():
         ax = axes(ax)
         known: dict[str, Any] = {}
+        met: list[tuple[str, tuple[float, float]]] = []
         for table in tables:
             colour, dashes = LINES[table.attrs["type"]]
             good = table["admissible"].values == 1
@@ -70,17 +71,27 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
                 lines += ax.plot(*at, color=colour, ls=dashes, lw=width, label=table.attrs["type"])
                 known.setdefault(table.attrs["type"], lines[-1])
             for i, kind in enumerate(table["meeting_type"].values.astype(str).tolist()):
+                flown = bool(table["meeting_admissible"].values[i])
                 place = float(table[f"meeting_{x}"].values[i]), float(table[f"meeting_{y}"].values[i])
+                if (not flown and not virtual) or any(kind == one and near(place, at, table) for one, at in met):
+                    continue  # each once, though it lies on several loci
+                met.append((kind, place))
                 markers += ax.plot(*place, "o", ms=3.5, mfc="white", mec=INK, mew=0.8, zorder=6)
                 if names:
-                    texts.append(ax.annotate(
-                        kind, place, xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=7
-                    ))  # fmt: skip
+                    said = kind if flown else f"{kind} (virtual)"
+                    how = {"textcoords": "offset points", "fontsize": 6.5, "color": INK, "zorder": 7}
+                    texts.append(ax.annotate(said, place, xytext=(3.0, 3.0), **how))
         spread(ax, texts)
         ax.set_xlabel(symbol(tables[0][x]))
         ax.set_ylabel(symbol(tables[0][y]))
         legend = ax.legend(handles=list(known.values()), labels=list(known), fontsize=6.5, loc="best")
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts, "legend": legend}
+
+
+def near(a: tuple[float, float], b: tuple[float, float], table: xr.Dataset) -> bool:
+    """Whether two meetings are drawn at one place."""
+    spans = [float(np.ptp(table[name].values)) for name in json.loads(table.attrs["parameters"])]
+    return all(abs(x - y) <= 1e-6 * span for x, y, span in zip(a, b, spans, strict=True))
 
 
 def table_of(one: Any) -> xr.Dataset:

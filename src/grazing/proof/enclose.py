@@ -101,6 +101,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
     model = orbit.model
     checked_name(name, model.params, "the model")
+    model.refuse_base("a proof", [name])
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
         if kind != "gr" and orbit.impacts == 0:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.maps.pieces import joined, pieces
+from grazing.maps.pieces import joined, let_go, pieces
 from grazing.orbits.grazing_curve import grazing_arrays
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
@@ -199,7 +199,7 @@ def _compute(
     for part in pieces(P, row, lanes, transient, keep, arithmetic):
         parts.append(part)
         yield
-    found = joined(parts)
+    found = let_go(P, joined(parts))
     if outside.NAME in arrays:
         arrays[outside.NAME][...] = outside.beyond(found.points[:, -1], np.array([P.box]))[0]
     settled = settled_columns(P, row, found)

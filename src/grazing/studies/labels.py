@@ -127,6 +127,8 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         units ``mass``, in kg.
     """
     described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
+    if P.model is not None and P.model.base is not None:
+        described["base"] = P.model.base.text
     text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return {
         "title": title,

@@ -13,7 +13,7 @@ from grazing.kernel.compile import FLAGS
 from grazing.maps.columns import Columns
 from grazing.maps.ensemble import padded
 from grazing.maps.map import Map
-from grazing.maps.pieces import joined, pieces, steps_of_piece
+from grazing.maps.pieces import joined, let_go, pieces, steps_of_piece
 from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
@@ -108,7 +108,7 @@ class Runs:
         rows = np.empty((len(cells), len(row)))
         rows[:] = row
         rows[:, self._where] = self.values(cells)
-        return rows
+        return rows if self.P.model is None else self.P.model.made_from_base(rows)
 
     def map_at(self, cell: int) -> Map:
         """Return the map of a cell."""
@@ -161,7 +161,7 @@ class Runs:
         for part in self.pieces(cells, states):
             parts.append(part)
             yield None
-        yield joined(parts)
+        yield let_go(self.P, joined(parts))
 
     @property
     def config(self) -> dict[str, Any]:
@@ -230,6 +230,8 @@ def checked_runs(
         if name not in P.params:
             raise unknown(name, P.params, P.name or "the map")
         grids[name] = checked_values(name, values, P)
+    if P.model is not None:
+        P.model.refuse_made(tuple(grids))
     for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
         raise InputError(f"{shown(clash)} names a dimension or variable of the result; rename it in the map")
     settings = Settings(
