@@ -79,8 +79,9 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
                 markers += ax.plot(*place, "o", ms=3.5, mfc="white", mec=INK, mew=0.8, zorder=6)
                 if names:
                     said = kind if flown else f"{kind} (virtual)"
-                    how = {"textcoords": "offset points", "fontsize": 6.5, "color": INK, "zorder": 7}
-                    texts.append(ax.annotate(said, place, xytext=(3.0, 3.0), **how))
+                    text = ax.annotate(said, place, xytext=(3.0, 3.0), textcoords="offset points", color=INK, zorder=7)
+                    text.set_fontsize(6.5)
+                    texts.append(text)
         spread(ax, texts)
         ax.set_xlabel(symbol(tables[0][x]))
         ax.set_ylabel(symbol(tables[0][y]))
