@@ -19,6 +19,8 @@ from grazing.plot.style import INK, axes, period_colour, root, styled, symbol
 
 #: Dashes by kind of orbit.
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
+#: Part of the range of the parameter within which two values are the same.
+ROUNDING = 1e-12
 #: Markers of special points: filled for stability, open for borders.
 MARKERS = {
     "lp": ("o", True), "pd": ("s", True), "ns": ("D", True), "bp": ("P", True), "gr": ("v", False),
@@ -115,7 +117,11 @@ def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool
     x, y = table[name].values, table[coordinate].values
     goes_on = (piece[1:] == piece[:-1]) & (word[1:] == word[:-1])
     # an orbit at a special point is on the edge of two kinds: a step is of the kind of its other end
-    step = np.where(table["event"].values[:-1] == 1, kind[1:], kind[:-1])
+    # the first point after it may be the same orbit again, to rounding
+    at = table["event"].values == 1
+    same = (piece[1:] == piece[:-1]) & (np.abs(np.diff(x)) <= ROUNDING * (np.ptp(x) if len(x) else 0.0))
+    at[1:] |= at[:-1] & same
+    step = np.where(at[:-1], kind[1:], kind[:-1])
     step = np.where(goes_on, step, "")
     edges = np.concatenate([[0], np.flatnonzero(step[1:] != step[:-1]) + 1, [len(step)]]) if len(step) else [0]
     artists = []
