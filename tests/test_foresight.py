@@ -210,9 +210,10 @@ UNSIZED = {
 }  # fmt: skip
 #: What only takes time, or is an upper limit that other things end before; such a run is stopped at once by Ctrl-C.
 PASSING = {
-    ("basins", "preimages"), ("bifurcation_diagram", "period"), ("continuation", "limit"),
+    ("basins", "preimages"), ("bifurcation_diagram", "period"), ("bifurcation_diagram", "points"),
+    ("continuation", "limit"), ("continuation", "points"),
     ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
-    ("manifolds", "steps"), ("response", "period"), ("words", "impacts"),
+    ("manifolds", "steps"), ("response", "period"), ("response", "points"), ("words", "impacts"),
 }  # fmt: skip
 
 
