@@ -50,9 +50,9 @@ class Brought:
 
 def forms(rounds: int, share: float, tell: Tell) -> list[Brought]:
     """Measure all ways; none where the plain forms are taken anyway."""
-    from grazing.kernel.wide import PLAIN
+    from grazing.kernel.wide import plain
 
-    if PLAIN:
+    if plain():
         return []
     with ExitStack() as stack:
         ways = {}
@@ -111,9 +111,9 @@ def show_forms(out: Console, found: Sequence[Brought]) -> None:
 
 def serve(left_out: Sequence[str], share: float) -> None:
     """Compile the block without some wide forms, then fly when asked to and say how long it took."""
-    import grazing.kernel.content  # noqa: F401  from where on the wide forms are in the list
-    from grazing.kernel.primitives import forms as listed
+    from grazing.kernel.wide import forms as registered
 
+    listed = registered()
     for primitive in [each for each in listed if each.__name__ in left_out]:
         del listed[primitive]
     ready: dict[str, Callable[[], object]] = {name: job(*work, share) for name, work in WORK.items()}

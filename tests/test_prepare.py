@@ -12,7 +12,7 @@ import pytest
 import grazing
 from grazing import prepare
 from grazing.kernel.prepared import stamp
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 
 ROOT = Path(__file__).parents[1]
 SOURCE = str(Path(grazing.__file__).parents[1])
@@ -67,7 +67,7 @@ print(json.dumps(heard))
 
 def compiled_by(text, folder):
     """Return what is compiled while a program runs with a new cache."""
-    if PLAIN or not stamp().exists() or stamp().read_text() != prepare._made_from(""):
+    if plain() or not stamp().exists() or stamp().read_text() != prepare._made_from(""):
         pytest.skip("no kernels are prepared from these sources: make prepared")
     program = PROGRAM.format(source=SOURCE, text=text)
     env = {**os.environ, "GRAZING_CACHE": str(folder)}

@@ -15,11 +15,11 @@ import grazing
 from grazing.kernel.compile import cache_folder, call, compiled
 from grazing.kernel.content import digest
 from grazing.kernel.primitives import inlined
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 from grazing.outcome import InputError, UserCodeError
 
 SOURCE = str(Path(grazing.__file__).parents[1])
-WIDE = pytest.mark.skipif(bool(PLAIN), reason=f"plain forms are taken: {PLAIN}")
+WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
 
 
 def inner(x):

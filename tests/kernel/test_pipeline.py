@@ -10,9 +10,9 @@ import pytest
 
 from grazing.kernel import compile as layer
 from grazing.kernel.compile import compiled
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 
-WIDE = pytest.mark.skipif(bool(PLAIN), reason=f"plain forms are taken: {PLAIN}")
+WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
 
 
 @WIDE

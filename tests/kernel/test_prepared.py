@@ -9,10 +9,10 @@ import warnings
 import pytest
 
 from grazing.kernel import disk, prepared
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 from tests.kernel.kept import SOURCE, fresh
 
-pytestmark = pytest.mark.skipif(bool(PLAIN), reason=f"nothing is prepared in plain forms: {PLAIN}")
+pytestmark = pytest.mark.skipif(bool(plain()), reason=f"nothing is prepared in plain forms: {plain()}")
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from llvmlite import binding
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import numbers
 from grazing.kernel.turns import abreast, eights
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 
 FEATURES = binding.get_host_cpu_features()
 
@@ -69,7 +69,7 @@ def test_the_numbers_are_those_of_one_turn_after_the_other(sweep, arithmetic):
 
 
 @pytest.mark.skipif(not FEATURES.get("avx2") or FEATURES.get("avx512f"), reason="counts registers of four numbers")
-@pytest.mark.skipif(bool(PLAIN), reason=f"plain forms are taken: {PLAIN}")
+@pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
 @pytest.mark.parametrize(("turns", "vectors"), [(4, 1), (8, 2)])
 def test_so_many_vectors_stand_side_by_side(turns, vectors):
     """Of each operation there are so many in the loop, one after the other, before the next operation."""

@@ -14,10 +14,10 @@ from grazing.kernel import cache
 from grazing.kernel.compile import compiled
 from grazing.kernel.content import digest
 from grazing.kernel.primitives import unit
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 from grazing.parameter import parameter_tuple
 
-pytestmark = pytest.mark.skipif(bool(PLAIN), reason=f"numba's own pipeline knows no units: {PLAIN}")
+pytestmark = pytest.mark.skipif(bool(plain()), reason=f"numba's own pipeline knows no units: {plain()}")
 
 
 def made(factor, sign="+"):

@@ -15,9 +15,9 @@ from grazing.cli.info import info
 from grazing.kernel import private, wide
 from grazing.kernel.compile import compiled
 from grazing.kernel.content import digest, is_kernel
-from grazing.kernel.primitives import forms
 from grazing.kernel.rows import all_passed
 from grazing.kernel.turns import eights
+from grazing.kernel.wide import forms
 from tests.kernel import wide_program
 
 ROOT = Path(__file__).parents[2]
@@ -49,7 +49,7 @@ def test_the_plain_forms_give_the_same_bits(plain):
 def test_the_forms_are_told_apart(plain):
     """On the disk, in hashes, and by the name of the processor that fast results carry."""
     here = wide_program.told_apart()
-    if wide.PLAIN:
+    if wide.plain():
         assert plain["apart"] == here
     else:
         assert not set(plain["apart"]) & set(here)
@@ -69,7 +69,7 @@ def test_the_forms_are_told_apart(plain):
 def test_another_numba_means_plain_forms_and_the_same_numbers(before, why):
     """Whatever is not where it was; where files cannot be written as before, none is, and nothing fails."""
     found = told(f"from grazing.kernel import private; {before}")
-    if not wide.PLAIN:
+    if not wide.plain():
         assert found["why"] == why
     assert found["small"] == wide_program.small()
 
@@ -77,8 +77,8 @@ def test_another_numba_means_plain_forms_and_the_same_numbers(before, why):
 def test_the_versions_at_hand_are_those_that_were_tried():
     at_hand = all(f"{version(name)}.".startswith(f"{tried}.") for name, tried in private.TRIED.items())
     wanted = at_hand and os.environ.get("GRAZING_WIDE") != "0" and os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
-    assert (not wide.PLAIN) == wanted
-    assert (all_passed in forms) == (eights in forms) == (not is_kernel(all_passed)) == wanted
+    assert (not wide.plain()) == wanted
+    assert (all_passed in forms()) == (eights in forms()) == (not is_kernel(all_passed)) == wanted
     if at_hand:
         assert all(getattr(private, name) is not None for name in (*private.WIDE, *private.KEPT))
 
@@ -98,9 +98,9 @@ def test_a_record_of_rows_is_frozen_into_a_kernel():
 
 def test_info_says_that_plain_forms_are_taken(tmp_path, monkeypatch, capsys):
     (tmp_path / "a.toml").write_text('study = "diagram"\n[vary]\nd = "0:1:2"\n')
-    monkeypatch.setattr(wide, "PLAIN", "numba is 9.9")
+    monkeypatch.setattr(wide, "plain", lambda: "numba is 9.9")
     assert info(tmp_path / "a.toml") == 0
     assert "here:      kernels are slower than they could be: numba is 9.9\n" in capsys.readouterr().out
-    monkeypatch.setattr(wide, "PLAIN", "")
+    monkeypatch.setattr(wide, "plain", str)
     assert info(tmp_path / "a.toml") == 0
     assert "here:" not in capsys.readouterr().out

@@ -85,7 +85,7 @@ def step():
 
 
 def tell():
-    found = {"why": wide.PLAIN, "small": small(), "apart": told_apart(), "step": step()}
-    if wide.PLAIN == "GRAZING_WIDE is 0":
+    found = {"why": wide.plain(), "small": small(), "apart": told_apart(), "step": step()}
+    if wide.plain() == "GRAZING_WIDE is 0":
         found["bits"] = bits()
     print(json.dumps(found))

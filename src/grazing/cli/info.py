@@ -42,9 +42,9 @@ def info(
 
         print(toml_of(found["recipe"]), end="")
         return 0
-    from grazing.kernel.wide import PLAIN
+    from grazing.kernel.wide import plain
 
-    found |= {"plain_forms": PLAIN or None}
+    found |= {"plain_forms": plain() or None}
     print(text.dumps(found, default=str) if json else "\n".join(lines(found)))
     return 0
 

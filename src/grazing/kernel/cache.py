@@ -23,7 +23,7 @@ from grazing.kernel.content import text
 from grazing.kernel.disk import KernelFiles, cache_folder
 from grazing.kernel.prepared import machines
 from grazing.kernel.private import CompileResultCacheImpl, FunctionCache, normalize_signature
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.wide import plain
 
 #: To be raised when this file stores kernels in another way, so that older files are left alone.
 LAYOUT = 6
@@ -104,7 +104,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
     """
 
     def __init__(self, function: FunctionType, content: str, units: Sequence[Any], announce: str) -> None:
-        ways = "plain" if PLAIN else text("grazing.kernel.pipeline") + text("grazing.kernel.wide")
+        ways = "plain" if plain() else text("grazing.kernel.pipeline") + text("grazing.kernel.wide")
         versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__}"
         self._stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
         self._name, self._py_func, self._announce = repr(function), function, announce

@@ -20,8 +20,8 @@ from typing import Any
 from grazing.kernel.content import Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
-from grazing.kernel.primitives import forms, pointed
-from grazing.kernel.wide import PLAIN
+from grazing.kernel.primitives import pointed
+from grazing.kernel.wide import forms, plain
 from grazing.outcome import InputError, UserCodeError
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
@@ -39,7 +39,7 @@ def jit_disabled() -> bool:
 
 def apart() -> bool:
     """Whether units have machine code of their own: not where code leaves the process, nor by numba's own pipeline."""
-    return not PLAIN and os.environ.get("GRAZING_UNITS", "1") != "0"
+    return not plain() and os.environ.get("GRAZING_UNITS", "1") != "0"
 
 
 def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce: str = "") -> Callable[..., Any]:
@@ -170,7 +170,7 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     if getattr(function, "inlined", False):
         options["forceinline"] = True
     way: dict[str, Any] = {}
-    if not PLAIN:
+    if not plain():
         from grazing.kernel.pipeline import pipeline
 
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
@@ -227,7 +227,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # notebook, of a file of one's own
     names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
     for name, value in named(function).items():
-        known = forms.get(value, value) if callable(value) else seen(value)
+        known = forms().get(value, value) if callable(value) else seen(value)
         names[name] = replace(value) if is_kernel(value) else known
     cells = []
     for cell in function.__closure__ or ():
@@ -243,17 +243,17 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 def processor() -> str:
     """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ.
 
-    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that all forms are.
+    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that the forms are.
     """
     _system, name, features = own()
-    forms = "plain" if PLAIN else family(name, features)
-    return f"{forms} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]}".strip()
+    how = "plain" if plain() else family(name, features)
+    return f"{how} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]}".strip()
 
 
 @cache
 def width() -> int:
     """Return how many numbers compiled code may take side by side; 1 in plain forms."""
-    if PLAIN:
+    if plain():
         return 1
     from grazing.kernel.private import cpu_target
     from grazing.kernel.wide.simd import width_for

@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.primitives import forms
-from grazing.kernel.wide import PLAIN as PLAIN  # which enters the wide ones in them
+from grazing.kernel.wide import forms
 
 #: The functions of this module have a compiled form of their own always, those that are wide where it is taken.
 PRIMITIVES = "grazing.kernel.primitives"
@@ -44,7 +43,7 @@ def digest(function: Callable[..., Any], known: Known | None = None) -> str:
 
 def is_kernel(value: object) -> bool:
     """Say whether a value is a function that is compiled from its source."""
-    return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES and value not in forms
+    return isinstance(value, FunctionType) and value.__module__ != PRIMITIVES and value not in forms()
 
 
 def named(function: FunctionType) -> dict[str, Any]:
@@ -95,7 +94,7 @@ def _content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
 def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
     if value.__module__ == PRIMITIVES:
         return ("primitive", value.__name__, text(PRIMITIVES))  # both its forms
-    if value in forms:
+    if value in forms():
         return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],

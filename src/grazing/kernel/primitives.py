@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -102,8 +101,8 @@ def built(kind: Any, items: tuple[float, ...]) -> Any:
     return kind(*items)
 
 
-#: What stands for each primitive in compiled code.
-forms: dict[Callable[..., Any], Any] = {}
+#: What stands for each primitive in compiled code, once it is asked for: see :func:`grazing.kernel.wide.forms`.
+noted: dict[Callable[..., Any], Any] = {}
 
 
 def compiled_form(primitive: Callable[..., Any]) -> Callable[[Callable[..., Any]], Any]:
@@ -112,14 +111,14 @@ def compiled_form(primitive: Callable[..., Any]) -> Callable[[Callable[..., Any]
     def register(define: Callable[..., Any]) -> Any:
         from numba.extending import intrinsic
 
-        forms[primitive] = intrinsic(define)
-        return forms[primitive]
+        noted[primitive] = intrinsic(define)
+        return noted[primitive]
 
     return register
 
 
-def _register() -> None:
-    """Write down the compiled form of each primitive; importing numba here is the reason to be lazy."""
+def register() -> None:
+    """Write down the compiled form of each primitive; numba is imported for it."""
     from llvmlite import ir
     from numba import types
 
@@ -234,7 +233,3 @@ def _register() -> None:
             return args[0]
 
         return types.uint64(types.int64), code
-
-
-if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
-    _register()

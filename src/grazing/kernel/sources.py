@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.content import PRIMITIVES, global_names
-from grazing.kernel.primitives import forms
+from grazing.kernel.wide import forms
 
 
 def source_digest(function: Callable[..., Any]) -> str:
@@ -51,7 +51,7 @@ def _without_docstrings(tree: ast.AST) -> ast.AST:
 
 def _described(value: Any, seen: dict[str, str]) -> str:
     value = getattr(getattr(value, "py_func", None), "__wrapped__", value)
-    value = next((primitive for primitive, form in forms.items() if form is value), value)
+    value = next((primitive for primitive, form in forms().items() if form is value), value)
     if not isinstance(value, FunctionType):
         if isinstance(value, float):
             return value.hex()
