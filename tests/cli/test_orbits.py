@@ -113,8 +113,14 @@ def test_several_certificates_get_names_of_their_own(folder, capsys):
     assert proven == {"LR, period 2": True, "LLR, period 3": True}
     numbered = told(capsys, *tokens, "--save", "a.json")["files"]
     assert numbered == ["a-1.json", "a-2.json"]
-    for file in (*found["files"], *numbered):
-        said(capsys, 0, "orbit", "check", file)
+    files = [*found["files"], *numbered]
+    assert said(capsys, 0, "orbit", "check", *files).count(": verified\nFor lam = 0.8, mu = 0.5") == 4
+    (folder / "b.json").write_text("no JSON")
+    lines = said(capsys, 1, "orbit", "check", numbered[0], "b.json", numbered[1], "--json").splitlines()
+    assert [(json.loads(line)["file"], json.loads(line)["verified"]) for line in lines] == [
+        ("a-1.json", True), ("b.json", False), ("a-2.json", True),
+    ]  # fmt: skip
+    assert "there is no file c.json" in said(capsys, 2, "orbit", "check", numbered[0], "c.json")
 
 
 def test_what_cannot_be_proven_says_why_and_fails(capsys, monkeypatch):

@@ -32,41 +32,47 @@ orbit.default(command("orbit"))
 
 @orbit.command
 def check(
-    file: Annotated[Path, Parameter(name="CERTIFICATE", help="File .json that --save wrote.")],
+    files: Annotated[list[Path], Parameter(name="CERTIFICATE", help="Files .json that --save wrote.")],
     /,
     *,
     model: Annotated[
         Path | None,
         Parameter(
-            help="file.py:name of a gz.Oscillator whose reset law is compared with the proven one.", metavar="NAME"
+            help="file.py:name of a gz.Oscillator whose reset law is compared with the proven ones.", metavar="NAME"
         ),
     ] = None,
-    json: Annotated[bool, Parameter(help="Print the verdict as one JSON object.", show_default=False)] = False,
+    json: Annotated[
+        bool, Parameter(help="Print the verdicts as JSON objects, a line each.", show_default=False)
+    ] = False,
 ) -> int:
-    """Verify a certificate anew, without the code that found it.
+    """Verify certificates anew, without the code that found them.
 
-    Prints the sentence that is proven; exit code 1 if it is not.
+    Prints the sentences that are proven; exit code 1 if one is not.
     """
     from grazing.proof.check import check_certificate
 
-    if not os.path.isfile(Path(file)):
-        raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
+    for file in files:
+        if not os.path.isfile(file):
+            raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
     law = None
     if model is not None:
         from grazing.config.maps import own_model
         from grazing.config.own import Named
 
         law = own_model(Named(str(model))).reset.law
-    try:
-        said, good = check_certificate(file, law=law), True
-    except InputError as error:
-        said, good = str(error), False
-    if json:
-        print(text.dumps({"file": str(file), "verified": good, "statement" if good else "reason": said}))
-    else:
-        where = sys.stdout if good else sys.stderr
-        print(f"{file}: {'verified' if good else 'NOT verified'}\n{printable(said)}", file=where)
-    return DONE if good else FAILED
+    every = True
+    for file in files:
+        try:
+            said, good = check_certificate(file, law=law), True
+        except InputError as error:
+            said, good = str(error), False
+        every = every and good
+        if json:
+            print(text.dumps({"file": str(file), "verified": good, "statement" if good else "reason": said}))
+        else:
+            where = sys.stdout if good else sys.stderr
+            print(f"{file}: {'verified' if good else 'NOT verified'}\n{printable(said)}", file=where)
+    return DONE if every else FAILED
 
 
 def compute(
