@@ -45,6 +45,28 @@ def test_curves_are_drawn_told_and_kept(folder, capsys):
     assert one.attrs["grazing_config_sha256"] == other.attrs["grazing_config_sha256"]  # the numbers are the same
 
 
+def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
+    chart = ["chart", "d=0.08:0.14:4", "V=0:0.6:3", "--starts", "2", "--keep", "8", "-q", "-o", "chart.nc"]
+    said(capsys, 0, *chart, "--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8")
+    P = gz.stroboscopic_map(gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4))
+    (orbit,) = gz.periodic_orbits(P.replace(d=0.12), word="001")
+    branch = gz.continuation(P, orbit, "d", (0.09, 0.14))
+    gz.save(branch.dataset, "branch.nc")
+    graze = next(point for point in branch.special if point.type == "gr")
+    gz.save(gz.locus(graze, ("d", "V"), ((0.08, 0.14), (0.1, 0.6))).dataset, "locus.nc")
+    told = said(capsys, 0, "plot", "chart.nc", "--curves", "branch.nc", "--curves", "locus.nc", "-o", "both.svg")
+    assert "written: both.svg" in told
+    drawn = (folder / "both.svg").read_text()
+    assert "<!-- 001 -->" in drawn and "<!-- 001 gr -->" in drawn
+    for other, reason in (
+        ("no.nc", "--curves = no.nc; there is no such file, and periods are written 2,3,5 or 2:7"),
+        ("chart.nc", "no curve can be drawn from this Dataset; give "),
+        (".", "is not empty and holds no sweep"),
+    ):
+        assert reason in said(capsys, 2, "plot", "chart.nc", "--curves", other, "-o", "no.svg")
+    assert "branch.nc is no chart" in said(capsys, 2, "plot", "branch.nc", "--curves", "locus.nc", "-o", "no.svg")
+
+
 def test_curves_that_theory_does_not_know_are_refused_before_the_chart_is_computed(folder, capsys, monkeypatch):
     monkeypatch.setattr("grazing.cli.study.result_of", None)
     line = ["chart", "d=0:0.1:3", "V=0:0.2:4", "--map", "discontinuity", "--curves", "2", "-q", "-o", "a.png"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json as text
 import os
+import re
 import warnings
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +16,8 @@ from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError, in_one_line
 
+#: How periods are written, right or wrong.
+PERIODS = re.compile(r"[-\d,: ]*")
 #: What drawing raises when variables are missing, of another type or form, or hold texts that are no labels.
 MISFIT = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, StopIteration, RecursionError)
 
@@ -35,8 +38,12 @@ def plot(
         ),
     ] = None,
     curves: Annotated[
-        str | None,
-        Parameter(help="Periods whose exact boundary curves are drawn on a chart: 2,3,5 or 2:7.", metavar="LIST"),
+        list[str] | None,
+        Parameter(
+            help="Drawn on a chart: periods, 2,3,5 or 2:7, whose exact boundary curves are meant, or the file of a branch "
+            "or locus; may be repeated.",
+            metavar="LIST|FILE",
+        ),
     ] = None,
     units: Annotated[str | None, Parameter(help=output.UNITS, metavar="LIST")] = None,
     map: OwnMap = None,
@@ -54,7 +61,13 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    result, arguments = with_drawn(result, arguments, curves, file, map, model)
+    stored, periods = told_apart(curves or [])
+    result, arguments = with_drawn(result, arguments, periods, file, map, model)
+    if stored:
+        if output.study_of(result.attrs) != "chart":
+            raise InputError(f"--curves: {file} is no chart; leave it out")
+        exact = [arguments["curves"]] if "curves" in arguments else []
+        arguments["curves"] = [*exact, *(loaded(one) for one in stored)]
     result = output.converted(result, output.checked_units(units))
     try:
         written = [name for path in files for name in output.write(result, path, **arguments)]
@@ -80,6 +93,16 @@ def loaded(file: str | Path) -> Any:
     from grazing.io import load
 
     return load(file)
+
+
+def told_apart(curves: list[str]) -> tuple[list[str], str | None]:
+    """Return the files among what --curves names, and the periods."""
+    periods = [one for one in curves if PERIODS.fullmatch(one)]
+    stored = [one for one in curves if one not in periods]
+    for one in stored:
+        if not os.path.exists(one):
+            raise InputError(f"--curves = {one}; there is no such file, and periods are written 2,3,5 or 2:7")
+    return stored, ",".join(periods) if periods else None
 
 
 def with_drawn(
