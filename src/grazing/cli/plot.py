@@ -40,8 +40,8 @@ def plot(
     curves: Annotated[
         list[str] | None,
         Parameter(
-            help="Drawn on a chart: periods, 2,3,5 or 2:7, whose exact boundary curves are meant, or the file of a branch "
-            "or locus; may be repeated.",
+            help="Drawn on a chart: the exact boundary curves of periods, 2,3,5 or 2:7, or a stored branch or locus; "
+            "may be repeated.",
             metavar="LIST|FILE",
         ),
     ] = None,
