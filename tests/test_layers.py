@@ -14,7 +14,8 @@ SOURCE = Path(__file__).parents[1] / "src"
 # siblings that do not know each other. `grazing` is the public list, which only the top may use.
 LAYERS = (
     ("outcome",),
-    ("parameter", "memory", "paths", "units"),
+    ("memory",),
+    ("parameter", "paths", "units"),
     ("writing",),
     ("kernel", "theory"),
     ("copies",),

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -92,3 +93,28 @@ def test_a_family_that_this_processor_does_not_run_is_refused(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["prepare", "--family", "x86-64-v2"])
     with pytest.raises(SystemExit, match="this processor does not run code for x86-64-v2"):
         prepare.main()
+
+
+def test_two_that_prepare_at_the_same_time_both_end_well(tmp_path, monkeypatch):
+    """The second one begins and ends while the first one is about to give a file its name."""
+    monkeypatch.setattr(prepare, "folder", lambda: tmp_path)
+    names = ["a.nbc", "b.nbc"]
+    replace, inside = Path.replace, []
+
+    def compiled(command, env, **_given):
+        for name in names:
+            (Path(env["GRAZING_CACHE"]) / name).write_text(name)
+        return types.SimpleNamespace(communicate=lambda: ("", ""), returncode=0)
+
+    def meanwhile(self, target):
+        if not inside:
+            inside.append(True)
+            assert prepare.prepared() == 2
+        return replace(self, target)
+
+    monkeypatch.setattr(prepare.subprocess, "Popen", compiled)
+    monkeypatch.setattr(prepare, "stamp", lambda _family: tmp_path / "stamp")
+    monkeypatch.setattr(Path, "replace", meanwhile)
+    assert prepare.prepared() == 2 and inside
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a.nbc", "b.nbc", "stamp"]
+    assert [(tmp_path / name).read_text() for name in names] == names

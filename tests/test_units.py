@@ -86,7 +86,7 @@ def test_heads_of_columns_have_units(rig, tmp_path):
 
 @pytest.mark.parametrize(
     "text", ["", "mm", "1.2.3 mm", "9**9**9", "1 m**9**9**9", "1 (m)", "1 __import__('os')", "1 m; m", "1 " + 300 * "m",
-             "nan m", "1e9999 m", "1 m^99999999", "\x001 m"],
+             "nan m", "1e9999 m", "1 m^99999999", "\x001 m", "2 dB", "2 dBm", "2 m dB", "2 Np", "2 degC"],
 )  # fmt: skip
 def test_a_text_that_is_no_quantity_is_refused(text):
     with pytest.raises(InputError):
@@ -261,6 +261,20 @@ def test_curves_are_laid_over_a_chart_in_its_units(rig):
 def test_units_that_the_result_has_not(rig, units, said):
     with pytest.raises(InputError, match=said):
         in_units(gz.trajectory(rig, (0.0, 0.0), until=0.2), *units)
+
+
+def test_numbers_in_chunks_are_read_when_they_are_asked_for(rig):
+    pytest.importorskip("dask")
+    whole = gz.trajectory(rig, (0.0, 0.0), until=0.2)
+    found = in_units(whole.chunk({"t": 5}), "mm")
+    assert found.u.chunks and xr.testing.assert_identical(found.compute(), in_units(whole, "mm")) is None
+
+
+def test_numbers_beyond_the_memory_are_refused(rig, monkeypatch):
+    found = gz.trajectory(rig, (0.0, 0.0), until=0.2)
+    monkeypatch.setattr("grazing.memory.physical_memory", lambda: 4 * found.u.nbytes - 1)
+    with pytest.raises(InputError, match=r"its numbers would take .* open it in chunks"):
+        in_units(found, "mm")
 
 
 def test_what_has_no_units(rig):

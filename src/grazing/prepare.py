@@ -11,18 +11,21 @@ from __future__ import annotations
 import argparse
 import hashlib
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 from grazing.kernel.disk import others_can_write
 from grazing.kernel.prepared import FAMILIES, folder, machines, own, stamp, used
+from grazing.writing import PARTIAL
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,6 +38,9 @@ if TYPE_CHECKING:
 
 #: The parts of the package that kernels come from.
 SOURCES = ("kernel", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
+
+#: Seconds after which a file that never got its name is rubbish.
+OLD = 3600.0
 
 
 def one_wave() -> None:
@@ -144,16 +150,34 @@ def prepared(family: str = "") -> int:
         kept = {name for names, _error in said for name in names.split()}
         for file in sorted(Path(scratch).glob("*.nbc")):
             kept.add(file.name)
-            new = folder() / f".{file.name}"
-            shutil.copyfile(file, new)
-            new.chmod(0o644)
-            new.replace(folder() / file.name)
+            _put(folder() / file.name, file.read_bytes())
     if not family:  # a wheel holds several families, a checkout what is right for it
-        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*")):
+        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*"), *_left(folder())):
             if file.name not in kept:
-                file.unlink()
-    known.write_text(made_from, encoding="ascii")
+                file.unlink(missing_ok=True)
+    _put(known, made_from.encode("ascii"))
     return len(list(folder().glob("*.nbc")))
+
+
+def _put(file: Path, content: bytes) -> None:
+    """Write a file whole or not at all, under a name of its own until it is: others may be preparing the same."""
+    new = file.with_name(f".{uuid4().hex}.partial")
+    try:
+        new.write_bytes(content)
+        new.chmod(0o644)
+        new.replace(file)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def _left(where: Path) -> list[Path]:
+    """Return what those left behind that were killed an hour ago or longer."""
+    found = []
+    for file in where.glob(".*.partial"):
+        with suppress(OSError):  # it has just got its name
+            if PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > OLD:
+                found.append(file)
+    return found
 
 
 def _made_from(family: str) -> str:

@@ -6,6 +6,7 @@ import re
 from math import pi
 from typing import TYPE_CHECKING, Any
 
+from grazing.memory import refuse_too_large
 from grazing.outcome import InputError, shown
 
 if TYPE_CHECKING:
@@ -76,12 +77,13 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     -------
     xarray.Dataset
         Figures of it and files made from it show these units. Attributes of the whole, such as the parameters, stay
-        in SI units.
+        in SI units. What was opened in chunks, as by ``xarray.open_zarr``, is read and converted when it is asked for.
 
     Raises
     ------
     InputError
-        For units that match nothing in the result, two that match the same variable, or without pint.
+        For units that match nothing in the result, two that match the same variable, without pint, or if the
+        numbers in both units take more than half of the memory.
 
     Examples
     --------
@@ -97,19 +99,27 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     if not isinstance(found, xr.Dataset):
         raise InputError(f"result is {shown(result)}; give a dataset as studies return it")
     mass = found.attrs.get("mass")
-    changed, matched = {}, set()
+    factors, matched = {}, set()
     for name, variable in found.variables.items():
         # a point of a section has a unit for each of its coordinates
         parts = [_fitting(str(name), old, units, mass) for old in _units_of(variable)]
         matched |= {unit for unit, _factor in parts}
         if any(factor != 1.0 for _unit, factor in parts):
-            changed[name] = _scaled(variable, [factor for _unit, factor in parts], ", ".join(unit for unit, _ in parts))
+            factors[name] = parts
     for unit in units:
         if unit not in matched:
             has = sorted({old for one in found.variables.values() for old in _units_of(one)})
             there = f"it has {', '.join(has)}" if has else "it is dimensionless: make the model with Oscillator.from_si"
             raise InputError(f"{shown(unit)} matches nothing in the result; {there}")
-    return found.assign(changed)
+    # the numbers in their own units, and those made of them; what is in chunks is read when it is asked for
+    size = sum(2 * found.variables[name].nbytes for name in factors if found.variables[name].chunks is None)
+    refuse_too_large(size, "take a part of it, or open it in chunks: xarray.open_zarr(store, chunks={})", "its numbers")
+    return found.assign(
+        {
+            name: _scaled(found.variables[name], [factor for _unit, factor in parts], ", ".join(u for u, _ in parts))
+            for name, parts in factors.items()
+        }
+    )
 
 
 def _units_of(variable: xr.Variable) -> list[str]:
@@ -149,7 +159,8 @@ def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variab
         symbol = str(attrs["symbol"]).removesuffix(TURN)
         angular = old == "rad/s" or symbol != attrs["symbol"]
         attrs["symbol"] = symbol + (TURN if angular and _turns(unit) else "")
-    return variable.copy(data=variable.values * factor)._replace(attrs=attrs)
+    numbers = variable.values if variable.chunks is None else variable.data
+    return variable.copy(data=numbers * factor)._replace(attrs=attrs)
 
 
 def _pint(why: str) -> Any:
@@ -190,7 +201,17 @@ def _turns(unit: Any) -> bool:
 def _factor(old: Any, new: str, mass: float | None = None) -> float | None:
     """Return by what numbers in one unit are multiplied to be in another; None if they do not match."""
     target = _pint(new).Unit("") if new == "1" else _unit(new)
-    source = _unit(old) if isinstance(old, str) else target._REGISTRY.Unit(str(old))  # of whatever registry
+    try:
+        source = _unit(old) if isinstance(old, str) else target._REGISTRY.Unit(str(old))  # of whatever registry
+        return _between(source, target, old, new, mass)
+    except InputError:
+        raise
+    except Exception:  # pint has many for units that are no factors of others, such as decibels
+        return None
+
+
+def _between(source: Any, target: Any, old: Any, new: str, mass: float | None) -> float | None:
+    """Return :func:`_factor` of units that pint knows."""
     per_mass = mass is not None and "/kg" in str(old)
     if isinstance(old, str) and "/kg" in old and not per_mass and source != target:
         return None

@@ -224,6 +224,8 @@ def test_what_a_wrong_call_is_told():
         locus(special, ("d", "d"), ranges)
     with pytest.raises(gz.InputError, match="two names and two pairs"):
         locus(special, "d", 3)
+    with pytest.raises(gz.InputError, match="give two names of parameters"):
+        locus(special, ("d", np.array([1.0, 2.0])), ranges)
     with pytest.raises(gz.InputError, match="unknown parameter"):
         locus(special, ("d", "W"), ranges)
     with pytest.raises(gz.InputError, match="outside of"):

@@ -125,6 +125,16 @@ def test_orbits_that_end_at_once_leave_an_empty_raster():
     assert found["count"].sum("x").values.tolist() == [20 * 50, 0]
     with pytest.raises(gz.InputError, match=r"every orbit of a trial ended before its first point; give range=\(low"):
         density(HENON, "a", [50.0], starts=20)
+    with pytest.raises(gz.InputError, match="no range that a double holds"):
+        density(
+            gz.gap_map(lam=0.5, mu=0.184, l=1.469),
+            "lam",
+            [1e154, 1.7e308],
+            starts=1,
+            transient=0,
+            keep=4,
+            box=((0.0, 0.3),),
+        )
 
 
 MEMORY = """
@@ -176,6 +186,7 @@ def test_a_density_of_a_billion_points_stays_below_a_gigabyte():
         (GAP, "mu", {"bins": 2.5}, "bins = 2.5; allowed is a whole number >= 1"),
         (GAP, "mu", {"range": (1.0, 0.0)}, r"range = \(1.0, 0.0\); give \(low, high\), finite, low < high"),
         (GAP, "mu", {"range": (0.0, np.nan)}, r"range = \(0.0, nan\); give \(low, high\), finite"),
+        (GAP, "mu", {"range": (-1e308, 1e308)}, r"range = \(-1e\+308, 1e\+308\); give \(low, high\), finite"),
         (GAP, "mu", {"range": 3}, r"range = 3; give \(low, high\)"),
         (GAP, "mu", {"range": (0.0, 0.0)}, r"range = \(0.0, 0.0\); give \(low, high\)"),
         (gz.Map(lambda s, p: (p.count * s[0],), {"count": 0.5}), "count", {}, "'count' names a dimension or variable"),

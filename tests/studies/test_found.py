@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.cli.found_words import words_of
 from grazing.config.settings import STUDIES
 from grazing.studies.cobweb import cobweb
 from grazing.studies.found import FOUND, found
@@ -120,6 +121,12 @@ def test_letters_of_a_cobweb_are_those_of_its_points():
     said = found("cobweb", result)
     assert said["letters"] == "".join("L" if x <= 0 else "R" for x in result["x"].values[:-1])
     assert said["last"] == result["x"].values[-1] and said["ended"] is None
+
+
+def test_a_cobweb_that_ended_in_the_transient():
+    said = found("cobweb", cobweb(gz.gap_map(lam=1e25, mu=0.2, l=0.1), [0.1], steps=5, transient=30))
+    assert said["range"] is None and said["ended"] is not None
+    assert words_of("cobweb", said)[1] == f"ended at step {said['ended']}"
 
 
 def test_a_graph_tells_where_the_letter_changes_and_how_far_the_reduction_is():

@@ -201,7 +201,25 @@ def object_type(metadata, layout, _prints):
     metadata["mu/zarr.json"]["data_type"] = layout["coords"]["mu"] = "object"
 
 
-BOMBS = [many_files, long_words, wide_words, long_coordinate, wide_type, wide_attribute, wide_attributes, object_type]
+def large_chunks(metadata, layout, _prints):
+    """Seven cells in a chunk of a thousand million."""
+    layout["chunk"] = [10**9]
+    for name in ("points", "mean", "period", "word"):
+        metadata[f"{name}/zarr.json"]["chunk_grid"]["configuration"]["chunk_shape"][0] = 10**9
+    metadata["done/zarr.json"]["shape"] = [1]
+
+
+BOMBS = [
+    large_chunks,
+    many_files,
+    long_words,
+    wide_words,
+    long_coordinate,
+    wide_type,
+    wide_attribute,
+    wide_attributes,
+    object_type,
+]
 ATTACK = """
 import resource, sys, threading
 import numpy as np
@@ -236,6 +254,31 @@ def test_what_a_store_announces_is_not_taken_from_memory(store, tmp_path):
         [sys.executable, "-c", ATTACK, *map(str, stores)], capture_output=True, text=True, timeout=120
     )
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_chunks_larger_than_the_array_are_refused(store):
+    with pytest.raises(gz.InputError, match="its chunks are larger than itself"):
+        gz.load(forged(store, large_chunks))
+
+
+@pytest.mark.parametrize(
+    ("file", "key", "value"),
+    [("zarr.json", "title", "chart"), ("zarr.json", "Conventions", None), ("mean/zarr.json", "units", "mm"),
+     ("mu/zarr.json", "long_name", "time"), ("zarr.json", "grazing_code_sha256", "0"),
+     ("zarr.json", "grazing_made_by", "{}")],
+)  # fmt: skip
+def test_attributes_are_held_to_the_plan(store, file, key, value):
+    """What a result says of its numbers was believed: metres became millimetres, and every hash fitted."""
+
+    def change(metadata, _layout, _prints):
+        metadata[file]["attributes"][key] = value
+
+    forged(store, change)
+    for repair in (False, True):
+        found = sweep.verify(store, plan=plan(7), repair=repair)
+        assert [one.variable for one in found.differences] == [file.removesuffix("/zarr.json")]
+        assert f"its attributes {key} are not those of the plan; begin another store" in str(found)
+    assert not found.ok and not found.mended and not found.missing
 
 
 def test_a_recipe_of_another_sweep_adds_nothing(tmp_path):

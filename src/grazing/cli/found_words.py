@@ -182,7 +182,8 @@ def cobweb_words(found: Found) -> list[str]:
     """Return the letters, the range and the end of an orbit."""
     dots = "..." if found["steps"] > len(found["letters"]) else ""
     said = [f"letters: {found['letters']}{dots}"]
-    said.append(f"{found['coordinate']} {between(found['range'])}; last {short(found['last'])}")
+    if found["range"] is not None:  # else it had ended before the first point
+        said.append(f"{found['coordinate']} {between(found['range'])}; last {short(found['last'])}")
     if found["ended"] is not None:
         said.append(f"ended at step {found['ended']}")
     return [*said, *event_words(found["events"])]

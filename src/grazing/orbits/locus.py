@@ -326,6 +326,8 @@ def locus(
         raise InputError(
             f"names {shown(names)}, bounds {shown(bounds)}; give two names and two pairs (low, high)"
         ) from None
+    if not (isinstance(one, str) and isinstance(other, str)):
+        raise InputError(f"names {shown(names)}; give two names of parameters, such as ('d', 'V')")
     if one == other:
         raise InputError(f"both parameters are {shown(one)}; give two different ones")
     P = special.orbit.map

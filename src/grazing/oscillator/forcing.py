@@ -14,6 +14,8 @@ from grazing.parameter import real
 MOST_HARMONICS = 1000
 #: Angles beyond which a double is too coarse for a phase.
 LATEST = 1e15
+#: Frequencies, and products of an amplitude and its frequency, whose squares a double still holds.
+LOWEST, HIGHEST, STRONGEST = 1e-100, 1e100, 1e150
 TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
 
 
@@ -48,14 +50,20 @@ class Forcing:
     def __post_init__(self) -> None:
         for name in ("omega", "t0", "offset"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
-        if not 1e-100 <= self.omega <= 1e100:
-            raise InputError(f"omega = {self.omega:g}; allowed is 1e-100 <= omega <= 1e100: beyond, numbers overflow")
+        refuse_out_of_range(self.omega)
         if abs(self.t0) * self.omega > LATEST:
             raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {TOO_LATE}")
         for name, values in (("cos", self.cos), ("sin", self.sin)):
             if hasattr(values, "__len__") and len(values) > MOST_HARMONICS:
                 raise InputError(f"{name} has {len(values)} amplitudes; allowed are at most {MOST_HARMONICS}")
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
+        for name, found in (("cos", cos), ("sin", sin)):
+            for j, value in enumerate(found, start=1):
+                most = STRONGEST / max(1.0, j * self.omega)
+                if abs(value) > most:  # flights would be looked at in millions of pieces
+                    raise InputError(
+                        f"{name}{j} = {value:g}; allowed is |{name}{j}| <= {most:g}: beyond, numbers overflow"
+                    )
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
         object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
@@ -65,6 +73,12 @@ class Forcing:
         for name, values in (("cos", self.cos), ("sin", self.sin)):
             said.append(f"{name}=({listed(map(repr, values), 8)}{',' if len(values) == 1 else ''})")
         return f"Forcing({', '.join(said)})"
+
+
+def refuse_out_of_range(omega: float) -> None:
+    """Raise InputError for a frequency whose square no double holds."""
+    if not LOWEST <= omega <= HIGHEST:
+        raise InputError(f"omega = {omega:g}; allowed is {LOWEST:g} <= omega <= 1e100: beyond, numbers overflow")
 
 
 def series_said(force: Any) -> str:

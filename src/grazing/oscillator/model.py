@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from grazing.oscillator.forcing import LATEST, TOO_LATE, Forcing, series_said
+from grazing.oscillator.forcing import LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
@@ -288,6 +288,7 @@ class Oscillator:
         given = {name: magnitude(value, self.describe(name).units, name) for name, value in changes.items()}
         new = updated(self.params, given, "the model")
         if self.base is not None:
+            refuse_out_of_range(new["omega"])  # before forces are divided by its square
             made = self.base.forces(new["alpha"], new["k"], new["omega"])
             for name, value in zip(self.base.made, (x for pair in made for x in pair), strict=True):
                 if name in given and new[name] not in (value, self.params[name]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf, pi, sqrt
 from typing import Any, NamedTuple
 
+from grazing.oscillator.forcing import refuse_out_of_range
 from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, real
 from grazing.units import magnitude
@@ -158,7 +159,9 @@ def _frequency(frequency: Any, omega: Any) -> float:
     if (frequency is None) == (omega is None):
         both = "neither is" if omega is None else "both are"
         raise InputError(f"{both} given; give frequency, in Hz, or omega, in rad/s")
-    return _checked(OMEGA, omega) if frequency is None else 2.0 * pi * _checked(FREQUENCY, frequency)
+    found = _checked(OMEGA, omega) if frequency is None else 2.0 * pi * _checked(FREQUENCY, frequency)
+    refuse_out_of_range(found)  # before forces are divided by its square
+    return found
 
 
 def _amplitudes(values: Any, name: str, units: str) -> tuple[float, ...]:

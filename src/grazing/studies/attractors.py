@@ -47,7 +47,8 @@ def attractors_of(
         left = np.flatnonzero((period == N) & (code == k))
         while left.size:
             first = points[left[0]]
-            near = np.ones(left.size, bool) if N < 1 else (np.abs(points[left] - first) < same).all(axis=1)
+            with np.errstate(invalid="ignore"):  # infinity is near to nothing, not even to itself
+                near = np.ones(left.size, bool) if N < 1 else (np.abs(points[left] - first) < same).all(axis=1)
             near[0] = True
             found.append((Class(N, str(texts[k]), int(near.sum()), first), left[near]))
             left = left[~near]

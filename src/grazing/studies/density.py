@@ -187,7 +187,7 @@ def checked_range(ends: object) -> tuple[float, float]:
         low, high = (float(end) for end in ends)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         raise InputError(wanted) from None
-    if not -np.inf < low < high < np.inf:
+    if not (-np.inf < low < high < np.inf and np.isfinite(high - low)):
         raise InputError(wanted)
     return low, high
 
@@ -208,6 +208,8 @@ def trial_range(runs: Runs, i: int) -> tuple[float, float]:
     if not low <= high:
         raise InputError("every orbit of a trial ended before its first point; give range=(low, high)")
     room = ROOM * (high - low) or 1e-6 * max(abs(high), 1.0)
+    if not np.isfinite((high + room) - (low - room)):
+        raise InputError("the orbits of a trial have no range that a double holds; give range=(low, high)")
     return low - room, high + room
 
 

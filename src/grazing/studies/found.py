@@ -265,7 +265,7 @@ def in_cobweb(result: xr.Dataset) -> Row:
         "coordinate": name,
         "steps": len(letters),
         "letters": "".join(spelled),
-        "range": [float(finite.min()), float(finite.max())],
+        "range": [float(finite.min()), float(finite.max())] if finite.size else None,
         "last": float(x[-1]),
         "ended": int(ended[0]) if ended.size else None,
         "events": events(result["outcome"].values),

@@ -449,6 +449,8 @@ def _spec(own: dict[str, Any], name: str) -> Spec:
     shape, chunk = (tuple(map(int, sizes)) for sizes in (own["shape"], grid["configuration"]["chunk_shape"]))
     dims = tuple(map(str, own.get("dimension_names") or ()))
     attrs, kind = own.get("attributes", {}), str(np.dtype(own["data_type"]))
+    if not isinstance(attrs, dict):
+        raise ValueError("it has no attributes")
     if not len(shape) == len(chunk) == len(dims) or min(shape, default=0) < 0 or min(chunk, default=1) < 1:
         raise ValueError("its shape is none")
     return Spec(dims, shape, chunk, "text" if TEXT in attrs else kind, attrs)
@@ -459,6 +461,8 @@ def _refuse_misfit(spec: Spec, name: str, layout: Layout) -> None:
     grid, n = layout.grid, len(layout.grid.shape)
     if prod(ceil(length / size) for length, size in zip(spec.shape, spec.chunk, strict=True)) > MOST:
         raise ValueError(f"it has more than {MOST} files")
+    if any(size > max(1, length) for length, size in zip(spec.shape, spec.chunk, strict=True)):
+        raise ValueError("its chunks are larger than itself")  # a file is read and written whole
     if name == DONE:
         if (spec.shape, spec.chunk, spec.kind) != (grid.counts, (1,) * n, "uint8"):
             raise ValueError("its shape is not that of the sweep")

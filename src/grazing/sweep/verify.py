@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import partial
@@ -15,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.pool import run_tasks
-from grazing.outcome import InputError, in_one_line, shown
+from grazing.outcome import InputError, in_one_line, listed, shown
 from grazing.parameter import real, whole
 from grazing.studies.plan import Plan, Progress, empty_arrays
-from grazing.sweep.layout import laid_out
+from grazing.sweep.layout import LAYOUT, MADE_BY, RECIPE, laid_out
+from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import locked
+from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import MANIFEST
 from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
 from grazing.sweep.same import refuse_another
@@ -28,11 +31,12 @@ from grazing.sweep.task import computed, plan_from_recipe
 
 #: What a difference names where the record of a chunk is at fault.
 RECORD = "record"
+_NONE = object()
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A variable that is not what the plan says in a chunk (None for a coordinate): which cells, or why unreadable."""
+    """A variable that is not what the plan says in a chunk (None for all of it): which cells, or why unreadable."""
 
     variable: str
     chunk: int | None
@@ -114,8 +118,8 @@ def verify(
     """Hold a store to its manifest and its plan.
 
     Metadata, coordinates and every finished chunk are held to what was written there, which tells what a disk or a
-    hand has changed, exchanged or put back. A random share is computed again and compared bit by bit, which also
-    tells a wrong computation.
+    hand has changed, exchanged or put back. Coordinates, units and all other attributes are held to the plan. A random
+    share of the chunks is computed again and compared bit by bit, which also tells a wrong computation.
 
     Parameters
     ----------
@@ -173,7 +177,8 @@ def verify(
         done = np.flatnonzero(found.done())
         count = min(len(done), max(1, ceil(share * len(done))))
         chosen = np.sort(np.random.default_rng(seed).choice(done, count, replace=False)) if count else done
-        differences = list(_coordinates(found, plan))
+        coordinates = list(_coordinates(found, plan))
+        differences = [*coordinates, *_attributes(found, plan)]
         tasks = [
             partial(_check, plan, found, int(number), bool(again), differences)
             for number, again in zip(done, np.isin(done, chosen), strict=True)
@@ -185,7 +190,7 @@ def verify(
             found.unseal()
         if repair:
             forget_chunks(found, sorted({*range(found.grid.count)} - {*done.tolist()} | {*bad}))
-            mended += mend_coordinates(found, plan, sorted({one.variable for one in differences if one.chunk is None}))
+            mended += mend_coordinates(found, plan, sorted({one.variable for one in coordinates}))
             found.seal_if_complete()
     return Verified(
         len(done), tuple(map(int, chosen)), tuple(differences), repair, tuple(bad), found.path, tuple(mended)
@@ -225,6 +230,27 @@ def _unequal(one: NDArray[Any], other: NDArray[Any], cells: int) -> NDArray[np.b
     """Return which cells differ in any bit; NaN equals the same NaN, and 0 is not -0."""
     bits = (np.ascontiguousarray(array).reshape(cells, -1).view(np.uint8) for array in (one, other))
     return np.asarray((next(bits) != next(bits)).any(axis=1))
+
+
+def _attributes(store: Store, plan: Plan) -> Iterator[Difference]:
+    """Compare what is said of the whole and of each array, such as units: no record of a chunk holds it.
+
+    Other code may say it in other words, and whoever has allowed it knows.
+    """
+    here = made_by(plan)
+    if any(here.get(key) != value for key, value in store.begun_by.items()):
+        return
+    of_all = stored_attrs(plan.document, "", {}) | (
+        {MADE_BY: json.dumps(here, sort_keys=True)} if store.template else {}
+    )
+    pairs: dict[str, tuple[Mapping[str, Any], Mapping[str, Any]]] = {"zarr.json": (of_all, store.attrs)}
+    pairs |= {name: (spec.attrs, store.arrays[name].attrs) for name, spec in laid_out(plan, store.grid)[1].items()}
+    for name, (wanted, there) in pairs.items():
+        own = {RECIPE, LAYOUT, MADE_BY, "coordinates"} - {*wanted} if name == "zarr.json" else set()
+        wrong = [key for key in sorted({*wanted, *there} - own) if wanted.get(key, _NONE) != there.get(key, _NONE)]
+        if wrong:
+            reason = f"its attributes {listed(wrong, 8)} are not those of the plan; begin another store"
+            yield Difference(name, None, (), "", reason)
 
 
 def _coordinates(store: Store, plan: Plan) -> Iterator[Difference]:
