@@ -30,6 +30,7 @@ def all_sorts():
     numbers = tuple(1.0 / (i + 1) for i in range(MANY))
     forcing = gz.Forcing(2.2, cos=numbers, sin=numbers)
     ball = gz.Oscillator(3.0, 1.0, forcing, gz.active(0.8, 0.4))
+    flown = gz.Oscillator(3.0, 1.0, gz.Forcing(2.2, cos=numbers[:200]), gz.active(0.8, 0.4))
     law = gz.reset(lambda v, p: -p.a0 * v, **{f"a{i}": 0.5 for i in range(MANY)})
     names = [f"a{i}" for i in range(MANY)]
     P = gz.Map(_step, params=dict.fromkeys(names, 1.0), coordinates=("x",), box=((0.0, 1.0),), name="map of thousands")
@@ -46,7 +47,7 @@ def all_sorts():
     difference = Difference("u", 1, tuple(range(MANY)), "here", "other bits")
     ends = (0.0, 1.0)
     return {
-        "Forcing": forcing, "Oscillator": ball, "Reset": law, "Map": gz.stroboscopic_map(ball), "own Map": P,
+        "Forcing": forcing, "Oscillator": ball, "Reset": law, "Map": gz.stroboscopic_map(flown), "own Map": P,
         "Orbit": orbit, "Searched": searched, "Orbits": gz.periodic_orbits(gz.gap_map(0.8, 0.5, 1.0), 3),
         "many Orbits": type(gz.periodic_orbits(gz.gap_map(0.8, 0.5, 1.0), 3))(orbits, P, LONG, searched),
         "Special": special, "Meeting": meeting, "Piece": piece,

@@ -412,18 +412,47 @@ def test_what_happened_before_the_rest_is_forgotten():
         assert P.step((u, v), packed(P))[0] == point
 
 
-def test_a_law_that_promises_nothing_is_followed_until_its_speeds_round_to_zero():
-    """As the documentation says: the state is that of completed chatter, the letter a number of impacts."""
+def unpromised(share, law=None, **promise):
+    """Return a model in which a law of one's own chatters, by default one that takes a share of the speed."""
 
     def softer(v, p):
         return -p.share * v
 
-    pressed = gz.pinball(alpha=0.2, k=1.0, omega=1.1, d=-0.4, r=0.25, V=0.0)
-    mute, told = (
-        gz.Oscillator(alpha=0.2, k=1.0, forcing=pressed.forcing, reset=gz.reset(softer, share=0.25, **promise))
-        for promise in ({}, {"contraction": (0.25, float("inf"))})
-    )
-    followed, completed = (gz.stroboscopic_map(m).orbit((0.3, 0.0), 1) for m in (mute, told))
-    assert completed.letters[0] == CHATTER_LETTER
-    assert followed.letters[0] > 400 and followed.outcomes[0] == STUCK
-    assert np.abs(followed.points[-1] - completed.points[-1]).max() < 1e-13
+    forcing = gz.Forcing(omega=1.1, offset=-0.8)
+    return gz.Oscillator(alpha=0.2, k=1.0, forcing=forcing, reset=gz.reset(law or softer, share=share, **promise))
+
+
+@pytest.mark.parametrize("share", [0.25, 0.7])
+def test_a_map_proves_that_a_law_contracts_which_does_not_say_so(share):
+    """As the documentation says: each step is certified, as with the promise; speeds as small as 5e-324 are no rest."""
+    mute, told = unpromised(share), unpromised(share, contraction=(share, math.inf))
+    followed, completed = (gz.stroboscopic_map(m).orbit((0.3, 0.0), 4) for m in (mute, told))
+    assert CHATTER_LETTER in completed.letters and completed.letters.tolist() == followed.letters.tolist()
+    assert completed.outcomes.tolist() == followed.outcomes.tolist() and followed.undecided == 0
+    assert np.abs(followed.points - completed.points).max() < 1e-13
+
+
+@pytest.mark.parametrize("share", [0.25, 0.7])
+def test_a_rest_that_rests_on_no_proof_is_not_called_certified(share):
+    """A trajectory has doubles only; a law that is no arithmetic has no proof, and neither has one that jumps at 0."""
+
+    def rooted(v, p):
+        return p.share * math.sqrt(v * v)
+
+    until = 2 * unpromised(share).period
+    mute = gz.trajectory(unpromised(share), (0.3, 0.0), until=until)
+    told = gz.trajectory(unpromised(share, contraction=(share, math.inf)), (0.3, 0.0), until=until)
+    assert (mute.trust.item(), told.trust.item()) == ("ambiguous", "certified")
+    assert abs(float(mute.u[-1]) - float(told.u[-1])) < 1e-12
+    orbit = gz.stroboscopic_map(unpromised(share, rooted)).orbit((0.3, 0.0), 2)
+    assert orbit.undecided > 0 and (orbit.outcomes & AMBIGUOUS).any()
+
+
+def test_a_law_that_ends_its_sequence_itself_is_certified_without_a_promise():
+    """The dead stop is the law's own, not a speed that rounds to 0."""
+
+    def sticky(v, p):
+        return -p.share * v if v < -1e-3 else 0.0
+
+    flown = gz.trajectory(unpromised(0.5, sticky), (0.3, 0.0), until=8.0)
+    assert flown.trust.item() == "certified" and (flown.v_plus.values == 0.0).any()

@@ -131,6 +131,18 @@ def test_times_never_go_back_and_end_where_they_should(d, until):
     assert flown.t.values[-1] == until
 
 
+@pytest.mark.parametrize("harmonics", [201, 1000])
+def test_more_harmonics_than_can_be_compiled_are_refused_by_name(harmonics):
+    """At once, and not as a fault of the reset law, which is what the compiler would say after minutes."""
+    shaken = gz.Forcing(omega=2.2, offset=0.1, cos=(1.0,) * harmonics)
+    model = gz.Oscillator(alpha=3, k=1, forcing=shaken, reset=gz.newton(0.8))
+    far = gz.wall(0.0, gz.newton(0.8), motion=gz.Forcing(omega=2.2 * harmonics, cos=(0.1,)))
+    moved = gz.Oscillator(alpha=3, k=1, forcing=gz.Forcing(omega=2.2), walls=[far])
+    for asked in (lambda: gz.trajectory(model, (0.1, 0.0)), lambda: gz.stroboscopic_map(moved).step((0.2, 0.0))):
+        with pytest.raises(gz.InputError, match=f"{harmonics} harmonics; flights are compiled for at most 200"):
+            asked()
+
+
 def test_a_trajectory_too_long_to_hold_is_refused_before_it_is_flown():
     with pytest.raises(gz.InputError, match=r"7e\+07 points are more than 2e\+07; choose an earlier end"):
         gz.trajectory(gz.pinball(d=3.0), (0.1, 0.0), until=1e6)

@@ -9,8 +9,11 @@ from typing import Any, NamedTuple
 
 from grazing.kernel.primitives import replaced, unit
 from grazing.oscillator.windows import series, window_edges
+from grazing.outcome import InputError
 
 TWO_PI = 2.0 * pi
+#: Most harmonics of a flight: compiling it takes two minutes then, and with twice as many four times as long.
+MOST_FLOWN = 200
 # 2 pi in pieces of 23 bits and a rest, so that products with whole numbers below 2^30 are exact.
 TWO_PI_1 = float.fromhex("0x1.921fb4p+2")
 TWO_PI_2 = float.fromhex("0x1.4442dp-22")
@@ -115,13 +118,18 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
     Parameters
     ----------
     harmonics : int
-        At least 1.
+        At least 1, at most 200.
     phase : callable
         ``phase(p)``: the time that local time 0 stands for, :func:`section_phase` or :func:`no_phase`.
     max_ratio : float
         The steady response is subtracted while it is smaller than this multiple of what the force can do in one
         period; beyond (k -> 0, resonance) its digits would cancel, and the Duhamel form is used instead.
     """
+    if harmonics > MOST_FLOWN:
+        raise InputError(
+            f"force and walls have {harmonics} harmonics; flights are compiled for at most {MOST_FLOWN}, as compiling "
+            "takes a time that grows with their square: leave the highest ones out"
+        )
     none = (0.0,) * harmonics
     no_edges = (0.0,) * (2 * harmonics + 2)
     head = len(HEAD)

@@ -337,6 +337,16 @@ def chatter_completes(
     return False
 
 
+def beyond_doubles(w: float, t: float, speed: float, kick: float, c: Constants) -> bool:
+    """Return whether a pressed ball hops for less than the spacing of times, by a law of which nothing is known.
+
+    Such hops cannot be followed: times stand still, and in the end speeds lose their digits. ``speed`` is 0 where no
+    contraction is known. A law with a ``kick`` at rest makes hops for ever; its impacts end at the budget, by name.
+    """
+    F, _dF = forcing(t, c)
+    return speed <= 0.0 and kick == 0.0 and w <= -1e-16 * c.T * F
+
+
 @lru_cache(maxsize=256)
 def departure_of(
     law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
@@ -356,7 +366,8 @@ def departure_of(
         ``departure(ball, patience, c) -> (kind, ball, flags)`` for a contact with v <= 0. ``kind`` is FLIES (on, with
         the ball's velocity), LIES (until T) or RELEASED (flies from the ball's time with v = 0). Chatter is completed
         in closed form once the ball leaves slower than ``patience``. A law that jumps within the error of the
-        impact's velocity makes the step ambiguous, and so does a rest that a doubtful zero of F may end.
+        impact's velocity makes the step ambiguous, and so does a rest that a doubtful zero of F may end, or one that
+        is reached by hops too short to be followed, under a law that is not known to contract.
     """
 
     @unit
@@ -397,9 +408,13 @@ def departure_of(
                     t - late, max(w - off, 0.5 * w), end, ratio, speed, c, c.blur
                 ):
                     flags |= AMBIGUOUS
-            if not completes:
+            if not completes and not beyond_doubles(w, t, speed, law(0.0, c.p), c):
                 return FLIES, Ball(t, 0.0, w, i, 0.0, 0.0, launch), flags
-            flags |= CHATTER
+            flags |= CHATTER if completes else AMBIGUOUS
+        elif v < 0.0:  # a dead stop, or a speed that only rounds to 0
+            _ratio, speed = contraction(c.p)
+            if beyond_doubles(-v, t, speed, 0.0, c):
+                flags |= AMBIGUOUS
         flags |= STUCK
         if c.doubtful[i] > 0.0:  # is it released, and when?
             flags |= AMBIGUOUS

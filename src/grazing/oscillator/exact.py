@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from math import inf, isfinite, nan
+from math import floor, inf, isfinite, log2, nan, nextafter
 from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,6 +33,8 @@ BUDGET = 10_000
 FAR = 1e9
 #: Bits to which the state at the end must be known, so that it can be rounded.
 GOOD = 60
+#: Hops of this share of a period, by a law that is not known to contract, are followed no further.
+SHORT = 1e-16
 #: A state that is known to within 2^-TINY and may be 0 is 0.
 TINY = 900
 #: The share of a window at which its sign is looked at.
@@ -157,6 +159,88 @@ class Sure:
 
     def __bool__(self) -> bool:
         return self.compared(0) != 0
+
+
+class Slope:
+    """A number for reset laws with its derivative by the velocity, for all velocities in a ball."""
+
+    __slots__ = ("slope", "value")
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, value: Any, slope: Any) -> None:
+        self.value, self.slope = Sure(value), Sure(slope).ball
+
+    @staticmethod
+    def of(x: Any) -> Slope:
+        """Return a number as one with a derivative."""
+        return x if isinstance(x, Slope) else Slope(x, 0)
+
+    def __neg__(self) -> Slope:
+        return Slope(-self.value, -self.slope)
+
+    def __pos__(self) -> Slope:
+        return self
+
+    def __abs__(self) -> Slope:
+        if self.value.ball <= 0:
+            return -self
+        if self.value.ball >= 0:
+            return self
+        raise Undecided
+
+    def __add__(self, x: Any) -> Slope:
+        other = Slope.of(x)
+        return Slope(self.value + other.value, self.slope + other.slope)
+
+    def __sub__(self, x: Any) -> Slope:
+        return self + -Slope.of(x)
+
+    def __mul__(self, x: Any) -> Slope:
+        other = Slope.of(x)
+        return Slope(self.value * other.value, self.slope * other.value.ball + self.value.ball * other.slope)
+
+    def __truediv__(self, x: Any) -> Slope:
+        other = Slope.of(x)
+        ratio = self.value / other.value
+        return Slope(ratio, (self.slope - ratio.ball * other.slope) / other.value.ball)
+
+    def __pow__(self, x: Any) -> Slope:
+        if not isinstance(x, (int, float)) or x != int(x) or x < 1:
+            raise TypeError("only whole powers have a slope here")
+        return Slope(self.value ** int(x), int(x) * self.value.ball ** (int(x) - 1) * self.slope)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __rsub__(self, x: Any) -> Slope:
+        return Slope.of(x) - self
+
+    def __rtruediv__(self, x: Any) -> Slope:
+        return Slope.of(x) / self
+
+    def __lt__(self, x: Any) -> bool:
+        return self.value < Slope.of(x).value
+
+    def __le__(self, x: Any) -> bool:
+        return self.value <= Slope.of(x).value
+
+    def __gt__(self, x: Any) -> bool:
+        return self.value > Slope.of(x).value
+
+    def __ge__(self, x: Any) -> bool:
+        return self.value >= Slope.of(x).value
+
+    def __eq__(self, x: object) -> bool:
+        return self.value == Slope.of(x).value
+
+    def __bool__(self) -> bool:
+        return bool(self.value)
+
+
+def arb_between(low: float, high: float) -> arb:
+    """Return a ball of all numbers between two, and no others where their half is a power of two."""
+    from flint import arb
+
+    return arb(0.5 * (low + high), 0.5 * (high - low))
 
 
 def rational(x: float) -> fmpq:
@@ -461,6 +545,7 @@ class Wall:
         kind = parameter_tuple(tuple(params))
         self.motion, self.windows, self.reset = motion, windows, reset
         self.p = kind(*(Sure(x) for x in params.values()))
+        self.constants = kind(*(Slope(x, 0) for x in params.values()))
         self.ratio, self.speed = contraction_at(reset, kind(*params.values()))
 
     def answer(self, v: arb) -> arb | None:
@@ -475,6 +560,22 @@ class Wall:
         except Exception as error:  # the law is not ours: whatever it raises, it does not take balls
             raise Beyond from error
         return ball if sign(ball) >= 0 else None
+
+    def contraction(self, w: arb) -> tuple[float, float]:
+        """Return (ratio, speed) of the law near zero speed: as it is declared, else as it is proven for speeds up to w.
+
+        With g(0) = 0 and |g'| <= ratio on [-speed, 0] the law gives at most ratio |v| there. (1, 0) if that is not so.
+        """
+        if self.speed > 0.0:
+            return self.ratio, self.speed
+        speed = 2.0 ** (floor(log2(float(w.upper()))) + 2) if float(w.upper()) > 0.0 else 0.0
+        try:
+            still = Sure(self.reset.law(Sure(0), self.p)).ball
+            steep = Slope.of(self.reset.law(Slope(arb_between(-speed, 0.0), 1), self.constants)).slope
+        except Exception:  # it takes no slopes, or has none there: nothing is known
+            return 1.0, 0.0
+        ratio = nextafter(float(abs(steep).upper()), inf)
+        return (ratio, speed) if still.is_zero() and ratio < 1.0 else (1.0, 0.0)
 
     def leave(self, t: arb, v: arb, i: int) -> tuple[arb, arb, int, int]:
         """Return time, velocity and window after a contact with v <= 0 in window i, and the bits of the outcome.
@@ -494,7 +595,10 @@ class Wall:
             return t, w, i, OK
         flags = STUCK
         if not w.is_zero():
-            if not chatter_completes(t, w, window.end, self.ratio, self.speed, self.motion):
+            ratio, speed = self.contraction(w)
+            if not chatter_completes(t, w, window.end, ratio, speed, self.motion):
+                if self.speed <= 0.0 and w < SHORT * self.motion.T * abs(self.motion.force(t)[0]):
+                    raise Beyond  # hops without an end in sight
                 return t, w, i, OK
             flags |= CHATTER
         return window.end, 0 * t, i + 1, flags

@@ -32,7 +32,8 @@ class Forcing:
     offset : float
         Constant part.
     cos, sin : sequence of float
-        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros.
+        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros. Flights are computed
+        with at most 200, and a new number of harmonics is compiled first: a second for few, two minutes for 200.
 
     Examples
     --------

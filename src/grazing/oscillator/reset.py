@@ -60,7 +60,7 @@ def triggered_contraction(p: Any) -> tuple[float, float]:
 
 
 def no_contraction(p: Any) -> tuple[float, float]:
-    """No contraction is known, so chatter is followed impact by impact."""
+    """Nothing is known: chatter is followed impact by impact, and to call its end a rest takes a proof."""
     return 1.0, 0.0
 
 
@@ -212,7 +212,8 @@ def reset(
         keywords below as fields.
     contraction : (ratio, speed) or callable, optional
         Says that v_plus <= ratio |v_minus| whenever |v_minus| <= speed, with ratio < 1: chatter is then completed
-        in closed form. A callable gets ``p``. Without it chatter is followed impact by impact, up to the budget.
+        in closed form. A callable gets ``p``. Without it chatter is followed impact by impact, and the rest that it
+        leads to is *ambiguous*, unless ball arithmetic proves the contraction.
     **params : float
         Parameters of the law; they become parameters of the model: swept, shown and saved.
 
