@@ -49,6 +49,8 @@ def test_forcing_fills_up_the_shorter_list():
     f = gz.Forcing(omega=1.0, cos=(), sin=(0.0, 2.0))
     assert (f.cos, f.sin) == ((0.0, 0.0), (0.0, 2.0))
     assert gz.Forcing(omega=1.0, cos=(), sin=()).cos == (0.0,)
+    assert gz.Forcing(omega=1.0).cos == gz.Forcing(omega=1.0, sin=()).cos == (1.0,)
+    assert gz.Forcing(omega=1.0, sin=np.array([2.0])).cos == (0.0,)  # nothing is forced that was not named
     assert gz.Forcing(omega=1.0, cos=np.array([1.0, 2.0])).cos == (1.0, 2.0)
 
 

@@ -32,20 +32,21 @@ class Forcing:
     offset : float
         Constant part.
     cos, sin : sequence of float
-        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros. Flights are computed
+        Amplitudes of harmonics 1, 2, ..., at most 1000; the shorter one is filled up with zeros. If neither is given
+        there is one cosine of amplitude 1; sines alone come without cosines. Flights are computed
         with at most 200, and a new number of harmonics is compiled first: a second for few, two minutes for 200.
 
     Examples
     --------
     >>> import grazing as gz
-    >>> gz.Forcing(omega=2.0, cos=(1.0,), sin=(0.0, 0.5)).sin
-    (0.0, 0.5)
+    >>> gz.Forcing(omega=2.0, cos=(1.0,), sin=(0.0, 0.5)).cos
+    (1.0, 0.0)
     """
 
     omega: float
     t0: float = 0.0
     offset: float = 0.0
-    cos: Sequence[float] = (1.0,)
+    cos: Sequence[float] = None  # type: ignore[assignment]  # a sequence afterwards
     sin: Sequence[float] = ()
 
     def __post_init__(self) -> None:
@@ -54,6 +55,8 @@ class Forcing:
         refuse_out_of_range(self.omega)
         if abs(self.t0) * self.omega > LATEST:
             raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {TOO_LATE}")
+        if self.cos is None:
+            object.__setattr__(self, "cos", () if hasattr(self.sin, "__len__") and len(self.sin) else (1.0,))
         for name, values in (("cos", self.cos), ("sin", self.sin)):
             if hasattr(values, "__len__") and len(values) > MOST_HARMONICS:
                 raise InputError(f"{name} has {len(values)} amplitudes; allowed are at most {MOST_HARMONICS}")
