@@ -96,17 +96,15 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     if P.section == "impact":
         start, state = float(orbit.points[0, 0]), (model.sigma, float(orbit.points[0, 1]))
         letters = P.orbit(orbit.points[0], orbit.period).letters
-        N = round((float(orbit.points[0, 0]) - start) / model.period) + int(letters.sum())
+        N, count = int(letters.sum()), orbit.period
+        beyond = 0.5  # the last impact is where the flight would end, or beside it by rounding
     else:
-        start, state, N = (
-            P.params.get("phase", 0.0),
-            (float(orbit.points[0, 0]), float(orbit.points[0, 1])),
-            orbit.period,
-        )
-    path = trajectory(model, state, start=start, until=start + N * model.period, samples=2)
+        start, state = P.params.get("phase", 0.0), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
+        N, count, beyond = orbit.period, None, 0.0
+    path = trajectory(model, state, start=start, until=start + (N + beyond) * model.period, samples=2)
     if path.attrs["grazing_outcome"] & (CHATTER | STUCK):
         raise InputError(f"{orbit!r} comes to rest on the wall; give it as one of gz.stroboscopic_map(model), phase 0")
-    times, incoming, outgoing = path.impact_time.values, path.v_minus.values, path.v_plus.values
+    times, incoming, outgoing = (path[key].values[:count] for key in ("impact_time", "v_minus", "v_plus"))
     shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
     equations = impact_equations(model, (), N if len(times) else 1, incoming)
     nothing = np.empty(0)
