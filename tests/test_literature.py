@@ -40,7 +40,7 @@ def test_each_comment_is_what_its_line_prints(page):
 
 def test_each_paper_has_a_table_and_a_call():
     sections = re.split(r"^## ", read(PAGE), flags=re.MULTILINE)[1:]
-    assert len(sections) == 9
+    assert len(sections) == 10
     for section in sections:
         assert "| theirs | here |" in section and "```python\nimport grazing as gz\n" in section, section[:40]
         assert re.search(r"^    \S.*(=|→).*$", section, re.MULTILINE), section[:40]
@@ -393,6 +393,45 @@ def climb_ends(n, a, b, l):
     """Ends in mu of the orbit L^n R of Jain and Banerjee, where a point next to the border reaches it."""
     S = (1.0 - a**n) / (1.0 - a)
     return sorted([-(a**n) * l / (S + a**n), -(a**n) * l / (S + a**n * (1.0 + b) - 1.0)])
+
+
+@pytest.mark.parametrize(("word", "n"), [("1", 1), ("2", 2)])
+def test_church_and_fortin_print_solutions_of_the_closing_equations(page, word, n):
+    """Each flight meets the table again at its end; what passes through it between is virtual, by its depth."""
+    e, g, tau = 0.8, 9.81, 2.0 * np.pi
+    for o in gz.periodic_orbits(page.P, 1, word=word, virtual=True):
+        hits = o.times, o.incoming + tau * np.cos(tau * o.times)
+        depth = np.inf
+        for t, w, end in zip(*hits, [*o.times[1:], o.times[0] + 1.0], strict=True):
+            after = (1.0 + e) * tau * np.cos(tau * t) - e * w
+            s = np.linspace(0.0, end - t, 20_001)
+            gap = np.sin(tau * t) + after * s - 0.5 * g * s * s - np.sin(tau * (t + s))
+            assert abs(gap[-1]) < 1e-12
+            depth = min(depth, gap.min())
+        assert o.admissible == (depth > -1e-12) and not o.stable
+        assert o.admissible or o.clearance == pytest.approx(depth, abs=1e-7)
+        found = np.stack(hits)
+        if n == 1:
+            angle = np.arccos((1.0 - e) * g / (2.0 * tau * (1.0 + e))) / tau
+            assert found[:, 0] == pytest.approx((angle if o.admissible else 1.0 - angle, -g / 2.0), abs=1e-13)
+    if n == 2:  # the last one, as printed
+        np.testing.assert_allclose(
+            np.add(found.T[::-1], [[0, 0], [1, 0]]),
+            [[0.770007347, -6.373271421], [1.246735567, 1.839916716]],
+            atol=6e-10,
+        )
+
+
+def test_church_and_fortins_orbit_that_the_ball_has_is_proven_to_be_unstable(page):
+    (orbit,) = gz.periodic_orbits(page.P, 1, word="1")
+    proof = gz.certify(orbit)
+    assert (
+        proof.proven
+        and proof.claims["stability"] == "unstable"
+        and orbit.times[0] == pytest.approx(0.236177618990, abs=1e-12)
+    )
+    (same,) = gz.periodic_orbits(gz.impact_map(page.P.model), 1, word="1")  # whose last impact ends the flight
+    assert gz.certify(same).claims == proof.claims
 
 
 @pytest.mark.parametrize(("a", "b", "l"), [(0.5, 0.5, -1.0), (0.7, 0.3, -0.6), (0.5, -0.5, -1.0)])
