@@ -46,8 +46,8 @@ Floats = NDArray[np.float64]
 
 #: A trajectory samples every period; beyond so many points it is refused by name.
 MAX_POINTS = 20_000_000
-#: Bytes of a point, and of a leg beside its points.
-POINT, LEG_SIZE = 64, 800
+#: Bytes of a point, in its leg and joined, and of a leg beside its points.
+POINT, LEG_SIZE = 136, 800
 
 
 def trajectory(
