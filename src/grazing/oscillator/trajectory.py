@@ -148,6 +148,11 @@ def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) ->
         "choose an earlier end or fewer samples per period",
         "the trajectory",
     )
+    refuse_swings(model)
+
+
+def refuse_swings(model: Oscillator | Walled) -> None:
+    """Raise InputError for a free ball that swings more often in a period than can be followed."""
     q2, spread, _l1, _l2 = roots(model.alpha, model.k)
     if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
         raise InputError(describe(TOO_MANY_SWINGS))
