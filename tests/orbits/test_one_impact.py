@@ -294,3 +294,14 @@ def test_what_is_no_period_is_refused(N, said):
 def test_what_is_no_oscillator_is_refused():
     with pytest.raises(gz.InputError, match=r"model is 3; give an oscillator"):
         one_impact_orbits(3, 1)
+
+
+def test_a_ball_that_swings_too_often_is_refused_before_the_search():
+    """It was searched for minutes, swing after swing."""
+    model = gz.Oscillator(0.3, 1e9, gz.Forcing(omega=2.2, offset=0.1), gz.active(0.8, 0.3))
+    for search in (
+        lambda: one_impact_orbits(model, 2),
+        lambda: gz.periodic_orbits(gz.stroboscopic_map(model), word="01", starts=2),
+    ):
+        with pytest.raises(gz.InputError, match="more than 47,000 swings of the free ball"):
+            search()

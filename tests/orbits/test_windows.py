@@ -281,6 +281,8 @@ def test_the_table_says_what_it_holds():
         ({"name": "d", "N": 0}, "N = 0; allowed is a whole number >= 1"),
         ({"name": "d", "N": 2.5}, "N = 2.5; allowed is a whole number >= 1"),
         ({"name": "d", "N": None}, r"N is None; give a whole number from 1 to 1000 or several"),
+        ({"name": "t0", "span": (0.0, 1e200)}, r"t0 = 1e\+200; allowed is \|t0\| <="),
+        ({"name": "k", "span": (1.0, 1e9)}, "more than 47,000 swings of the free ball"),
         ({"name": "d", "span": (1.0, 0.0)}, r"span of d is \(1, 0\); the lower end must come first"),
         ({"name": "d", "span": 3}, r"span is 3; give the pair \(low, high\) of values of d"),
         ({"name": "r", "span": (0.5, 1.5)}, "r = 1.5; allowed is 0 <= r <= 1"),

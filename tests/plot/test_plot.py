@@ -241,6 +241,14 @@ def test_saving(tmp_path):
         plot.save(fig, tmp_path / "none" / "a.png")
 
 
+def test_numbers_that_cannot_be_drawn(tmp_path):
+    fig, (ax,) = plot.panels()
+    ax.plot([0.0, 1.0], [-1.7e308, 1.7e308])
+    with pytest.raises(InputError, match=r"the figure cannot be drawn .* too large or too far apart"):
+        plot.save(fig, tmp_path / "a.png")
+    assert not [*tmp_path.iterdir()]
+
+
 def test_saving_what_a_function_returned(tmp_path):
     P, points = gap_map(0.8, 0.5, 1.0), [-1.0060750571225354, -0.3048600456980284, 0.2561119634415773]
     everything = [

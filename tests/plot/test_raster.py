@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import grazing as gz
 from grazing import plot
 from grazing.plot.raster import edges_of, is_even, ordered, raster, refined
 
@@ -14,6 +15,12 @@ def test_edges_lie_halfway():
     ax.set_xscale("log")
     assert edges_of(np.array([1.0, 10.0, 100.0]), ax.xaxis) == pytest.approx(10.0 ** np.array([-0.5, 0.5, 1.5, 2.5]))
     assert edges_of(np.array([1.0, 3.0]), ax.yaxis).tolist() == [0.0, 2.0, 4.0]
+
+
+@pytest.mark.parametrize("values", [[-1e308, 1.7e308], [1e-250, 1.7e308]])
+def test_values_too_large_for_edges_are_refused(values):
+    with pytest.raises(gz.InputError, match=r"to 1.7e\+308 cannot be drawn: they are too large"):
+        edges_of(np.array(values))
 
 
 def test_values_are_ordered_and_distinct():

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.orbits.touches import MAX_IMPACTS, PATIENCE, SPACING, TOLERANCE, Ruler, ordered, pieces, proven, refined
-from grazing.oscillator.constants import piece_of, roots
-from grazing.oscillator.contact import MAX_SWINGS
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
-from grazing.outcome import TOO_MANY_SWINGS, InputError, describe
+from grazing.oscillator.trajectory import refuse_swings
 from grazing.parameter import checked_box, whole
 
 #: Bytes that a contact time takes while its curve is refined.
@@ -184,7 +182,5 @@ def _checked(model: Any, phase: Any, preimages: Any, points: Any, box: Any) -> t
     orders, number = whole(preimages, "preimages", 0), whole(points, "points", 10)
     size = CONTACT * PATIENCE * float(number)
     refuse_too_large(size, f"reduce points ({number})", "the curve")
-    q2, spread, _l1, _l2 = roots(model.alpha, model.k)
-    if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
-        raise InputError(describe(TOO_MANY_SWINGS))
+    refuse_swings(model)
     return model, time, orders, number, None if box is None else checked_box(box, ("u", "v"))

@@ -25,6 +25,7 @@ from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import law_addresses
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
+from grazing.oscillator.trajectory import refuse_swings
 from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
@@ -69,6 +70,7 @@ class ImpactEquations(FlightEquations):
         self, model: Oscillator, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None
     ) -> None:
         super().__init__(model, names, spans)
+        refuse_swings(model)
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         c = self.constants(self.own)

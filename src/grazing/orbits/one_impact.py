@@ -31,6 +31,7 @@ from grazing.orbits.word import word
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import whole
 
@@ -109,6 +110,8 @@ def one_impact_orbits(model: Oscillator, N: int) -> tuple[OneImpactOrbit, ...]:
     N = whole(N, "N", 1)
     if N > MOST:
         raise InputError(f"N = {N}; allowed is a whole number from 1 to {MOST}")
+    if isinstance(model, Oscillator):
+        refuse_swings(model)
     found: list[OneImpactOrbit] = []
     for family in families(model, N):
         c: Any = constants_of(family.harmonics)(family.kind(*family.row.tolist()))

@@ -20,6 +20,7 @@ from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_periods, unknown, whole
 
@@ -277,6 +278,8 @@ def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
         low, high = parameter.check(low), parameter.check(high)
         if not low < high:
             raise InputError(f"span of {name} is ({low:g}, {high:g}); the lower end must come first")
+        for value in (low, high):  # some are out of range beside the others only
+            refuse_swings(model.replace(**{name: value}))
         return low, high
     value = model.params[name]
     if parameter.high < inf:

@@ -46,8 +46,8 @@ Floats = NDArray[np.float64]
 
 #: A trajectory samples every period; beyond so many points it is refused by name.
 MAX_POINTS = 20_000_000
-#: Bytes of a point, and of a leg beside its points.
-POINT, LEG_SIZE = 64, 800
+#: Bytes of a point, in its leg and joined, and of a leg beside its points.
+POINT, LEG_SIZE = 136, 800
 
 
 def trajectory(
@@ -148,6 +148,11 @@ def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) ->
         "choose an earlier end or fewer samples per period",
         "the trajectory",
     )
+    refuse_swings(model)
+
+
+def refuse_swings(model: Oscillator | Walled) -> None:
+    """Raise InputError for a free ball that swings more often in a period than can be followed."""
     q2, spread, _l1, _l2 = roots(model.alpha, model.k)
     if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
         raise InputError(describe(TOO_MANY_SWINGS))

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.outcome import InputError
 from grazing.plot.style import RC, root
 
 Floats = NDArray[np.float64]
@@ -35,6 +36,11 @@ def edges_of(values: Floats, axis: Any = None) -> Floats:
     -------
     ndarray, shape (n + 1,)
 
+    Raises
+    ------
+    InputError
+        For values around which a double has no edges.
+
     Examples
     --------
     >>> import numpy as np
@@ -42,6 +48,15 @@ def edges_of(values: Floats, axis: Any = None) -> Floats:
     >>> edges_of(np.array([0.0, 1.0, 3.0])).tolist()
     [-0.5, 0.5, 2.0, 4.0]
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        edges = _edges(values, axis)
+        fits = np.isfinite(edges[-1] - edges[0])
+    if not fits:
+        raise InputError(f"values from {values[0]:g} to {values[-1]:g} cannot be drawn: they are too large")
+    return edges
+
+
+def _edges(values: Floats, axis: Any) -> Floats:
     if values.size == 1:
         half = 0.05 * (abs(values[0]) or 1.0)
         return np.array([values[0] - half, values[0] + half])

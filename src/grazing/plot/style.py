@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
 from grazing.plot.drawn import Inline
 from grazing.writing import whole_file
@@ -198,7 +198,7 @@ def rendered(
     Raises
     ------
     InputError
-        For any other kind, or what has no figure.
+        For any other kind, what has no figure, or numbers that cannot be drawn.
     """
     if kind not in FORMATS:
         raise InputError(
@@ -215,8 +215,14 @@ def rendered(
         "svg": {"Title": title, "Creator": software(), "Description": origin, "Date": None},
     }
     out = BytesIO()
-    with styled():
-        figure_of(fig).savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
+    drawn = figure_of(fig)
+    try:
+        with styled(), np.errstate(over="ignore", invalid="ignore"):
+            drawn.savefig(out, format=kind, metadata=fields[kind], dpi=RC["savefig.dpi"])
+    except (ValueError, ArithmeticError) as error:  # axes that a double cannot cut into ticks
+        raise InputError(
+            f"the figure cannot be drawn ({in_one_line(error)}); its numbers are too large or too far apart: draw fewer"
+        ) from error
     return out.getvalue() if kind != "svg" else _NO_XML.sub(b"", out.getvalue())
 
 
