@@ -78,7 +78,7 @@ def test_two_stops_and_a_force_as_a_function_are_told_what_is_possible():
     for sigma in ((-1.0, 1.0), [0.0]):
         with pytest.raises(InputError, match="an oscillator has one wall"):
             gz.Oscillator(alpha=0.1, k=1, forcing=forcing, sigma=sigma, reset=law)
-    with pytest.raises(InputError, match=r"Fourier series.*gz\.Forcing.*rfft"):
+    with pytest.raises(InputError, match=r"Fourier series.*gz\.Forcing.*from_samples"):
         gz.Oscillator(alpha=0.1, k=1, forcing=np.cos, reset=law)
     with pytest.raises(InputError, match=r"one amplitude per harmonic.*Fourier series"):
         gz.Forcing(omega=1.0, cos=np.cos)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import real
+from grazing.parameter import real, whole
 
 #: Harmonics of a forcing: each is two parameters of the model and of every map that is made of it.
 MOST_HARMONICS = 1000
@@ -72,6 +75,68 @@ class Forcing:
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
         object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
 
+    @classmethod
+    def from_samples(cls, samples: Sequence[float], omega: float, harmonics: int, *, t0: float = 0.0) -> Forcing:
+        """Return the Fourier series of a periodic force that is given by its values.
+
+        Parameters
+        ----------
+        samples : array_like, shape (n,)
+            Values at the times j T/n - t0, j = 0, ..., n - 1, of one period T = 2 pi/omega: the value at its end is
+            that at its beginning, and is not given again. At least 3.
+        omega : float
+            Frequency, > 0.
+        harmonics : int
+            How many are kept, at most (n - 1)/2.
+        t0 : float
+            Time shift.
+
+        Returns
+        -------
+        Forcing
+
+        Raises
+        ------
+        InputError
+            For samples that are no list of finite numbers, or more harmonics than they determine.
+
+        Warns
+        -----
+        UserWarning
+            If the series differs from the samples by more than rounding: by how much at most. Beside a jump of the
+            force that does not become less with more harmonics, only narrower.
+
+        Examples
+        --------
+        >>> import grazing as gz, numpy as np
+        >>> t = np.arange(16) / 16.0
+        >>> force = gz.Forcing.from_samples(0.2 + np.cos(2 * np.pi * t), omega=3.0, harmonics=1)
+        >>> round(force.offset, 12), [round(x, 12) for x in force.cos]
+        (0.2, [1.0])
+        """
+        values = np.asarray(samples)
+        if values.ndim != 1 or len(values) < 3 or values.dtype.kind not in "iuf" or not np.isfinite(values).all():
+            raise InputError(
+                f"samples = {shown(samples)}; give the values of the force in one period, at least 3 finite numbers"
+            )
+        most = (len(values) - 1) // 2
+        kept = whole(harmonics, "harmonics", 1)
+        if kept > most:
+            raise InputError(f"harmonics = {kept}; {len(values)} samples determine {most} at most")
+        found = np.fft.rfft(values.astype(np.float64))
+        within = np.zeros_like(found)
+        within[: kept + 1] = found[: kept + 1]
+        error = float(np.abs(values - np.fft.irfft(within, len(values))).max())
+        if error > 1e-12 * float(np.abs(values).max()):
+            warnings.warn(
+                f"{kept} harmonics differ from the samples by up to {error:.2g}, of a force that goes from "
+                f"{values.min():.4g} to {values.max():.4g}" + ("" if kept == most else f"; allowed are up to {most}"),
+                stacklevel=2,
+            )
+        amplitudes = 2.0 / len(values) * found[1 : kept + 1]
+        offset = float(found[0].real) / len(values)
+        return cls(omega, t0, offset, amplitudes.real.tolist(), (-amplitudes.imag).tolist())
+
     def __repr__(self) -> str:
         said = [f"{name}={getattr(self, name)!r}" for name in ("omega", "t0", "offset")]
         for name, values in (("cos", self.cos), ("sin", self.sin)):
@@ -91,7 +156,7 @@ def series_said(force: Any) -> str:
         return "give a gz.Forcing(omega=..., ...)"
     return (
         "a force is a Fourier series here, not a function: give gz.Forcing(omega=..., offset=a0, cos=(a1, ...), "
-        "sin=(b1, ...)) with its coefficients, which numpy.fft.rfft finds from a period of samples"
+        "sin=(b1, ...)) with its coefficients, or gz.Forcing.from_samples(values, omega, harmonics)"
     )
 
 
