@@ -243,6 +243,8 @@ def test_saving(tmp_path):
 
 def test_numbers_that_cannot_be_drawn(tmp_path):
     fig, (ax,) = plot.panels()
+    with pytest.raises(InputError, match="points of the orbit cannot be drawn: they are too large"):
+        plot.cobweb(gap_map(0.013, -0.012, 1.7e308), [0.1, -1.7e308], closed=False)
     ax.plot([0.0, 1.0], [-1.7e308, 1.7e308])
     with pytest.raises(InputError, match=r"the figure cannot be drawn .* too large or too far apart"):
         plot.save(fig, tmp_path / "a.png")

@@ -81,6 +81,21 @@ def test_what_is_damaged_is_repaired_by_computing_it_again(store):
     assert files(store) == before
 
 
+@pytest.mark.parametrize("way", ["repair", "resume"])
+def test_what_a_killed_process_left_anywhere_goes_away(store, way):
+    """Of two at work on a chunk, as after a lock was removed by force, one was killed and the other finished it."""
+    before = files(store)
+    if way == "resume":
+        (store / "done/c/3").unlink()
+    for key in ("points/c/1/0/0", "mu/c/0", "manifest/template", "zarr.json", "mean/zarr.json"):
+        (store / f"{key}.{'ab' * 16}.partial").touch()
+    if way == "repair":
+        sweep.verify(store, plan=plan(7), repair=True)
+    else:
+        sweep.resume(store, plan(7))
+    assert files(store) == before
+
+
 def test_coordinates_are_compared_and_put_back(store):
     before = files(store)
     zarr.open_array(str(store / "mu"), mode="r+")[0] = 0.0

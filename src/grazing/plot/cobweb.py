@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,8 @@ def cobweb(
     graph, x = _drawn(P, points) if isinstance(P, Map) else _stored(P, points)
     closed = isinstance(P, Map) if closed is None else closed
     low, high = float(graph.starts[0]), float(graph.starts[-1])
+    if not isfinite(high - low):
+        raise InputError("the points of the orbit cannot be drawn: they are too large")
     path = np.append(x, x[0]) if closed else x
     corners = np.column_stack([np.repeat(path, 2)[:-1], np.repeat(path, 2)[1:]])
     name = graph.coordinate

@@ -82,6 +82,7 @@ def places_of(points: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     """
     ended = points[np.isfinite(points)]
     low, high = (float(ended.min()), float(ended.max())) if ended.size else (0.0, 0.0)
-    pad = MARGIN * max(high - low, 1e-12)
-    low, high = low - pad, high + pad
-    return np.union1d(np.linspace(low, high, PLACES), np.array([-1e-12, 0.0]) if low < 0.0 < high else [low])
+    with np.errstate(over="ignore", invalid="ignore"):  # points that a double holds, but not how far they are apart
+        pad = MARGIN * max(high - low, 1e-12)
+        low, high = low - pad, high + pad
+        return np.union1d(np.linspace(low, high, PLACES), np.array([-1e-12, 0.0]) if low < 0.0 < high else [low])

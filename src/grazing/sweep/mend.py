@@ -69,7 +69,7 @@ def mend_metadata(path: Path, plan: Plan | None) -> list[str]:
         count = Layout.read(json.loads(template.metadata["zarr.json"])["attributes"][LAYOUT]).grid.count
         read_seal(path, template.identity, count)
     except (OSError, *MISFIT):
-        with _said(path):
+        with said(path):
             clear_way(path, SEAL)
         mended.append(SEAL)
     return mended
@@ -94,8 +94,9 @@ def mend_coordinates(store: Store, plan: Plan, names: Iterable[str]) -> list[str
 
 
 def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
-    """Count chunks as missing, and remove what stands where their files belong."""
-    with _said(store.path):
+    """Count chunks as missing, and remove what stands where their files belong, and what killed processes left."""
+    with said(store.path):
+        store.remove_partials(None)
         for number in numbers:
             clear_way(store.path, store.file(number))  # first of all: from now on the others say nothing
             for key in store.files_of(number):
@@ -103,13 +104,13 @@ def forget_chunks(store: Store, numbers: Iterable[int]) -> None:
 
 
 def _put(path: Path, key: str, content: bytes) -> None:
-    with _said(path):
+    with said(path):
         clear_way(path, key)
         write_file(path, key, content)
 
 
 @contextmanager
-def _said(path: Path) -> Iterator[None]:
+def said(path: Path) -> Iterator[None]:
     """Say in a sentence what the system does not let happen to a store."""
     try:
         yield

@@ -24,6 +24,7 @@ from grazing.sweep.executors import run_on_executor
 from grazing.sweep.grid import Chunk, grid_of
 from grazing.sweep.lock import locked
 from grazing.sweep.manifest import SEAL
+from grazing.sweep.mend import said
 from grazing.sweep.same import refuse_another
 from grazing.sweep.status import Status, status_of
 from grazing.sweep.store import Store, exists, folder_of, open_existing
@@ -229,7 +230,9 @@ def _complete(
         numbers = [int(number) for number in _missing(store, shard)]
         if numbers:
             store.unseal()
-        store.remove_partials(numbers)
+        # everywhere if we are alone: also what another left, whose lock was removed, beside a chunk that is done
+        with said(store.path):
+            store.remove_partials(None if shard is None else numbers)
         note_run(store, _line(shard, executor))
         total, left = (sum(store.grid.size(int(i)) for i in some) for some in (_share(store, shard), numbers))
 

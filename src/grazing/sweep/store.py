@@ -280,18 +280,26 @@ class Store:
             f"make room or put it right, and resume"
         )
 
-    def remove_partials(self, numbers: Iterable[int]) -> None:
-        """Remove what a killed process left beside these chunks; others may be about to finish theirs."""
-        wanted = list(numbers)
-        ours = {key for number in wanted for key in self.files_of(number)} | {SEAL}
-        for name in [*self.layout.variables, DONE, MANIFEST]:
+    def remove_partials(self, numbers: Iterable[int] | None) -> None:
+        """Remove what a killed process left beside these chunks; others may be about to finish theirs.
+
+        None for all that lies anywhere, beside coordinates and metadata, too.
+        """
+        ours = None
+        if numbers is not None:
+            ours = {key for number in list(numbers) for key in self.files_of(number)} | {SEAL}
+        else:
+            for name in os.listdir(self.path):
+                if PARTIAL.fullmatch(name):
+                    remove_file(self.path, name)
+        for name in [*self.layout.variables, *self.layout.coords, DONE, MANIFEST]:
             if os.path.islink(self.path / name):
                 continue
             for folder, _folders, files in os.walk(self.path / name):
                 for file in files:
                     found = PARTIAL.fullmatch(file)
                     where = Path(folder).relative_to(self.path).as_posix()
-                    if found and f"{where}/{found['name']}" in ours:
+                    if found and (ours is None or f"{where}/{found['name']}" in ours):
                         remove_file(self.path, f"{where}/{file}")
 
 
