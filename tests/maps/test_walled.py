@@ -383,3 +383,23 @@ def test_no_dip_is_missed_and_none_invented_on_either_wall(flight, moves):
             if size > 1e-11 and outcome.outcomes[0] & Outcome.ambiguous:
                 wrong.append((flight, size, "ambiguous"))
     assert not wrong and sum(asked) > 2
+
+
+def test_a_start_on_a_moving_wall_is_on_it_whatever_rounding_makes_of_its_place():
+    """The place is a sum of cosines: who adds it up otherwise comes out a unit in the last place inside."""
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        cos, sin, t0, start = rng.normal(size=2), rng.normal(size=2), 1.7, float(rng.uniform(-5, 5))
+        law, moved = gz.newton(0.5), gz.Forcing(omega=1.3, t0=t0, cos=tuple(cos), sin=tuple(sin))
+        angles = 1.3 * np.array([1, 2]) * (start + t0)
+        at = float(0.3 + (cos * np.cos(angles)).sum() + (sin * np.sin(angles)).sum())
+        rate = float((1.3 * np.array([1, 2]) * (sin * np.cos(angles) - cos * np.sin(angles))).sum())
+        weight = gz.Forcing(omega=1.3, offset=-20.0, cos=())
+        for side, pull in (("below", weight), ("above", gz.Forcing(omega=1.3, offset=20.0, cos=()))):
+            m = gz.Oscillator(alpha=0.3, k=0.0, forcing=pull, walls=[gz.wall(0.3, law, motion=moved, side=side)])
+            sign = 1.0 if side == "below" else -1.0
+            for u in (np.nextafter(at, -9.0), at, np.nextafter(at, 9.0)):
+                flown = gz.trajectory(m, (u, rate - sign), start=start, until=start + 0.01, samples=2)
+                step = gz.stroboscopic_map(m, phase=start).orbit((u, rate - sign), 1)
+                assert abs(float(flown.impact_time[0]) - start) < 1e-14
+                assert not step.outcomes[0] & FATAL

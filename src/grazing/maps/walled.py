@@ -22,6 +22,7 @@ from grazing.oscillator.frames import (
     frames_kind,
     frames_of,
     frames_rows,
+    inside_wall,
     plain_frames,
     seen_at_strobe,
     seen_from_strobe,
@@ -68,7 +69,7 @@ def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]
         u, v = state
         J, area, lost = (1.0, 0.0, 0.0, 1.0), 0.0, (NAN, NAN, NAN, NAN, NAN)
         T = c.a.T
-        inside = c.side * (u - c.za) < 0.0 or (c.two and u > c.zb)
+        inside = inside_wall(u, c)
         if inside or not abs(u) < INFINITY or not abs(v) < INFINITY:
             return (NAN, NAN), 0, (INSIDE_WALL if inside else OK), lost, INFINITY, INFINITY
         if T > MAX_SWINGS * c.a.piece:

@@ -92,14 +92,20 @@ def first_contact(ball: Ball, b: bool, c: Frames) -> tuple[bool, bool, Ball, int
     return hit, b, end, flags | said, min(near, low)
 
 
+def inside_wall(u: float, c: Frames) -> bool:
+    """Return whether a state at the strobe is inside a wall, by more than the rounding of a moving wall's place."""
+    return c.side * (u - c.za) < -c.unsure or (c.two and u - c.zb > c.unsure)
+
+
 def seen_from_strobe(u: float, v: float, c: Frames) -> tuple[bool, Ball]:
     """Return the ball of a state at the strobe as a wall sees it, and whether that is the second wall.
 
-    That is the first wall, but for a ball that touches the second one.
+    That is the first wall, but for a ball that touches the second one. A ball within the rounding of a moving wall's
+    place, on its far side, is on the wall.
     """
-    if c.two and u == c.zb:
+    if c.two and u >= c.zb:
         return True, Ball(0.0, 0.0, c.wb - v, 0, 0.0, c.unsure_w, NO_LAUNCH)
-    y = c.side * (u - c.za)
+    y = max(c.side * (u - c.za), 0.0)
     return False, Ball(0.0, y, c.side * (v - c.wa), 0, c.unsure if y != 0.0 else 0.0, c.unsure_w, NO_LAUNCH)
 
 

@@ -264,8 +264,11 @@ class Walled:
 
     def refuse_inside(self, u: float, t: float) -> None:
         """Raise InputError for a ball inside a wall at time t."""
-        for wall, at in zip(self.walls, self.places_at(np.array([t]))[0][:, 0].tolist(), strict=True):
-            if wall.sign * (u - at) < -1e-15 * (self.harmonics * abs(at) + abs(wall.position)):
+        rows = np.array([list(self.params.values())])
+        waves = [float(np.abs(self.waves(j, rows)).sum()) for j in range(len(self.walls))]
+        places = self.places_at(np.array([t]))[0][:, 0].tolist()
+        for wall, at, wave in zip(self.walls, places, waves, strict=True):
+            if wall.sign * (u - at) < -1e-15 * self.harmonics * (wave + abs(wall.position)):
                 allowed = "u >= " if wall.sign > 0.0 else "u <= "
                 raise InputError(
                     f"the ball starts inside wall {wall.name}, which is {wall.side} it: u = {u:g}, the wall is at "
