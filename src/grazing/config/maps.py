@@ -48,8 +48,8 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     section = {"phase": phase["phase"]} if kind in PHASED else {}
     if config.get("model"):
         return {**own_model(config["model"]).params, **section}
-    paper, shape = defaults_of(pinball), defaults_of(Forcing)
-    flight = {name: paper[name] for name in FLIGHT} | {name: list(shape[name]) for name in AMPLITUDES}
+    paper = defaults_of(pinball)
+    flight = {name: paper[name] for name in FLIGHT} | {"cos": list(pinball().forcing.cos), "sin": []}
     known = {**flight, **{name: paper.get(name) for name in law_names(law)}, **section}
     if beyond_pinball(config) is None:
         return known
