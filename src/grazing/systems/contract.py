@@ -220,11 +220,11 @@ class System(ByValue):
 
     def gaps(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Return gap and rate of each surface by its name, in plain Python."""
-        p = parameters(params)
-        return {
-            one.name: _numbers(one.gap, (t, state, p), 2, f"the gap of surface {one.name}", "(h, dh)")
-            for one in self.surfaces
-        }
+        p, found = parameters(params), {}
+        for one in self.surfaces:
+            h, dh = _numbers(one.gap, (t, state, p), 2, f"the gap of surface {one.name}", "(h, dh)")
+            found[one.name] = h, dh
+        return found
 
     def refuse_inside(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface by more than rounding."""
@@ -308,7 +308,7 @@ def _restitution(surface: str, names: list[str]) -> int:
 
 
 def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: str, wanted: str) -> tuple[float, ...]:
-    """Call a user's function in plain Python; return its n numbers (0 for one without a tuple), or say what is wrong."""
+    """Call a user's function in plain Python; return its n numbers (0: one alone), or say what is wrong."""
     try:
         found = function(*args)
     except Exception as error:

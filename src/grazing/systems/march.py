@@ -1,7 +1,8 @@
 """The first contact of a flight with any of several surfaces: no crossing can be jumped over. Proof: docs/march.md.
 
-Of each surface a time is kept up to which the flight is proven free of it. The earliest such time is looked at again,
-which proves more; a surface that the flight surely crosses gives a bracket. What is nearer than rounding is *ambiguous*.
+Of each surface a time is kept up to which the flight is proven free of it. The earliest such time is looked at
+again, which proves more; a surface that the flight surely crosses gives a bracket. What is nearer than rounding is
+*ambiguous*.
 """
 
 from __future__ import annotations

@@ -40,8 +40,8 @@ INFINITY = float("inf")
 CHATTER_IMPACTS, CHATTER_SHARE = 1000, 1e-3
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
-#: Columns of a flight in front of its states: begins, ends, the surface it ends at or -1, rates before and after, flags,
-#: what is broken; then the states at its begin, at its end and just after the impact there.
+#: Columns of a flight in front of its states: begins, ends, the surface it ends at or -1, rates before and after,
+#: flags, what is broken; then the states at its begin, at its end and just after the impact there.
 BEGIN, END, HIT, BEFORE, AFTER, FLAGS, BROKEN, HEAD = range(8)
 NOT_RESOLVED = "chatter not resolved"
 #: What the outcome of a trajectory is called, by the first bit that is set.
