@@ -47,7 +47,7 @@ def period_of(widths: tuple[float, ...], with_tangent: bool, T: Any, *parts: Any
 
     def period(state: Any, p: Any) -> Any:
         t, length = p.phase, 1.0 * duration(p)
-        end, left, impacts, letter, outcome, J, counted = t + length, -1, 0, 0, OK, same, t
+        end, left, impacts, letter, outcome, J, counted = t + length, -1.0, 0, 0, OK, same, t
         while True:
             j, at, flags, _broken = march(t, state, end, left, p)
             outcome |= flags
@@ -68,7 +68,7 @@ def period_of(widths: tuple[float, ...], with_tangent: bool, T: Any, *parts: Any
                 J = product(saltation(j, at, before, after, p), J)
             impacts += 1
             letter = base * letter + j + 1 if impacts <= most else letter
-            t, left, state = at, j, after
+            t, left, state = at, 1.0 * j, after
             if impacts % CHATTER_IMPACTS == 0:
                 if at - counted < CHATTER_SHARE * length or impacts > MAX_IMPACTS:
                     outcome |= TOO_MANY_IMPACTS

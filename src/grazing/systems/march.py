@@ -160,7 +160,7 @@ def _law_of(laws: tuple[Any, ...], zero: tuple[float, ...], i: int = 0) -> Calla
 def march_of(*parts: Any) -> Callable[..., Any]:
     """Return ``march(t0, state, end, left, p) -> (surface, t, flags, broken)``: the first contact after t0, up to end.
 
-    ``left`` is the surface that was just left, which it touches at t0, or -1; ``surface`` is -1 for no contact up to
+    ``left`` is the surface that was just left, which it touches at t0, or -1, as a float; ``surface`` is -1 for no contact up to
     and with ``end``, ``flags`` are bits of an outcome, ``broken`` says what is wrong with a user's functions, or is 0.
     """
     flight, gap, bound, _law, rounding = kernels_of(*parts)
@@ -185,7 +185,7 @@ def march_of(*parts: Any) -> Callable[..., Any]:
         return t
 
     @unit
-    def march(t0: float, state: Any, end: float, left: int, p: Any) -> Any:
+    def march(t0: float, state: Any, end: float, left: float, p: Any) -> Any:
         safe, width, doubt = zero, zero, zero
         for i in range(n):
             safe, width, doubt = replaced(safe, i, t0), replaced(width, i, end - t0), replaced(doubt, i, INFINITY)

@@ -83,7 +83,7 @@ def recorder(kind: type, *parts: Any) -> Callable[..., int]:
     zero = (0.0,) * n
 
     def record(row: Any, now: Any, table: Any, until: float, short: float) -> int:
-        p, t, left, state, count = unpack(row), now[0], int(now[1]), zero, 0
+        p, t, left, state, count = unpack(row), now[0], now[1], zero, 0
         for i in range(n):
             state = replaced(state, i, now[4 + i])
         going = True
@@ -108,7 +108,7 @@ def recorder(kind: type, *parts: Any) -> Callable[..., int]:
             one[0], one[1], one[2], one[3], one[4], one[5], one[6] = t, end, j, rate, away, flags, broken
             for i in range(n):
                 one[HEAD + i], one[HEAD + n + i], one[HEAD + 2 * n + i] = state[i], before[i], after[i]
-            t, left, state = end, j, after
+            t, left, state = end, 1.0 * j, after
             count += 1
         now[0], now[1] = t, left
         for i in range(n):
