@@ -4,7 +4,6 @@ from math import cos, exp, pi, sin, sqrt
 
 import grazing as gz
 
-
 # ---- a ball on a vibrating table, perhaps under a ceiling
 
 

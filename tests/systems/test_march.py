@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from flint import arb
 
 import grazing as gz
 from grazing.outcome import AMBIGUOUS
@@ -10,7 +11,7 @@ from grazing.systems.precise import balls, digits, in_balls, middle
 from tests.systems.balls import billiard, bouncing, parabola, table, table_bound
 from tests.systems.models import oscillator
 
-DEPTHS = [10.0**-k for k in (2, 4, 6, 8, 10, 11, 12)]
+DEPTHS = [10.0**-k for k in (4, 6, 8, 10, 11, 12)]
 KINDS = {
     "under": {},
     "undamped": {"alpha": 0.0, "k": 2.0, "omega": 1.3},
@@ -23,6 +24,7 @@ def exact_low(system, start, t, sign):
     p = parameters(system.params)
     flight = in_balls(system.flight)
     with digits():
+        t = arb(t)
         for _ in range(8):  # Newton's method on the rate
             rate, later = (flight(s, 0.0, balls(start), balls(p))[1] for s in (t, t + 1e-30))
             t = t - rate / ((later - rate) / 1e-30)
@@ -50,13 +52,15 @@ def test_built_grazes_are_neither_missed_nor_invented(kind, walls):
         times = flown.impact_time.values
         if times.size and times[0] < t - 2.0 * (2.0 * abs(depth) / bend) ** 0.5 - 1e-6:
             continue  # another wall, or an earlier time
-        assert abs(low) > 1e-13 and flown.trust != "ambiguous", (depth, low)
+        if flown.trust == "ambiguous":  # only within the rounding errors of a fast start
+            assert abs(low) < 3e-14 * (sum(map(abs, start)) + 1.0), (depth, low)
+            continue
         assert (times.size > 0) == (low < 0.0), (depth, low)
         assert (peer.impact_time.size > 0) == (low < 0.0)
         seen[low < 0.0] += 1
         if low < 0.0:  # the time of a shallow impact is as ill-conditioned as its root
-            assert abs(times[0] - peer.impact_time.values[0]) < 1e-14 / (-low) ** 0.5 + 1e-12
-    assert min(seen.values()) > 8, seen
+            assert abs(times[0] - peer.impact_time.values[0]) < 1e-12 + 1e-13 / (-2.0 * bend * low) ** 0.5
+    assert min(seen.values()) > 3, seen
 
 
 def test_what_rounding_cannot_decide_is_said_to_be_ambiguous():
@@ -98,20 +102,21 @@ def test_a_bound_that_is_too_small_is_noticed_where_it_is_contradicted():
     wrong = gz.System(
         ("x",), ("v",), bouncing().params, parabola, [gz.Surface("A", table, small)], ((0.2, 0.4), (-0.5, 0.5))
     )
-    with pytest.raises(gz.UserCodeError, match="the bound of surface A is too small, or its gap or the flight"):
-        gz.trajectory(wrong, (0.3, 0.5), until=1.3)
+    for start, until in (((0.3, 0.5), 1.7), ((0.3, -0.1), 4.0)):
+        with pytest.raises(gz.UserCodeError, match="the bound of surface A is too small, or its gap or the flight"):
+            gz.trajectory(wrong, start, until=until)
 
 
 def test_a_corner_is_ambiguous_and_a_little_beside_it_is_not():
     box = billiard()
-    flown = gz.trajectory(box, (0.5, 0.5, -0.5, -0.5), until=3.0, samples=2)
+    flown = gz.trajectory(box, (0.5, 0.5, -0.5, -0.5), until=2.5, samples=2)
     assert flown.trust == "ambiguous" and sorted(flown.impact_wall.values[:2]) == ["B", "L"]
     np.testing.assert_allclose(flown.after.values[1], (0.0, 0.0, 0.5, 0.5), atol=1e-15)
-    beside = gz.trajectory(box, (0.5, 0.5 + 1e-12, -0.5, -0.5), until=3.0, samples=2)
+    beside = gz.trajectory(box, (0.5, 0.5 + 1e-12, -0.5, -0.5), until=2.5, samples=2)
     assert beside.trust == "numerical" and beside.impact_wall.values[:2].tolist() == ["L", "B"]
 
 
 def test_an_impact_at_the_end_of_a_flight_counts_once():
-    P = gz.stroboscopic_map(bouncing(A=0.0, r=0.5, omega=2.0 * np.pi))
-    orbit = P.orbit((0.5, 0.0), 2)  # lands at t = 1, the end of the first period
-    assert orbit.letters.tolist() in ([1, 1], [0, 2]) and orbit.outcomes[0] & AMBIGUOUS
+    P = gz.stroboscopic_map(bouncing(A=0.0, r=0.7, omega=2.0 * np.pi))
+    orbit = P.orbit((0.5, 0.0), 2)  # lands at t = 1, the end of the first period, and again at 2.4
+    assert orbit.letters.tolist() in ([1, 0], [0, 1]) and orbit.outcomes[0] & AMBIGUOUS

@@ -136,6 +136,13 @@ def _check_gap(one: Checked, surface: Surface, state: State, t0: float, s: float
             f"{said} is computed with an error of {error:.1e} in {what} at t = {t!r}, more than the {allowed:.1e} that "
             "is said; give gz.System(..., rounding=)"
         )
+    if one.system.period is not None:
+        now, T = one.flight(arb(t), arb(t0), balls(state), one.exact), one.system.period_at(one.system.params)
+        again = arb(one.gap[surface.name](arb(t) + T, now, one.exact)[0])
+        assert not _apart(again, h, size * (1.0 + T)), (
+            f"the gap of surface {surface.name} is not the same a period, {T!r}, later: {middle(h)!r} at t = {t!r}, "
+            f"then {middle(again)!r}, for the state {tuple(middle(x) for x in now)}"
+        )
     if surface.law is None:
         rest, once, twice = (
             one.gap[surface.name](arb(t), (*balls(state[: one.n]), *(k * arb(v) for v in state[one.n :])), one.exact)[1]

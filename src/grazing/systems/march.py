@@ -12,7 +12,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any, NamedTuple
 
-from grazing.kernel.primitives import replaced, unit
+from grazing.kernel.primitives import replaced
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_SWINGS
 from grazing.systems.contract import usual_rounding
 
@@ -168,11 +168,11 @@ def march_of(*parts: Any) -> Callable[..., Any]:
     n = (len(parts) - 3) // 4
     zero = (0.0,) * n
 
-    def landing(j: int, a: float, b: float, t0: float, state: Any, p: Any) -> float:
-        """Return where a gap that falls on [a, b] is 0."""
-        t = a
+    def landing(j: int, a: float, b: float, t: float, level: float, t0: float, state: Any, p: Any) -> float:
+        """Return where a gap comes down to a level in [a, b], beginning at t."""
         for _ in range(ROOTS):
             h, dh = gap(j, t, flight(t, t0, state, p), p)
+            h -= level
             if h > 0.0:
                 a = t
             else:
@@ -185,9 +185,18 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             t = new
         return t
 
-    @unit
+    def consistent(hit: int, t: float, t0: float, state: Any, p: Any, offset: Any) -> bool:
+        """Say whether a flight ends outside of all surfaces: a cheap look at promises that were not kept."""
+        now, found = flight(t, t0, state, p), True
+        for i in range(n):
+            h, dh = gap(i, t, now, p)
+            e, _d = rounding(t, t0, state, now, h, dh, p)
+            if i != hit and h < -MANY * (e + offset[i]):
+                found = False
+        return found
+
     def march(t0: float, state: Any, end: float, left: float, p: Any) -> Any:
-        safe, width, doubt = zero, zero, zero
+        safe, width, doubt, offset = zero, zero, zero, zero
         for i in range(n):
             safe, width, doubt = replaced(safe, i, t0), replaced(width, i, end - t0), replaced(doubt, i, INFINITY)
         hit, best, slack, flags = -1, end, 0.0, OK
@@ -197,6 +206,8 @@ def march_of(*parts: Any) -> Callable[..., Any]:
                 if safe[i] < t:
                     j, t = i, safe[i]
             if t > min(best + slack, end):
+                if flags == OK and not consistent(hit, best, t0, state, p, offset):
+                    return -1, best, BAD_LAW, BOUND_BROKEN
                 return hit, best, flags, 0
             now = flight(t, t0, state, p)
             w = min(width[j], end - t)
@@ -206,6 +217,9 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             if not (abs(h) < INFINITY and abs(dh) < INFINITY and 0.0 <= M < INFINITY and e + d < INFINITY):
                 return hit, t, flags | DIVERGED, 0
             fresh, dipped = left == j and t == t0, False
+            if t == t0 and (fresh or (h < 0.0 and h >= -MANY * e)):
+                offset = replaced(offset, j, abs(h))
+            e += offset[j]
             if h < -e and not fresh:
                 if t == t0 and h < -MANY * e:
                     return j, t, flags | INSIDE_WALL, 0
@@ -225,7 +239,11 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             if sure and t >= end and h <= e:
                 flags |= AMBIGUOUS  # in this flight or at the beginning of the next
             if sure and (reach <= w or (t >= end and h <= 0.0)):
-                at = landing(j, t, t + min(reach, w), t0, state, p)
+                if up < 0.0 and doubt[j] < INFINITY and not dipped:  # back to where it was in doubt, and no deeper
+                    level, _rate = gap(j, doubt[j], flight(doubt[j], t0, state, p), p)
+                    at = landing(j, doubt[j], t, t, min(level, 0.0), t0, state, p)
+                else:
+                    at = landing(j, t, t + min(reach, w), t, 0.0, t0, state, p)
                 late = (e + d * reach) / max(-rate, d) + 2.0 * EPS * abs(t)
                 if at + late >= end or (hit >= 0 and abs(at - best) <= late + slack):
                     flags |= AMBIGUOUS  # in which flight, or which of two surfaces first
@@ -249,6 +267,10 @@ def march_of(*parts: Any) -> Callable[..., Any]:
                 width, doubt = replaced(width, j, 4.0 * w), replaced(doubt, j, INFINITY)
                 continue
             if (step < LEAST * least and low < e) or not t + step > t:
+                if sure:  # it comes down at the very end of the flight, so that one looks there once more
+                    flags |= AMBIGUOUS
+                    safe = replaced(safe, j, end if t < end else INFINITY)
+                    continue
                 flags |= GRAZE | AMBIGUOUS
                 step = max(least, 4.0 * EPS * abs(t))
                 doubt = replaced(doubt, j, t)

@@ -27,9 +27,9 @@ from grazing.outcome import (
     UserCodeError,
     shown,
 )
-from grazing.parameter import parameter_tuple, real
+from grazing.parameter import parameter_tuple, parameters, real
 from grazing.systems.contract import System
-from grazing.systems.march import LAW_BROKEN, kernels_of, march_of
+from grazing.systems.march import BOUND_BROKEN, LAW_BROKEN, kernels_of, march_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,7 +99,7 @@ def recorder(kind: type, *parts: Any) -> Callable[..., int]:
                 before, after, rate, away, said = impact(j, end, t, state, p)
                 now[2] += 1.0
                 if said:
-                    flags, broken, going = flags | said, LAW_BROKEN, False
+                    flags, broken, going = flags | said, BOUND_BROKEN if rate > 0.0 else LAW_BROKEN, False
                 elif int(now[2]) % CHATTER_IMPACTS == 0:
                     if end - now[3] < short:
                         flags, going = flags | TOO_MANY_IMPACTS, False
@@ -160,7 +160,12 @@ def flights_of(system: System, state: tuple[float, ...], start: float, until: fl
 
 
 def _broken(system: System, flight: Floats) -> str:
-    n, surface = len(system.coordinates), system.surfaces[int(flight[HIT])]
+    n, surface = len(system.coordinates), system.surfaces[max(int(flight[HIT]), 0)]
+    if flight[HIT] < 0.0:
+        now = system.flight(float(flight[END]), float(flight[BEGIN]), tuple(flight[HEAD : HEAD + n].tolist()),
+                            parameters(system.params))  # fmt: skip
+        gaps = system.gaps(float(flight[END]), now, system.params)
+        surface = min(system.surfaces, key=lambda one: gaps[one.name][0])
     if flight[BROKEN] == LAW_BROKEN:
         before, after = (tuple(flight[HEAD + k * n : HEAD + (k + 1) * n].tolist()) for k in (1, 2))
         return (
@@ -169,8 +174,8 @@ def _broken(system: System, flight: Floats) -> str:
         )
     return (
         f"the bound of surface {surface.name} is too small, or its gap or the flight are wrong: in the flight from "
-        f"{tuple(flight[HEAD : HEAD + n].tolist())} at t = {flight[BEGIN]:g} the gap is negative at t = "
-        f"{flight[END]:g}, where it cannot be; gz.testing.check_system looks for the reason"
+        f"{tuple(flight[HEAD : HEAD + n].tolist())} at t = {flight[BEGIN]:g} the gap at t = "
+        f"{flight[END]:g} cannot be what it is; gz.testing.check_system looks for the reason"
     )
 
 
