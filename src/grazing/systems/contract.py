@@ -131,7 +131,7 @@ class System(ByValue):
     >>> floor = gz.Surface("A", gap, bound)
     >>> ball = gz.System(("x",), ("v",), {"g": 1.0, "r": 0.5}, flight, [floor], box=((0.5, 1.0), (-1.0, 1.0)))
     >>> gz.trajectory(ball, (0.5, 0.0), until=2.6).impact_time.values
-    array([1., 2., 2.5])
+    array([1. , 2. , 2.5])
     """
 
     positions: Sequence[str]
