@@ -18,6 +18,7 @@ PAGE = Path(__file__).with_name("api.md")
 #: Part of the package -> heading; a part that is not listed comes last under its own name.
 HEADINGS = {
     "oscillator": "Models and trajectories",
+    "systems": "Systems of your own",
     "signals": "Signals",
     "maps": "Maps",
     "studies": "Studies",

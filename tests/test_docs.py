@@ -239,6 +239,15 @@ def test_example_ladder(tmp_path):
     assert orders and 0.0 < same <= 1.0
 
 
+def test_example_bouncing_ball(tmp_path):
+    doubling, exact = example("bouncing_ball", tmp_path, "--values", "12")
+    assert abs(doubling - exact) < 1e-9
+
+
+def test_example_gear_rattle(tmp_path):
+    assert example("gear_rattle", tmp_path, "--values", "12") > 0.5
+
+
 def test_example_own_reset_law():
     seen = load(ROOT / "examples" / "own_reset_law.py").main()
     assert [sum(letters) for letters in seen.values()] == [3, 3, 4]

@@ -19,6 +19,7 @@ LAYERS = (
     ("writing",),
     ("kernel", "theory"),
     ("copies",),
+    ("systems",),
     ("oscillator",),
     ("maps", "signals"),
     ("orbits",),
@@ -60,7 +61,7 @@ OWNERS = {
 FORBIDDEN = {"cli": {"numpy", "scipy"}}
 # Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
 # hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
-BARE_NAMES = {"kernel", "theory", "oscillator", "maps"}
+BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "maps"}
 
 
 def module_name(file: Path, source: Path) -> str:

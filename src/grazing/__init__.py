@@ -28,6 +28,8 @@ _PUBLIC = {
     "reset": "oscillator.reset",
     "triggered": "oscillator.reset",
     "wall": "oscillator.wall",
+    "Surface": "systems.contract",
+    "System": "systems.contract",
     "trajectory": "oscillator.trajectory",
     "Map": "maps.map",
     "gap_map": "maps.gap",
@@ -169,6 +171,8 @@ if TYPE_CHECKING:
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
     from grazing.studies.zero_one import zero_one as zero_one
+    from grazing.systems.contract import Surface as Surface
+    from grazing.systems.contract import System as System
     from grazing.units import in_units as in_units
 
 

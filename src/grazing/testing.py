@@ -23,6 +23,8 @@ from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, GRAZE, STUCK, InputError, UserCodeError, shown, told
 from grazing.parameter import parameters, whole
 from grazing.studies.starts import checked_seed
+from grazing.systems.check import check
+from grazing.systems.contract import System
 
 #: Outcomes at which a map need not be smooth.
 _ROUGH = FATAL | AMBIGUOUS | GRAZE | STUCK
@@ -119,6 +121,48 @@ def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: in
             error = float(np.abs(end - orbit.points[-1]).max())
             assert error <= 1e-13 * grown, f"{said}: trajectory and stroboscopic map differ by {error:.1e}"
             _check_returns(model, Q, flown, said)
+
+
+def check_system(system: System, states: int = 8, seed: int = 0) -> None:
+    """Hold a system of your own to what its functions promise.
+
+    Parameters
+    ----------
+    system : System
+    states : int
+        Random states of its box that are tried.
+    seed : int
+
+    Raises
+    ------
+    AssertionError
+        Names the promise, with a counterexample. The promises, in ball arithmetic of 500 bits: a flight is made of its
+        halves, velocities are the rates of positions, and all repeats itself after the period; ``dh`` is the rate of
+        the gap; abs(h'') is within the bound at many places of random intervals; gap and rate are computed with no more
+        than the errors that are said. A dense search finds no impact that was missed, laws leave the surface and do not
+        move away from it, and near grazes, built on purpose, none is missed or invented.
+    UserCodeError
+        For a function that raises, or cannot work in ball arithmetic.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> def flight(t, t0, state, p):
+    ...     x, v = state
+    ...     return x + v * (t - t0), v
+    >>> def gap(t, state, p):
+    ...     return 1.0 - state[0], state[1]
+    >>> def bound(t, w, state, p):
+    ...     return 0.0
+    >>> wall = gz.Surface("A", gap, bound)
+    >>> wrong = gz.System(("x",), ("v",), {"r": 1.0}, flight, [wall], box=((0.0, 1.0), (0.5, 1.0)))
+    >>> gz.testing.check_system(wrong)
+    Traceback (most recent call last):
+    AssertionError: along the flight from ... the gap of surface A changes at -0.63..., but says dh = 0.63...
+    """
+    if not isinstance(system, System):
+        raise InputError(f"system is {shown(system)}; give a gz.System, models go to check_model and maps to check_map")
+    check(system, whole(states, "states", 1), checked_seed(seed))
 
 
 def _starts(P: Map, n: int, seed: int) -> NDArray[np.float64]:

@@ -33,6 +33,15 @@ def things():
     return types.SimpleNamespace(
         saddle=gz.one_impact_orbits(gz.pinball(d=0.105, V=0.4), 2)[-1],
         G=G,
+        ball=gz.System(
+            ("x",),
+            ("v",),
+            {"g": 1.0, "r": 0.5},
+            falling,
+            [gz.Surface("A", fallen, gravity)],
+            ((0.1, 1.0), (-1.0, 1.0)),
+            period=1.0,
+        ),
         m=m,
         P=P,
         Q=gz.impact_map(m),
@@ -49,6 +58,19 @@ def things():
 
 def step(x, p):
     return (p.a * x[0] * (1.0 - x[0]),)
+
+
+def falling(t, t0, state, p):
+    s = t - t0
+    return state[0] + (state[1] - 0.5 * p.g * s) * s, state[1] - p.g * s
+
+
+def fallen(t, state, p):
+    return state[0], state[1]
+
+
+def gravity(t, w, state, p):
+    return abs(p.g)
 
 
 def soft(v, p):
@@ -70,6 +92,22 @@ def calls():
         "newton": dict(r=0.5),
         "triggered": dict(r=0.5, V=0.4, trigger=0.1),
         "wall": dict(position=-0.5, law=gz.newton(0.5), side="below", motion=gz.Forcing(omega=2.0), name="A"),
+        "Surface": dict(name="A", gap=fallen, bound=gravity, law=None),
+        "System": dict(
+            positions=("x",),
+            velocities=("v",),
+            params={"g": 1.0, "r": 0.5},
+            flight=falling,
+            surfaces=[gz.Surface("A", fallen, gravity)],
+            box=((0.1, 1.0), (-1.0, 1.0)),
+            period=1.0,
+            rounding=None,
+            name="ball",
+        ),
+        "System.replace": dict(self=t.ball, g=0.5, r=0.2),
+        "testing.check_system": dict(system=t.ball, states=1, seed=0),
+        "trajectory, system": dict(model=t.ball, state=(0.5, 0.0), start=0.0, until=2.5, samples=10),
+        "stroboscopic_map, system": dict(model=t.ball, phase=0.0),
         "reset": dict(law=soft, contraction=(0.9, 1.0), r=0.8, c=0.1),
         "pinball": dict(alpha=0.3, k=1.0, omega=2.0, t0=0.0, d=0.1, r=0.8, V=0.4, sigma=0.0),
         "gap_map": dict(lam=0.5, mu=0.1, l=0.2),

@@ -1,4 +1,4 @@
-"""Letters of a step between two walls: the walls that are hit in it, in order."""
+"""Letters of a step between walls: the walls that are hit in it, in order."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from grazing.outcome import InputError, shown
 
-#: Impacts that a letter can tell apart, and what stands for more: 3**19 is below 2**31.
+#: Impacts between two walls that a letter can tell apart, and what stands for more: 3**19 is below 2**31.
 MOST = 19
 MANY = -5
 #: Codes of chatter that was completed at the first wall, and of a ball that lay there throughout; for the second wall
@@ -15,17 +15,33 @@ MANY = -5
 CHATTER, LAY = -1, -2
 
 
+def most_of(walls: int) -> int:
+    """Return how many impacts a letter can tell apart: digits to base walls + 1, below 2**31.
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import most_of
+    >>> most_of(2), most_of(3), most_of(12)
+    (19, 15, 8)
+    """
+    count = 0
+    while (walls + 1) ** (count + 1) < 2**31:
+        count += 1
+    return count
+
+
 @dataclass(frozen=True, slots=True)
 class Hits:
-    """The alphabet of a map between two walls.
+    """The alphabet of a map between walls.
 
     A letter is the walls hit in the step, in order: ``0`` for none, ``A``, ``B``, and several in parentheses, ``(AB)``.
-    ``(CA)`` is chatter completed at A, ``(SA)`` a ball that lay on A throughout, ``(more)`` are more than 19 impacts.
+    ``(more)`` are more impacts than a letter can tell apart: 19 between two walls. Between two, ``(CA)`` is chatter
+    completed at A, ``(SA)`` a ball that lay on A throughout.
 
     Parameters
     ----------
     names : str
-        Of the walls, from below: one letter each.
+        Of the walls, from below or in their order: one letter each.
 
     Examples
     --------
@@ -39,17 +55,36 @@ class Hits:
     _symbols: re.Pattern[str] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        names = re.escape(self.names)
-        object.__setattr__(self, "_symbols", re.compile(rf"0|[{names}]|\(([CS][{names}]|[{names}]{{2,{MOST}}}|more)\)"))
+        names, rests = re.escape(self.names), rf"[CS][{re.escape(self.names)}]|" if self.rests else ""
+        several = rf"[{names}]{{2,{self.most}}}"
+        object.__setattr__(self, "_symbols", re.compile(rf"0|[{names}]|\(({rests}{several}|more)\)"))
 
     def __str__(self) -> str:
         return self.names
 
     @property
+    def base(self) -> int:
+        """Of the digits in a code."""
+        return len(self.names) + 1
+
+    @property
+    def most(self) -> int:
+        """Impacts that a letter can tell apart."""
+        return most_of(len(self.names))
+
+    @property
+    def rests(self) -> bool:
+        """Whether there are letters for completed chatter and for rest."""
+        return len(self.names) == 2
+
+    @property
     def special(self) -> dict[int, str]:
         """What letters mean that are no impacts in order, by their codes."""
+        many = {MANY: f"more_than_{self.most}_impacts"}
+        if not self.rests:
+            return many
         return {
-            MANY: f"more_than_{MOST}_impacts",
+            **many,
             **{CHATTER - 2 * j: f"completed_chatter_at_{name}" for j, name in enumerate(self.names)},
             **{LAY - 2 * j: f"stuck_throughout_on_{name}" for j, name in enumerate(self.names)},
         }
@@ -58,15 +93,15 @@ class Hits:
         """Return what stands for a letter in a word."""
         if letter == MANY:
             return "(more)"
-        if MANY < letter < 0:
+        if MANY < letter < 0 and self.rests:
             return f"({'CS'[(-letter - 1) % 2]}{self.names[(-letter - 1) // 2]})"
         found, left = "", letter
         while left > 0:
-            left, digit = divmod(left, 3)
+            left, digit = divmod(left, self.base)
             if digit == 0:
                 break
             found = self.names[digit - 1] + found
-        if left or letter < MANY or len(found) > MOST:
+        if left or letter < 0 or len(found) > self.most:
             raise InputError(f"letter {letter} has no symbol between the walls {' and '.join(self.names)}")
         return found if len(found) == 1 else (f"({found})" if found else "0")
 
@@ -74,11 +109,11 @@ class Hits:
         """Return the letter that stands at a position of a text, and where the next one begins."""
         found = self._symbols.match(text, position)
         if found is None:
-            low, high = self.names[0], self.names[1]
+            rests = [f"({kind}{name})" for name in self.names for kind in "CS"] if self.rests else ["(more)"]
             raise InputError(
-                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are 0, {low}, "
-                f"{high}, several impacts of one period such as ({low}{high}), and (C{low}), (S{low}), (C{high}), "
-                f"(S{high})"
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{', '.join(['0', *self.names])}, several impacts of one period such as ({self.names[:2]}), and "
+                f"{', '.join(rests)}"
             )
         inside = found[1] or found[0]
         if inside == "more":
@@ -87,5 +122,5 @@ class Hits:
             return -1 - "CS".index(inside[0]) - 2 * self.names.index(inside[1]), found.end()
         letter = 0
         for name in inside if inside != "0" else "":
-            letter = 3 * letter + 1 + self.names.index(name)
+            letter = self.base * letter + 1 + self.names.index(name)
         return letter, found.end()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
+from grazing.maps.of_system import map_of_system
 from grazing.maps.period import period_of, periods_passed
 from grazing.maps.settle import Settled
 from grazing.maps.starting import boxes_at, strobe_box
@@ -23,6 +24,7 @@ from grazing.oscillator.pointed import POINTED, pointed_derivative
 from grazing.oscillator.walled import Walled
 from grazing.outcome import CHATTER, InputError, told
 from grazing.parameter import parameter_tuple, parameters
+from grazing.systems.contract import System
 
 INFINITY = float("inf")
 Floats = NDArray[np.float64]
@@ -79,13 +81,13 @@ def above_wall(state: Any, params: Any) -> None:
         )
 
 
-def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Oscillator | System, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters
     ----------
-    model : Oscillator
-        Any model, such as :func:`grazing.pinball`.
+    model : Oscillator or System
+        Any model, such as :func:`grazing.pinball`; or a system of your own that has a period.
     phase : float
         Time of the section, from t = 0; any finite number, taken modulo the period.
 
@@ -93,7 +95,8 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     -------
     Map
         State (u, v) at times phase + nT, after an impact there if there is one. Letters count the impacts in
-        (nT, (n+1)T]; C is completed chatter, S a ball at rest throughout.
+        (nT, (n+1)T]; C is completed chatter, S a ball at rest throughout. Of several walls or surfaces they name
+        those that are hit, in order. The state of a system of your own are its coordinates.
 
     Examples
     --------
@@ -103,6 +106,8 @@ def stroboscopic_map(model: Oscillator, phase: float = 0.0) -> Map:
     >>> orbit.letters[-6:].tolist()
     [1, 0, 0, 1, 0, 0]
     """
+    if isinstance(model, System):
+        return map_of_system(model, phase)
     if isinstance(model, Walled):
         return walled_map(model, checked_phase(model, phase))
     checked_model(model)

@@ -38,6 +38,8 @@ from grazing.outcome import (
     shown,
 )
 from grazing.parameter import real, whole
+from grazing.systems.contract import System
+from grazing.systems.trajectory import system_trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +53,7 @@ POINT, LEG_SIZE = 136, 800
 
 
 def trajectory(
-    model: Oscillator,
+    model: Oscillator | System,
     state: ArrayLike,
     start: float = 0.0,
     until: float = 50.0,
@@ -61,10 +63,11 @@ def trajectory(
 
     Parameters
     ----------
-    model : Oscillator
-        Also one with several walls.
+    model : Oscillator or System
+        Also one with several walls; or a system of your own.
     state : array_like, shape (2,)
-        (u, v) at time ``start``, u >= sigma. At u = sigma with v < 0 the ball is hit at once.
+        (u, v) at time ``start``, u >= sigma. At u = sigma with v < 0 the ball is hit at once. Of a system of your own
+        its coordinates, all gaps being >= 0.
     start, until : float
         Time interval, until > start.
     samples : int
@@ -77,7 +80,10 @@ def trajectory(
         ``u``, ``v`` on ``t``; ``impact_time``, ``v_minus``, ``v_plus`` on ``impact``; ``wall``, where it is;
         ``trust``, one word: *certified* (right for the state at each ``start`` + nT, as in the stroboscopic map) or
         *ambiguous*. Chatter is listed down to 1e-6 of the fastest departure since the last strobe or rest
-        and then completed.
+        and then completed. Of a system of your own: its coordinates on ``t``; the rates of the gap ``v_minus`` and
+        ``v_plus``, ``impact_wall`` and the states ``before`` and ``after`` on ``impact``; the attribute ``outcome``, a
+        word: *ok*, *grazing*, *chatter not resolved* (1000 impacts within a thousandth of a period; the trajectory
+        ends there), *diverged*; *certified* only where it says how its gaps are rounded, else *numerical*.
 
     Raises
     ------
@@ -95,13 +101,15 @@ def trajectory(
     """
     import xarray as xr
 
-    if not isinstance(model, Walled):
+    if not isinstance(model, Walled | System):
         checked_model(model)
     start = real(start, "start", "a finite time is allowed")
     until = real(until, "until", "a finite time is allowed")
     samples = whole(samples, "samples", 2)
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
+    if isinstance(model, System):
+        return system_trajectory(model, state, start, until, samples)
     u, v = two_numbers(state)
     _refuse_too_much(model, (until - start) / model.period * samples, samples)
     if isinstance(model, Walled):

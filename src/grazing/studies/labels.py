@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import processor
 from grazing.kernel.content import digest
-from grazing.maps.hits import MOST, Hits
+from grazing.maps.hits import Hits
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
 
@@ -54,7 +54,7 @@ def word_attributes() -> Attributes:
 
 def longest_word(limit: int, symbols: str | Hits | None = None) -> int:
     """Return how many characters a word of so many letters may take: a count is at most 10,001, in parentheses."""
-    return (MOST + 2 if isinstance(symbols, Hits) else 7) * max(limit, 1)
+    return (symbols.most + 2 if isinstance(symbols, Hits) else 7) * max(limit, 1)
 
 
 def letter_attributes(P: Map) -> Attributes:
@@ -66,8 +66,8 @@ def letter_attributes(P: Map) -> Attributes:
     if isinstance(P.letters, Hits):
         codes = np.array(sorted(P.letters.special), np.int32)
         meanings = " ".join(P.letters.special[code] for code in codes.tolist())
-        first, second = P.letters.names[0], P.letters.names[1]
-        said = f"letter of the step: the walls that are hit, in order, as digits to base 3: {first} is 1, {second} is 2"
+        digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(P.letters.names, start=1))
+        said = f"letter of the step: the walls that are hit, in order, as digits to base {P.letters.base}: {digits}"
         return {"long_name": said, "flag_values": codes, "flag_meanings": meanings}
     codes = np.arange(len(P.letters), dtype=np.int32)
     return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(P.letters)}
