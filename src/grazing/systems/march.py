@@ -242,6 +242,8 @@ def march_of(*parts: Any) -> Callable[..., Any]:
                 if up < 0.0 and doubt[j] < INFINITY and not dipped:  # back to where it was in doubt, and no deeper
                     level, _rate = gap(j, doubt[j], flight(doubt[j], t0, state, p), p)
                     at = landing(j, doubt[j], t, t, min(level, 0.0), t0, state, p)
+                    _level, falls = gap(j, at, flight(at, t0, state, p), p)
+                    at = at if falls < 0.0 else t  # a law is asked only where it comes down
                 else:
                     at = landing(j, t, t + min(reach, w), t, 0.0, t0, state, p)
                 late = (e + d * reach) / max(-rate, d) + 2.0 * EPS * abs(t)
