@@ -14,6 +14,7 @@ import pytest
 import grazing as gz
 from grazing.copies import alike
 from grazing.orbits.one_impact import one_impact_orbits
+from tests.systems.balls import bouncing
 
 
 def soft(v, p):
@@ -59,6 +60,11 @@ def maps():
         yield f"strobe, {name}", gz.stroboscopic_map(model)
 
 
+def systems():
+    yield "system", bouncing(height=0.7)
+    yield "surface", bouncing().surfaces[0]
+
+
 def found():
     G = gz.gap_map(0.8, 0.5, 1.0)
     orbits = gz.periodic_orbits(G, 2)
@@ -95,7 +101,7 @@ def plans():
 
 THINGS = {
     f"{kind.__name__}: {name}": thing
-    for kind in (laws, models, maps)
+    for kind in (laws, models, maps, systems)
     for name, thing in [*kind(), *([("forcing", gz.Forcing(2.0))] if kind is laws else [])]
 }
 

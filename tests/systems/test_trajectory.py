@@ -82,7 +82,7 @@ def test_a_beam_of_two_modes_hits_its_stop_where_scipy_finds_it():
 
 def test_chatter_ends_by_name_and_invents_no_rest():
     flown = gz.trajectory(bouncing(A=0.0, r=0.5), (0.5, 0.0), until=50.0)
-    assert flown.outcome == "chatter not resolved" and flown.sizes["impact"] in (1000, 2000)
+    assert flown.outcome == "chatter not resolved" and 30 < flown.sizes["impact"] <= 2000
     assert abs(flown.t.values[-1] - 3.0) < 1e-3 and "impacts" in gz.describe(flown.grazing_outcome)
 
 

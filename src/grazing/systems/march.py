@@ -13,7 +13,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.primitives import replaced
-from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_SWINGS
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 from grazing.systems.contract import usual_rounding
 
 INFINITY = float("inf")
@@ -25,6 +25,8 @@ LEAST = 1e-3
 #: Rounding errors by which a gap may be negative where it was proven to be none, or where it was just left: what is
 #: proven holds of the exact flight, and that begins a rounding error away from the surface.
 MANY = 4.0
+#: Rounding errors that slow impacts in doubt may let a state sink into a surface before the flight ends by name.
+DEEP = 64.0
 #: Steps of a root in its bracket; each that Newton's method does not take halves it.
 ROOTS = 200
 #: What is wrong with a user's functions, beside the outcome.
@@ -217,6 +219,8 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             if not (abs(h) < INFINITY and abs(dh) < INFINITY and 0.0 <= M < INFINITY and e + d < INFINITY):
                 return hit, t, flags | DIVERGED, 0
             fresh, dipped = left == j and t == t0, False
+            if fresh and h < -DEEP * e:  # impacts in doubt have let it sink in: chatter that nothing resolves
+                return -1, t, flags | AMBIGUOUS | TOO_MANY_IMPACTS, 0
             if t == t0 and (fresh or (h < 0.0 and h >= -MANY * e)):
                 offset = replaced(offset, j, abs(h))
             e += offset[j]
@@ -242,6 +246,8 @@ def march_of(*parts: Any) -> Callable[..., Any]:
                 if up < 0.0 and doubt[j] < INFINITY and not dipped:  # back to where it was in doubt, and no deeper
                     level, _rate = gap(j, doubt[j], flight(doubt[j], t0, state, p), p)
                     at = landing(j, doubt[j], t, t, min(level, 0.0), t0, state, p)
+                    _level, falls = gap(j, at, flight(at, t0, state, p), p)
+                    at = at if falls < 0.0 else t  # a law is asked only where it comes down
                 else:
                     at = landing(j, t, t + min(reach, w), t, 0.0, t0, state, p)
                 late = (e + d * reach) / max(-rate, d) + 2.0 * EPS * abs(t)
