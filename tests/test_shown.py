@@ -25,6 +25,18 @@ def _step(state, p):
     return state
 
 
+def _flight(t, t0, state, p):
+    return state
+
+
+def _gap(t, state, p):
+    return state
+
+
+def _bound(t, w, state, p):
+    return 0.0
+
+
 def all_sorts():
     """One of each public class, with a thousand of whatever it can hold."""
     numbers = tuple(1.0 / (i + 1) for i in range(MANY))
@@ -34,6 +46,8 @@ def all_sorts():
     law = gz.reset(lambda v, p: -p.a0 * v, **{f"a{i}": 0.5 for i in range(MANY)})
     names = [f"a{i}" for i in range(MANY)]
     P = gz.Map(_step, params=dict.fromkeys(names, 1.0), coordinates=("x",), box=((0.0, 1.0),), name="map of thousands")
+    surface = gz.Surface("A", _gap, _bound, lambda t, state, p: state)
+    system = gz.System(("x",), ("v",), dict.fromkeys(names, 1.0), _flight, (surface,), ((0.0, 1.0),) * 2)
     points, one = np.zeros((MANY, 1)), np.zeros(1)
     orbit = gz.Orbit(
         map=P, word=LONG, period=MANY, points=points, multipliers=one, condition=1.0, residual=0.0, admissible=True
@@ -60,7 +74,7 @@ def all_sorts():
         "Verified": Verified(9, tuple(range(MANY)), (difference,) * MANY, True, tuple(range(MANY)), Path("a.zarr")),
         "Plan": gz.plans.chart(gz.gap_map(0.8, 0.5, 1.0), {"mu": grid, "l": grid}),
         "NormalForm": gz.normal_form(gz.pinball(), "d"),
-        "Attractor": gz.Attractor(0.1, LONG, MANY, 1.0),
+        "Attractor": gz.Attractor(0.1, LONG, MANY, 1.0), "Surface": surface, "System": system,
     }  # fmt: skip
 
 
