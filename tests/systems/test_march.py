@@ -5,12 +5,13 @@ import pytest
 from flint import arb
 
 import grazing as gz
-from grazing.outcome import AMBIGUOUS
+from grazing.outcome import AMBIGUOUS, BAD_LAW
 from grazing.parameter import parameters
 from grazing.systems.precise import balls, digits, in_balls, middle
 from tests.systems.balls import billiard, bouncing, parabola, table, table_bound
 from tests.systems.models import oscillator, period
 
+NAN = float("nan")
 DEPTHS = [10.0**-k for k in (4, 6, 8, 10, 11, 12)]
 KINDS = {
     "under": {},
@@ -115,8 +116,41 @@ def test_a_bound_that_is_too_small_is_noticed_where_it_is_contradicted():
         ("x",), ("v",), bouncing().params, parabola, [gz.Surface("A", table, small)], ((0.2, 0.4), (-0.5, 0.5))
     )
     for start, until in (((0.3, 0.5), 1.7), ((0.3, -0.1), 4.0)):
-        with pytest.raises(gz.UserCodeError, match="the bound of surface A is too small, or its gap or the flight"):
+        with pytest.raises(gz.UserCodeError, match="the bound of surface A is too small or negative, or its gap"):
             gz.trajectory(wrong, start, until=until)
+
+
+def negative(t, w, state, p):
+    return table_bound(t, w, state, p) if state[1] > -0.2 else -1.0
+
+
+def no_number(t, w, state, p):
+    return table_bound(t, w, state, p) if state[1] > -0.2 else NAN
+
+
+def less_than_nothing(t, t0, state, p):
+    return (1e-15 if t < t0 + 0.1 else -1e-9), 1e-15
+
+
+def nothing_sensible(t, t0, state, p):
+    return 1e-15, (1e-15 if t < t0 + 0.1 else NAN)
+
+
+@pytest.mark.parametrize(
+    ("bound", "rounding"),
+    [(negative, None), (no_number, None), (table_bound, less_than_nothing), (table_bound, nothing_sensible)],
+)
+def test_promises_that_become_none_on_the_way_prove_nothing(bound, rounding):
+    """Where a system is made they are what they should be, and are asked once."""
+    usual = bouncing()
+    wrong = gz.System(
+        ("x",), ("v",), usual.params, parabola, [gz.Surface("A", table, bound)], usual.box, turn_of, rounding
+    )
+    with pytest.raises(
+        gz.UserCodeError, match="the bound of surface A is too small or negative, or its gap, the round"
+    ):
+        gz.trajectory(wrong, (0.5, -0.3), until=3.0)
+    assert gz.stroboscopic_map(wrong).orbit((0.5, -0.3), 3).outcomes[0] & BAD_LAW
 
 
 def test_a_corner_is_ambiguous_and_a_little_beside_it_is_not():

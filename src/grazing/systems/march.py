@@ -216,8 +216,10 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             h, dh = gap(j, t, now, p)
             M = bound(j, t, w, now, p)
             e, d = rounding(t, t0, state, now, h, dh, p)
-            if not (abs(h) < INFINITY and abs(dh) < INFINITY and 0.0 <= M < INFINITY and e + d < INFINITY):
+            if not (abs(h) < INFINITY and abs(dh) < INFINITY and M != INFINITY and e + d != INFINITY):
                 return hit, t, flags | DIVERGED, 0
+            if not (M >= 0.0 and e >= 0.0 and d >= 0.0):
+                return j, t, flags | BAD_LAW, BOUND_BROKEN
             fresh, dipped = left == j and t == t0, False
             if fresh and h < -DEEP * e:  # impacts in doubt have let it sink in: chatter that nothing resolves
                 return -1, t, flags | AMBIGUOUS | TOO_MANY_IMPACTS, 0

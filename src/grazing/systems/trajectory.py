@@ -173,8 +173,8 @@ def _broken(system: System, flight: Floats) -> str:
             f"is {flight[AFTER]:g}; allowed are finite numbers and a rate >= 0, away from the surface"
         )
     return (
-        f"the bound of surface {surface.name} is too small, or its gap or the flight are wrong: in the flight from "
-        f"{tuple(flight[HEAD : HEAD + n].tolist())} at t = {flight[BEGIN]:g} the gap at t = "
+        f"the bound of surface {surface.name} is too small or negative, or its gap, the rounding or the flight are "
+        f"wrong: in the flight from {tuple(flight[HEAD : HEAD + n].tolist())} at t = {flight[BEGIN]:g} the gap at t = "
         f"{flight[END]:g} cannot be what it is; gz.testing.check_system looks for the reason"
     )
 
