@@ -18,7 +18,7 @@ LAYERS = (
     ("parameter", "paths", "units"),
     ("writing",),
     ("kernel", "theory"),
-    ("copies",),
+    ("copies", "pool"),
     ("systems",),
     ("oscillator",),
     ("maps", "signals"),

@@ -7,7 +7,11 @@ import time
 import numpy as np
 
 CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None
+    filter(
+        None,
+        map(shutil.which, ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "chrome")),
+    ),
+    None,
 )
 SECONDS = 60
 

@@ -9,7 +9,7 @@ import wasmtime
 
 from grazing.explorer import build
 from grazing.explorer.build import FOLDER, MODULES, description, main, rebuild, shipped, stale
-from grazing.kernel.export import linker
+from grazing.explorer.webassembly import linker
 from tests.explorer.machine import Module
 
 #: Largest sizes in bytes, to be raised knowingly: the page and all it needs have 400 kB.

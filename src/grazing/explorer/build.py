@@ -19,11 +19,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from grazing.explorer import webassembly
 from grazing.explorer.gap import gap_module
 from grazing.explorer.oscillator import oscillator_module
+from grazing.explorer.sources import file_digest, source_digest
+from grazing.explorer.webassembly import Entry, exported, linker, linker_version
 from grazing.kernel import export
-from grazing.kernel.export import ENVIRONMENT, Entry, exported, linker, linker_version
-from grazing.kernel.sources import file_digest, source_digest
+from grazing.kernel.export import ENVIRONMENT
 from grazing.outcome import FATAL, GrazingError, InputError, Outcome
 from grazing.parameter import Parameter
 from grazing.studies.classify import APERIODIC, ENDED, TOLERANCE, UNDECIDED
@@ -81,7 +83,7 @@ def description() -> dict[str, Any]:
         "fatal": FATAL,
         "periods": {"undecided": UNDECIDED, "aperiodic": APERIODIC, "ended": ENDED},
         "tolerance": TOLERANCE,
-        "exporter": file_digest(Path(export.__file__)),
+        "exporter": [file_digest(Path(file)) for file in (webassembly.__file__, export.__file__)],
         "modules": modules,
     }
 

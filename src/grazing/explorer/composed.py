@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from grazing.kernel.export import Argument, Entry
+from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import loop_of
 from grazing.outcome import AMBIGUOUS, FATAL
 from grazing.parameter import Parameter

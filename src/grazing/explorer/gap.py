@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from grazing.explorer.composed import Module, common_entries, entries_of
-from grazing.kernel.export import Argument, Entry
+from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.primitives import at, inlined
 from grazing.maps.gap import PARAMETERS, gap_map, gap_step, gap_tangent
 from grazing.outcome import AMBIGUOUS

@@ -9,7 +9,7 @@ from math import pi
 from typing import Any
 
 from grazing.explorer.composed import Module, common_entries, entries_of, orbits_entry
-from grazing.kernel.export import Argument, Entry
+from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import unpacker
 from grazing.maps.discontinuity import ORDERS, local_map_of
 from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low

@@ -1,26 +1,19 @@
-"""Kernels as WebAssembly: the compiler's own intermediate code, emitted for another machine.
+"""Kernels for another machine: the compiler's own intermediate code, emitted as WebAssembly.
 
 What numba makes of a kernel before it optimises is LLVM's intermediate code for a machine with 64-bit addresses. Here
 that code is told of another machine, loses all that speaks of Python, and goes through LLVM once more. Nothing is
 contracted or reordered, exponentials and sines are our own (:mod:`grazing.kernel.elementary`), and square roots and
 roundings are instructions of both machines: the same kernel gives the same bits in a browser and in Python.
 
-:func:`exported` is a tool for building: it must run in a process with :data:`ENVIRONMENT`, set before numba is
-imported, because what numba has optimised or kept on disk no longer fits another machine.
+It is a tool for building: it must run in a process with :data:`ENVIRONMENT`, set before numba is imported, because what
+numba has optimised or kept on disk no longer fits another machine.
 """
 
 from __future__ import annotations
 
 import os
 import re
-import shutil
-import subprocess
-import sys
-import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from importlib.util import find_spec
-from pathlib import Path
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from grazing.kernel.compile import compiled
@@ -42,211 +35,90 @@ LAYOUT = "e-m:e-p:32:32-p10:8:8-p20:8:8-i64:64-i128:128-n32:64-S128-ni:1:10:20"
 FEATURES = "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext"
 #: Effort of the optimiser: 3 makes the modules a tenth larger and not faster.
 SPEED = 2
-#: Bytes of the stack, which lies below everything else, so that an overflow traps.
-STACK = 65536
-
-#: Kinds of numbers: the type in an array, in the intermediate code and in the kernel.
-KINDS = {"float64": "double", "int32": "i32", "int64": "i64", "int8": "i8"}
 
 #: Functions of the C library, what stands for them, and of how many numbers: a module has no library.
 OWN: dict[str, tuple[Callable[..., float], int]] = {"exp": (exp, 1), "log": (log, 1), "pow": (power, 2)}
 
-# Numbers of bytes, whose product cannot overflow 64 bits in a memory of 32.
-SAFE = """
-define { i64, i1 } @grazing_product(i64 %a, i64 %b) alwaysinline {
-  %product = mul i64 %a, %b
-  %pair = insertvalue { i64, i1 } { i64 undef, i1 false }, i64 %product, 0
-  ret { i64, i1 } %pair
-}
-"""
 
-# Arrays that a kernel makes and drops: a stack of blocks. A block is given back when it and all above it are dropped.
-ARENA = """
-%info = type { i64, ptr, ptr, ptr, i64 }
-@__heap_base = external global i8
-@grazing_free = internal global i32 0
-@grazing_last = internal global ptr null
-declare i32 @llvm.wasm.memory.size.i32(i32)
-declare i32 @llvm.wasm.memory.grow.i32(i32, i32)
-declare void @llvm.trap()
-
-define void @grazing_arena(i32 %address) "wasm-export-name"="arena" {
-  store i32 %address, ptr @grazing_free
-  store ptr null, ptr @grazing_last
-  ret void
-}
-
-define noalias ptr @NRT_MemInfo_alloc_aligned(i64 %wanted, i32 %align) noinline {
-entry:
-  %known = load i32, ptr @grazing_free
-  %unset = icmp eq i32 %known, 0
-  %base = ptrtoint ptr @__heap_base to i32
-  %begin = select i1 %unset, i32 %base, i32 %known
-  %room = add i32 %begin, 95
-  %data = and i32 %room, -64
-  %from = zext i32 %data to i64
-  %to = add i64 %from, %wanted
-  %large = icmp ugt i64 %to, 4294901760
-  br i1 %large, label %fail, label %fits
-fits:
-  %end = trunc i64 %to to i32
-  %pages = call i32 @llvm.wasm.memory.size.i32(i32 0)
-  %top = add i32 %end, 65535
-  %needed = lshr i32 %top, 16
-  %short = icmp ugt i32 %needed, %pages
-  br i1 %short, label %grow, label %done
-grow:
-  %more = sub i32 %needed, %pages
-  %got = call i32 @llvm.wasm.memory.grow.i32(i32 0, i32 %more)
-  %failed = icmp eq i32 %got, -1
-  br i1 %failed, label %fail, label %done
-fail:
-  call void @llvm.trap()
-  unreachable
-done:
-  store i32 %end, ptr @grazing_free
-  %place = sub i32 %data, 32
-  %info = inttoptr i32 %place to ptr
-  %last = load ptr, ptr @grazing_last
-  store i64 1, ptr %info
-  %below = getelementptr %info, ptr %info, i32 0, i32 2
-  store ptr %last, ptr %below
-  %held = getelementptr %info, ptr %info, i32 0, i32 3
-  %numbers = inttoptr i32 %data to ptr
-  store ptr %numbers, ptr %held
-  %start = getelementptr %info, ptr %info, i32 0, i32 4
-  %begin64 = zext i32 %begin to i64
-  store i64 %begin64, ptr %start
-  store ptr %info, ptr @grazing_last
-  ret ptr %info
-}
-
-define void @NRT_MemInfo_call_dtor(ptr %dropped) noinline {
-entry:
-  br label %next
-next:
-  %last = load ptr, ptr @grazing_last
-  %none = icmp eq ptr %last, null
-  br i1 %none, label %done, label %look
-look:
-  %count = load i64, ptr %last
-  %used = icmp ne i64 %count, 0
-  br i1 %used, label %done, label %pop
-pop:
-  %below = getelementptr %info, ptr %last, i32 0, i32 2
-  %under = load ptr, ptr %below
-  %start = getelementptr %info, ptr %last, i32 0, i32 4
-  %begin64 = load i64, ptr %start
-  %begin = trunc i64 %begin64 to i32
-  store i32 %begin, ptr @grazing_free
-  store ptr %under, ptr @grazing_last
-  br label %next
-done:
-  ret void
-}
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Argument:
-    """What a function of a module is given: a number, or the address of an array.
-
-    Parameters
-    ----------
-    name : str
-    kind : str
-        ``float64`` or ``int64`` for a number (the second is passed as 32 bits); of an array the type of its numbers,
-        one of :data:`KINDS`.
-    shape : tuple of str or int
-        Of an array: its sizes, by name or number, last index fastest; empty for a number.
-    meaning : str
-    """
-
-    name: str
-    kind: str
-    shape: tuple[str | int, ...] = ()
-    meaning: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A function of a module, around a kernel.
-
-    Parameters
-    ----------
-    name : str
-    kernel : callable
-        A plain Python function of ``arguments``, arrays as arrays.
-    sizes : tuple of str
-        Whole numbers that come first and say how large the arrays are; the kernel itself reads shapes.
-    arguments : tuple of Argument
-    result : str
-        ``float64``, ``int64`` (returned as 32 bits), or empty.
-    meaning : str
-    """
-
-    name: str
-    kernel: Callable[..., Any]
-    sizes: tuple[str, ...]
-    arguments: tuple[Argument, ...]
-    result: str = ""
-    meaning: str = ""
-
-
-def linker() -> list[str] | None:
-    """Return the command of the WebAssembly linker found here; None for none.
-
-    That is what ``$GRAZING_WASM_LD`` says, else ``wasm-ld`` on the path, else the one of the package *ziglang*.
-    """
-    own = os.environ.get("GRAZING_WASM_LD")
-    if own:
-        return own.split()
-    found = shutil.which("wasm-ld")
-    if found is not None:
-        return [found]
-    return None if find_spec("ziglang") is None else [sys.executable, "-m", "ziglang", "wasm-ld"]
-
-
-def linker_version(command: Sequence[str]) -> str:
-    """Return what a linker says of itself, such as ``LLD 20.1.2``."""
-    said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
-    found = re.search(r"LLD [0-9.]+", said)
-    return found.group() if found else said.strip()
-
-
-def exported(entries: Sequence[Entry]) -> bytes:
-    """Compile kernels to a WebAssembly module that imports nothing.
-
-    Parameters
-    ----------
-    entries : sequence of Entry
-        What the module exports, beside ``memory``, ``__heap_base``, from where on memory is free, and
-        ``arena(address)``, which says where kernels may put arrays of their own.
-
-    Returns
-    -------
-    bytes
-        The module; the same bytes for the same kernels, numba, llvmlite and linker.
-
-    Raises
-    ------
-    InputError
-        In a process without :data:`ENVIRONMENT`, without a linker, or for a kernel that needs a function that the
-        machine does not have.
-    """
+def refuse_elsewhere() -> None:
+    """Raise InputError in a process without :data:`ENVIRONMENT`."""
     wrong = {name: value for name, value in ENVIRONMENT.items() if os.environ.get(name) != value}
     if wrong:
         raise InputError(
             f"kernels are exported in a process of their own, started with {wrong}; run python -m grazing.explorer"
         )
-    command = linker()
-    if command is None:
-        raise InputError("no WebAssembly linker: install lld (apt) or ziglang (pip), or set GRAZING_WASM_LD")
+
+
+def lowered(
+    name: str,
+    function: Callable[..., Any],
+    sizes: Sequence[str],
+    arguments: Sequence[tuple[str, str, Sequence[str | int]]],
+    result: str,
+) -> tuple[str, str]:
+    """Compile a kernel as a function of numbers and addresses.
+
+    Parameters
+    ----------
+    name : str
+    function : callable
+        A plain Python function of ``arguments``.
+    sizes : sequence of str
+        Whole numbers that come first and say how large arrays are.
+    arguments : sequence of tuple
+        Of each its name, the kind of its numbers, and if it is an array its sizes, by name or number.
+    result : str
+        Kind of number, or empty.
+
+    Returns
+    -------
+    tuple of str
+        What the function is called in its intermediate code, and that code.
+    """
+    import numba
+    from numba import carray, types
+
+    names, values, signature = list(sizes), [], [types.int64] * len(sizes)
+    for argument, number, shape in arguments:
+        kind = getattr(types, number)
+        names.append(argument)
+        signature.append(types.CPointer(kind) if shape else kind)
+        values.append(f"carray({argument}, ({', '.join(map(str, shape))},))" if shape else argument)
+    source = f"def {name}({', '.join(names)}):\n    return kernel({', '.join(values)})\n"
+    scope: dict[str, Any] = {"kernel": compiled(function), "carray": carray}
+    exec(source, scope)
+    returned = getattr(types, result) if result else types.void
+    dispatcher = numba.njit(returned(*signature), error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    found = dispatcher(scope[name])
+    (made,) = found.overloads.values()
+    return made.fndesc.llvm_func_name, made.library.get_llvm_str()
+
+
+def emitted(texts: Sequence[str], visible: Collection[str]) -> bytes:
+    """Return intermediate code as an object file for the linker.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        What is linked together; the first may be called by those behind it.
+    visible : collection of str
+        The functions that are seen from outside.
+
+    Raises
+    ------
+    InputError
+        If a function is needed that the machine does not have.
+    """
     from llvmlite import binding as llvm
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    module = _linked(entries)
+    module = llvm.parse_assembly(_for_machine(texts[0]))
+    for text in texts[1:]:
+        module.link_in(llvm.parse_assembly(_for_machine(text)))
+    for each in (*module.functions, *module.global_variables):
+        if not each.is_declaration and each.name not in visible:
+            each.linkage = "internal"
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(
         cpu="generic", features=FEATURES, opt=3, reloc="static"
     )
@@ -257,38 +129,7 @@ def exported(entries: Sequence[Entry]) -> bytes:
     missing = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
     if missing:
         raise InputError(f"the kernels need {', '.join(missing)}, which a module that imports nothing cannot have")
-    with tempfile.TemporaryDirectory() as folder:
-        source, target = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
-        source.write_bytes(machine.emit_object(module))
-        flags = ["--no-entry", "--export=__heap_base", "--stack-first", "-z", f"stack-size={STACK}", "--strip-all"]
-        done = subprocess.run([*command, str(source), "-o", str(target), *flags], capture_output=True, text=True)
-        if done.returncode:
-            raise InputError(f"the linker {' '.join(command)} failed: {done.stderr.strip()[:500]}")
-        return target.read_bytes()
-
-
-def _linked(entries: Sequence[Entry]) -> Any:
-    """Return all code of a module, not optimised: only what it exports is visible from outside."""
-    from llvmlite import binding as llvm
-
-    module = llvm.parse_assembly(_for_machine(ARENA + SAFE))
-    keep = {"grazing_arena"}
-    own = [
-        Entry(f"own_{name}", function, (), tuple(Argument(x, "float64") for x in "xy"[:arguments]), "float64")
-        for name, (function, arguments) in OWN.items()
-    ]
-    for entry in [*own, *entries]:
-        name, text = _lowered(entry)
-        module.link_in(llvm.parse_assembly(_for_machine(text)))
-        module.link_in(llvm.parse_assembly(_for_machine(_door(entry, name))))
-    keep |= {f"grazing_{entry.name}" for entry in entries}
-    for function in module.functions:
-        if not function.is_declaration and function.name not in keep:
-            function.linkage = "internal"
-    for variable in module.global_variables:
-        if not variable.is_declaration:
-            variable.linkage = "internal"
-    return module
+    return bytes(machine.emit_object(module))
 
 
 def _for_machine(text: str) -> str:
@@ -303,73 +144,3 @@ def _for_machine(text: str) -> str:
     for name in OWN:
         text = re.sub(rf"@(llvm\.{name}\.f64|{name})\(", f"@grazing_own_{name}(", text)
     return text.replace("@llvm.smul.with.overflow.i64(", "@grazing_product(")
-
-
-def _lowered(entry: Entry) -> tuple[str, str]:
-    """Compile the kernel of an entry as a function of numbers and addresses: its name and the intermediate code."""
-    import numba
-    from numba import carray, types
-
-    names, values, signature = list(entry.sizes), [], [types.int64] * len(entry.sizes)
-    for argument in entry.arguments:
-        kind = getattr(types, argument.kind)
-        names.append(argument.name)
-        signature.append(types.CPointer(kind) if argument.shape else kind)
-        sizes = ", ".join(map(str, argument.shape))
-        values.append(f"carray({argument.name}, ({sizes},))" if argument.shape else argument.name)
-    source = f"def {entry.name}({', '.join(names)}):\n    return kernel({', '.join(values)})\n"
-    scope: dict[str, Any] = {"kernel": compiled(entry.kernel), "carray": carray}
-    exec(source, scope)
-    result = getattr(types, entry.result) if entry.result else types.void
-    dispatcher = numba.njit(result(*signature), error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-    found = dispatcher(scope[entry.name])
-    (made,) = found.overloads.values()
-    return made.fndesc.llvm_func_name, made.library.get_llvm_str()
-
-
-def _door(entry: Entry, name: str) -> str:
-    """Return the code of the exported function: 32 bits for whole numbers, a trap for an error."""
-    outer, inner = [], ["ptr %result", "ptr %error"]
-    code, types = [], ["ptr", "ptr"]
-    arguments = [Argument(size, "int64") for size in entry.sizes] + list(entry.arguments)
-    for i, argument in enumerate(arguments):
-        kind = "ptr" if argument.shape else KINDS[argument.kind]
-        types.append(kind)
-        if kind == "i64":
-            outer.append(f"i32 %a{i}")
-            code.append(f"  %w{i} = sext i32 %a{i} to i64")
-            inner.append(f"i64 %w{i}")
-        else:
-            outer.append(f"{kind} %a{i}")
-            inner.append(f"{kind} %a{i}")
-    room = KINDS[entry.result] if entry.result else "ptr"
-    given = {"": "void", "float64": "double", "int64": "i32"}[entry.result]
-    back = {
-        "": ["  ret void"],
-        "float64": ["  %value = load double, ptr %result", "  ret double %value"],
-        "int64": ["  %value = load i64, ptr %result", "  %short = trunc i64 %value to i32", "  ret i32 %short"],
-    }[entry.result]
-    return "\n".join(
-        [
-            f"declare i32 @{_quoted(name)}({', '.join(types)})",
-            "declare void @llvm.trap()",
-            f'define {given} @grazing_{entry.name}({", ".join(outer)}) "wasm-export-name"="{entry.name}" {{',
-            f"  %result = alloca {room}",
-            "  %error = alloca ptr",
-            *code,
-            f"  %status = call i32 @{_quoted(name)}({', '.join(inner)})",
-            "  %failed = icmp ne i32 %status, 0",
-            "  br i1 %failed, label %fail, label %done",
-            "fail:",
-            "  call void @llvm.trap()",
-            "  unreachable",
-            "done:",
-            *back,
-            "}",
-            "",
-        ]
-    )
-
-
-def _quoted(name: str) -> str:
-    return f'"{name}"'

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
-from grazing.kernel.pool import Progress, Task, run_tasks
 from grazing.outcome import DIVERGED, FATAL
+from grazing.pool import Progress, Task, run_tasks
 
 #: Oscillators are flown in pieces that end at multiples of so many periods from their start, whatever else is cut, so
 #: that the bits depend neither on pieces nor on company.

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import compiled, width
 from grazing.kernel.lanes import unpacker
-from grazing.kernel.pool import Task
 from grazing.kernel.primitives import behind, called_for_all, inlined, numbers
 from grazing.kernel.vectors import combined, made_whole, repeated
 from grazing.maps.columns import CUT, LONGEST, Columns
@@ -67,6 +66,7 @@ from grazing.oscillator.still import LONGEST as LONGEST_CYCLE
 from grazing.oscillator.still import SELDOM, find_cycles, remember, stand_still
 from grazing.oscillator.workspace import HIGH, LANES, NAN, W, workspace
 from grazing.outcome import AMBIGUOUS
+from grazing.pool import Task
 
 Floats = NDArray[np.float64]
 INFINITY = float("inf")

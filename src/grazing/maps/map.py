@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.copies import ByValue, Code, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner, tangent_runner
-from grazing.kernel.pool import Progress, Task
 from grazing.kernel.primitives import replaced
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import differences_of, extended, stepping, units_of
@@ -34,6 +33,7 @@ from grazing.parameter import (
     updated,
     whole,
 )
+from grazing.pool import Progress, Task
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1

@@ -22,8 +22,8 @@ import numpy as np
 from grazing.kernel.compile import compiled
 from grazing.kernel.elementary import exp
 from grazing.kernel.lanes import unpacker
-from grazing.kernel.linear import solved
 from grazing.kernel.primitives import called
+from grazing.maps.linear import solved
 from grazing.maps.period import product
 from grazing.orbits.closure import first_contact, lowest_dip
 from grazing.oscillator.constants import Constants, constants_of, forcing

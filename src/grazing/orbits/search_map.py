@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.kernel.linear import solved
 from grazing.kernel.primitives import replaced
+from grazing.maps.linear import solved
 from grazing.maps.map import Map
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit

@@ -111,6 +111,15 @@ def no_phase(p: Any) -> float:
     return 0.0
 
 
+def refuse_to_compile(harmonics: int) -> None:
+    """Raise InputError for so many harmonics that nobody would wait for the compiler."""
+    if harmonics > MOST_FLOWN:
+        raise InputError(
+            f"force and walls have {harmonics} harmonics; flights are compiled for at most {MOST_FLOWN}, as compiling "
+            "takes a time that grows with their square: leave the highest ones out"
+        )
+
+
 @lru_cache(maxsize=64)
 def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_ratio: float = 100.0) -> Any:
     """Return ``prepare(p) -> Constants`` for parameters in the order of :attr:`Oscillator.params`.
@@ -125,11 +134,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
         The steady response is subtracted while it is smaller than this multiple of what the force can do in one
         period; beyond (k -> 0, resonance) its digits would cancel, and the Duhamel form is used instead.
     """
-    if harmonics > MOST_FLOWN:
-        raise InputError(
-            f"force and walls have {harmonics} harmonics; flights are compiled for at most {MOST_FLOWN}, as compiling "
-            "takes a time that grows with their square: leave the highest ones out"
-        )
+    refuse_to_compile(harmonics)
     none = (0.0,) * harmonics
     no_edges = (0.0,) * (2 * harmonics + 2)
     head = len(HEAD)

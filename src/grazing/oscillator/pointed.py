@@ -13,7 +13,7 @@ from grazing.kernel.compile import address
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import called
 from grazing.oscillator.block import strike_of
-from grazing.oscillator.constants import HEAD
+from grazing.oscillator.constants import HEAD, refuse_to_compile
 from grazing.oscillator.reset import Reset
 from grazing.parameter import parameter_tuple
 
@@ -116,6 +116,7 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
         In one piece; must live as long as the result is used.
     arithmetic : {"strict", "fast"}
     """
+    refuse_to_compile(harmonics)  # before the law is: its parameters are as many
     law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
     flight = len(HEAD) + 2 * harmonics + 1
     found = np.empty((len(rows), flight + 6))  # written in place: of one row, as of a single orbit, joining took longer

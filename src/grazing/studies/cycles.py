@@ -15,7 +15,7 @@ import numpy as np
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
-from grazing.kernel.linear import solved
+from grazing.maps.linear import solved
 from grazing.studies.recurrence import UNDECIDED, next_cycle
 
 #: Newton steps after which a cycle counts as not found.

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.copies import ByValue
-from grazing.kernel.pool import Progress as Progress
-from grazing.kernel.pool import run_tasks, workers_of
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
+from grazing.pool import Progress as Progress
+from grazing.pool import run_tasks, workers_of
 from grazing.studies import labels
 from grazing.studies.outside import with_note
 

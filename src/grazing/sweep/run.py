@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.pool import run_tasks
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
 from grazing.parameter import whole
+from grazing.pool import run_tasks
 from grazing.studies.labels import versions
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.executors import run_on_executor

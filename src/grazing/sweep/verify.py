@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.pool import run_tasks
 from grazing.outcome import InputError, in_one_line, listed, shown
 from grazing.parameter import real, whole
+from grazing.pool import run_tasks
 from grazing.studies.plan import Plan, Progress, empty_arrays
 from grazing.sweep.layout import LAYOUT, MADE_BY, RECIPE, laid_out
 from grazing.sweep.letters import stored_attrs

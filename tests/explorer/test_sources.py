@@ -2,8 +2,8 @@
 
 import importlib.util
 
+from grazing.explorer.sources import file_digest, source_digest
 from grazing.kernel.compile import compiled
-from grazing.kernel.sources import file_digest, source_digest
 
 
 def one(x):

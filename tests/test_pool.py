@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from grazing.kernel.pool import run_tasks
 from grazing.outcome import InputError
+from grazing.pool import run_tasks
 
 #: Seconds after which an endless task gives up, so that a pool that does not stop fails and does not hang.
 PATIENCE = 20.0

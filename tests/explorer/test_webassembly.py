@@ -8,14 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from grazing.kernel.export import (
-    ENVIRONMENT,
-    Argument,
-    Entry,
-    exported,
-    linker,
-    linker_version,
-)
+from grazing.explorer.webassembly import Argument, Entry, exported, linker, linker_version
+from grazing.kernel.export import ENVIRONMENT
 from grazing.outcome import InputError
 
 needs_linker = pytest.mark.skipif(linker() is None, reason="no WebAssembly linker: install lld or ziglang")
@@ -36,7 +30,7 @@ def test_an_export_needs_a_process_of_its_own(monkeypatch):
 def test_an_export_needs_a_linker(monkeypatch):
     for name, value in ENVIRONMENT.items():
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr("grazing.kernel.export.linker", lambda: None)
+    monkeypatch.setattr("grazing.explorer.webassembly.linker", lambda: None)
     with pytest.raises(InputError, match="install lld"):
         exported([Entry("one", one, (), (Argument("x", "float64"),), "float64")])
 
@@ -48,7 +42,7 @@ def test_the_linker_is_the_one_that_is_asked_for(monkeypatch):
 
 PROGRAM = """
 import sys
-from grazing.kernel.export import Argument, Entry, exported
+from grazing.explorer.webassembly import Argument, Entry, exported
 from grazing.kernel.elementary import exp, log, power, sincos
 from math import floor, sqrt
 import math
