@@ -149,3 +149,26 @@ def test_a_file_from_the_future(tmp_path):
     path.write_bytes(path.read_bytes().replace(b'"format": 1', b'"format": 9'))
     with pytest.raises(gz.InputError, match="has format 9, this version reads 1; update grazing"):
         load(path)
+
+
+@pytest.mark.parametrize("error", [MemoryError("no room"), ImportError("no memory for its code")])
+def test_a_file_is_not_blamed_for_a_lack_of_memory(tmp_path, monkeypatch, error):
+    """It was "damaged" where the reader itself could not be loaded."""
+
+    def fails(*_given):
+        raise error
+
+    file = save(xr.Dataset({"a": 1.0}), tmp_path / "a.nc")
+    monkeypatch.setattr("grazing.io._read", fails)
+    with pytest.raises(type(error), match=str(error)):
+        load(file)
+
+
+def test_a_disk_that_fails_while_a_file_is_read(tmp_path, monkeypatch):
+    def fails(*_given):
+        raise OSError(5, "Input/output error")
+
+    file = save(xr.Dataset({"a": 1.0}), tmp_path / "a.nc")
+    monkeypatch.setattr("grazing.io._read", fails)
+    with pytest.raises(gz.InputError, match=r"a\.nc cannot be read: Input/output error"):
+        load(file)

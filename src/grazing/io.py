@@ -129,7 +129,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # what a damaged file makes NumPy say is said below in one sentence
                 return _read(_Once(file), source)
-        except InputError:
+        except (InputError, OSError, ImportError, MemoryError):  # the last three are no fault of what the file says
             raise
         except Exception as error:  # a damaged file can fail anywhere in the reader
             raise InputError(f"{source} is damaged and cannot be read: {in_one_line(error)}") from error

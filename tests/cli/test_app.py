@@ -1,6 +1,7 @@
 """The command line, its report replaced by a stand-in: what it parses, prints and returns."""
 
 import json
+import os
 import sys
 import types
 import typing
@@ -226,3 +227,58 @@ def test_a_folder_that_cannot_be_written_to_is_refused(tmp_path, capsys):
         err = capsys.readouterr().err
         assert str(out) in err and "cannot write" in err
     assert file.read_text() == "kept"
+
+
+# ---- what stands around
+
+
+@pytest.mark.parametrize(
+    ("columns", "wide"), [("0", "20"), ("1", "20"), ("9" * 30, "10000"), ("72", "72"), ("\u00b2", None), ("x", None)]
+)
+def test_a_terminal_of_any_width_gets_its_help(columns, wide, monkeypatch, capsys):
+    """In one column or two the writer of the help never ended, and in 10^30 it failed."""
+    monkeypatch.setenv("COLUMNS", columns)
+    assert main(["paper", "--help"]) == 0 and capsys.readouterr().out
+    assert os.environ.get("COLUMNS") == wide
+
+
+def test_a_terminal_that_says_how_narrow_it_is(monkeypatch):
+    monkeypatch.setattr(os, "get_terminal_size", lambda stream: os.terminal_size((1, 1)))
+    monkeypatch.setenv("COLUMNS", "")
+    assert main(["--version"]) == 0 and os.environ["COLUMNS"] == "20"
+
+
+def test_a_number_of_threads_with_which_numba_cannot_be_imported(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
+    assert main(["--version"]) == 0 and "NUMBA_NUM_THREADS" not in os.environ
+
+
+def test_a_folder_that_is_gone_is_named(report, monkeypatch, capsys):
+    def gone():
+        raise FileNotFoundError(2, "No such file or directory")
+
+    report.raises = FileNotFoundError(2, "No such file or directory")
+    monkeypatch.setattr(os, "getcwd", gone)
+    assert main(["paper"]) == 1
+    assert capsys.readouterr().err.endswith("error: the folder that this runs in is gone; change to another.\n")
+
+
+def test_a_configuration_of_somebody_else_is_blamed_on_it(report, capsys):
+    """A file that dask cannot read was "a defect in grazing": xarray says it after it has tried and failed."""
+    theirs = {"__name__": "theirs.config"}
+    exec("def read():\n    raise ValueError('their file is malformed\\nin line 1')", theirs)
+    try:
+        try:
+            theirs["read"]()
+        except ValueError as error:
+            raise ValueError("could not convert") from error
+    except ValueError as error:
+        report.raises = error
+    assert main(["paper"]) == 1
+    said = "the configuration of theirs that is found here cannot be used: their file is malformed; mend or remove it."
+    assert capsys.readouterr().err.endswith(f"error: {said}\n")
+
+
+def test_a_warning_with_a_traceback_in_it_is_one_line(capsys):
+    _once()("Environment variable 'NUMBA_OPT' could not be parsed.\nTraceback (most recent call last):\n  File")
+    assert capsys.readouterr().err == "warning: Environment variable 'NUMBA_OPT' could not be parsed.\n"

@@ -174,3 +174,10 @@ def test_whatever_stands_in_the_table_is_answered(part):
         }
         with contextlib.suppress(InputError):
             checked(config)
+
+
+def test_a_base_of_too_many_harmonics_is_what_is_blamed():
+    """It was cos, of which nobody had said anything."""
+    shaken = {"study": "diagram", "vary": {"omega": "2:3:4"}, "mass": 1.0}
+    with pytest.raises(InputError, match=r"^base: .*have 1001 harmonics; allowed are at most 1000$"):
+        checked({**shaken, "base": f"moves=both,displacement={' '.join(['1e-4'] * 1001)}"})

@@ -90,6 +90,15 @@ def test_without_a_linker_the_command_says_what_to_install(monkeypatch, capsys):
     assert "no WebAssembly linker: install lld (apt) or ziglang (pip)" in capsys.readouterr().err
 
 
+def test_a_machine_without_room_for_what_is_temporary(monkeypatch, capsys):
+    def full(*_given):
+        raise OSError(28, "No space left on device", "/tmp/a")
+
+    monkeypatch.setattr(build, "rebuild", full)
+    assert main([]) == 2
+    assert capsys.readouterr().err == "python -m grazing.explorer.build: /tmp/a: No space left on device\n"
+
+
 def test_another_toolchain_builds_for_a_comparison_of_what_is_computed(monkeypatch, tmp_path, capsys):
     built = []
     monkeypatch.setattr(build, "toolchain", lambda: {**shipped()["toolchain"], "linker": "LLD 99"})

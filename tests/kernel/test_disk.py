@@ -111,7 +111,8 @@ def test_a_file_of_another_user_is_not_read(kept, monkeypatch):
         assert fresh()(3.0) == 7.0
     if os.getuid() == 0:  # a real one
         monkeypatch.undo()
-        file = disk.KernelFiles(kept.parent, "theirs").file("key")
+        files = disk.KernelFiles(kept.parent, "theirs")
+        file = kept.parent / files.called("key")
         file.write_bytes(b"")
         os.chown(file, 12345, 12345)
         with pytest.warns(RuntimeWarning, match="it belongs to user 12345"):
@@ -184,6 +185,29 @@ def test_a_linked_fallback_is_not_used(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     (tmp_path / f"grazing-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
     assert disk._private_folder() not in (tmp_path / f"grazing-{os.getuid()}", tmp_path / "elsewhere")
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_where_nothing_can_be_kept_kernels_are_compiled(relative, tmp_path, monkeypatch):
+    """Without a temporary folder, or in a folder that is gone, the first kernel ended with an error of the system."""
+
+    def none(*_given, **_names):
+        raise FileNotFoundError(2, "No usable temporary directory found")
+
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("GRAZING_CACHE", "kept" if relative else str(tmp_path / "file"))
+    monkeypatch.setattr(disk.tempfile, "gettempdir", none)
+    monkeypatch.setattr(disk.tempfile, "mkdtemp", none)
+    if relative:
+        monkeypatch.setattr(disk.os, "getcwd", none)
+    disk.cache_folder.cache_clear()
+    try:
+        with pytest.warns(RuntimeWarning, match="cannot be kept in .*: every process makes its own") as said:
+            again = fresh(2.5), fresh(2.5)
+            assert [entry(3.0) for entry in again] == [8.5, 8.5]
+        assert len(said) == 1 and not sum(again[1].stats.cache_hits.values())
+    finally:
+        disk.cache_folder.cache_clear()
 
 
 def test_nothing_else_reads_pickles_of_kernels():

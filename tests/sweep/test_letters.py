@@ -56,6 +56,13 @@ def test_attributes_come_back_as_they_were():
             assert back[name].dtype == value.dtype and back[name].shape == value.shape
 
 
+@pytest.mark.parametrize("kind", ["a", "<a5", "i1,a", "U9", "f4,f4", "3f8", "M8", "nonsense"])
+def test_a_type_that_no_store_has(kind):
+    """At an old name of NumPy's it warned, before it was refused."""
+    with pytest.raises(ValueError, match=r"it names a type '.*', which no store has"):
+        restored_attrs({"a": 1.0}, "x", {"x/a": kind})
+
+
 @pytest.mark.parametrize("value", [None, True, {"a": 1}, np.ones((2, 2)), 1j])
 def test_attributes_that_no_file_holds(value):
     with pytest.raises(gz.InputError, match=r"attribute 'bad' of x is"):

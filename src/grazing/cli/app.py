@@ -9,6 +9,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any
 
@@ -17,9 +18,11 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, 
 from grazing import __version__
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.outcome import GrazingError, InputError, OutsideForm, shown
+from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, shown
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
+#: Columns between which help is written: in one or two its writer never ends, in 10^30 it fails.
+NARROW, WIDE = 20, 10_000
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
 # The commands of the studies are made from the schema when they are asked for: --help needs none of it.
@@ -169,13 +172,15 @@ def _guarded(tokens: list[str]) -> int:
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
-        return _fail(str(error), FAILED)
+        return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
     except MemoryError:
         return _fail(
             "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
             FAILED,
         )
     except Exception as error:
+        if theirs := _misconfigured(error):
+            return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
         return _fail(
             f"{type(error).__name__}: {error}\nThis is a defect in grazing {__version__}. Please report it with the "
             "command you gave and the output\nof the same command with GRAZING_DEBUG=1 in front, which shows where "
@@ -192,6 +197,43 @@ def _prepare_environment() -> None:
     stamp = os.environ.get("SOURCE_DATE_EPOCH", "0")
     if not (stamp.isascii() and stamp.isdigit() and len(stamp) < 12):
         raise InputError(f"SOURCE_DATE_EPOCH = {shown(stamp)}; give a whole number of seconds, or unset it")
+    os.environ.pop("NUMBA_NUM_THREADS", None)  # with 0 it cannot be imported, and none of its threads are used
+    wide = _columns()
+    if wide and not NARROW <= wide <= WIDE:
+        os.environ["COLUMNS"] = str(min(max(wide, NARROW), WIDE))
+
+
+def _columns() -> int | None:
+    """Return how wide the terminal is, or is said to be."""
+    said = os.environ.get("COLUMNS", "")
+    if said.isascii() and said.isdigit():
+        return int(said[:9]) or 1
+    os.environ.pop("COLUMNS", None)
+    for stream in range(3):  # the first that is a terminal, as those who write the help look for it
+        with suppress(OSError):
+            return os.get_terminal_size(stream).columns
+    return None
+
+
+def _misconfigured(error: BaseException | None) -> str:
+    """Return whose configuration, in a file or a variable, is why something failed, and how; empty for nobody's."""
+    while error is not None:
+        frames = [frame for frame, _line in traceback.walk_tb(error.__traceback__)][-1:]
+        raised = [str(frame.f_globals.get("__name__", "")) for frame in frames]
+        for where in (*raised, f"{type(error).__module__}.{type(error).__name__}"):
+            package, _, inside = where.partition(".")
+            if package != "grazing" and "config" in inside.lower():
+                return f"of {package} that is found here cannot be used: {in_one_line(error)}"
+        error = error.__cause__ or error.__context__
+    return ""
+
+
+def _somewhere() -> bool:
+    """Whether the folder that this process runs in is there."""
+    try:
+        return bool(os.getcwd())
+    except OSError:
+        return False
 
 
 def _reworded(error: CycloptsError) -> str:
@@ -223,13 +265,16 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
 
 
 def _once() -> Callable[..., None]:
-    """Return what writes a warning as one line; of those that differ in their numbers alone, the first of a command."""
+    """Return what writes a warning as one line; of those that differ in their numbers alone, the first of a command.
+
+    Of a library's with a traceback in it the first line says what there is to say.
+    """
     told: set[str] = set()
 
     def show(message: Warning | str, *_where: object, **_more: object) -> None:
         kind = _NUMBER.sub("", str(message))
         if kind not in told:
             told.add(kind)
-            print(f"warning: {streams.printable(str(message))}", file=sys.stderr)
+            print(f"warning: {streams.printable(in_one_line(message))}", file=sys.stderr)
 
     return show

@@ -189,6 +189,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GrazingError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
+    except OSError as error:  # a full disk, or no folder for what is temporary
+        print(f"{parser.prog}: {error.filename or 'the kernels'}: {error.strerror or error}", file=sys.stderr)
+        return 2
     return 0
 
 

@@ -109,8 +109,8 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
         self._stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
         self._name, self._py_func, self._announce = repr(function), function, announce
         self._impl = Files(function, self._stamp, units)
-        self._cache_path = os.fspath(cache_folder())
-        self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base)
+        self._cache_path = os.fspath(cache_folder() or "")
+        self._cache_file = KernelFiles(cache_folder(), self._impl.filename_base)
         self.enable()
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:

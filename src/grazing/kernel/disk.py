@@ -26,14 +26,17 @@ MAGIC = b"grazing kernel\n"
 
 
 @cache
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one."""
+def cache_folder() -> Path | None:
+    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one.
+
+    None where there is no place for any of them, as on a machine that is only read: nothing is kept then.
+    """
     home = os.environ.get("XDG_CACHE_HOME", "")
     if not os.path.isabs(home):  # which means nothing, says the standard
         home = os.path.join(os.path.expanduser("~"), ".cache")
-    # whole, so that it stays this folder when the process goes elsewhere
-    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing")).absolute()
+    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
     try:
+        wanted = wanted.absolute()  # so that it stays this folder when the process goes elsewhere
         if not os.environ.get("GRAZING_CACHE") and not os.path.isabs(home):
             raise OSError("this user has no home")
         wanted.parent.mkdir(parents=True, exist_ok=True)
@@ -46,8 +49,9 @@ def cache_folder() -> Path:
     if not reason:
         return wanted
     fallback = _private_folder()
+    instead = f"they go to {fallback}" if fallback else "nor in a temporary folder: every process makes its own"
     warnings.warn(
-        f"compiled kernels cannot be kept in {wanted} ({reason}); they go to {fallback}. Set GRAZING_CACHE to choose",
+        f"compiled kernels cannot be kept in {wanted} ({reason}); {instead}. Set GRAZING_CACHE to choose",
         RuntimeWarning,
         stacklevel=2,
     )
@@ -79,16 +83,18 @@ def _ours(found: os.stat_result) -> bool:
     return not hasattr(os, "getuid") or found.st_uid in (os.getuid(), 0)
 
 
-def _private_folder() -> Path:
-    """Return a temporary folder that nobody else can write to."""
+def _private_folder() -> Path | None:
+    """Return a temporary folder that nobody else can write to; None where there can be none."""
     user = os.getuid() if hasattr(os, "getuid") else "user"
-    folder = Path(tempfile.gettempdir()) / f"grazing-{user}"
     with suppress(OSError):
+        folder = Path(tempfile.gettempdir()) / f"grazing-{user}"
         folder.mkdir(mode=0o700, exist_ok=True)
         linked = stat.S_ISLNK(folder.lstat().st_mode)
         if not linked and folder.is_dir() and not others_can_write(folder) and os.access(folder, os.W_OK):
             return folder
-    return Path(tempfile.mkdtemp(prefix="grazing-"))
+    with suppress(OSError):
+        return Path(tempfile.mkdtemp(prefix="grazing-"))
+    return None
 
 
 class KernelFiles:
@@ -98,21 +104,24 @@ class KernelFiles:
 
     Parameters
     ----------
-    folder : path-like
+    folder : path-like, optional
+        None to keep nothing.
     name : str
         Different for different kernels.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
-        self._folder, self._name = Path(folder), name
+    def __init__(self, folder: str | os.PathLike[str] | None, name: str) -> None:
+        self._folder, self._name = None if folder is None else Path(folder), name
 
-    def file(self, key: Any) -> Path:
-        """Return the file of a signature."""
-        return self._folder / f"{self._name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+    def called(self, key: Any) -> str:
+        """Return the name of the file of a signature."""
+        return f"{self._name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
 
     def load(self, key: Any) -> Any:
         """Return what was kept; None if nothing was, or if the file is not to be trusted, which is said."""
-        file = self.file(key)
+        if self._folder is None:
+            return None
+        file = self._folder / self.called(key)
         try:
             return _opened(_read(file, None), file.name)
         except FileNotFoundError:
@@ -125,7 +134,7 @@ class KernelFiles:
 
     def load_prepared(self, key: Any) -> Any:
         """Return what came with the package, which is trusted as far as the source of this function is."""
-        file = folder() / self.file(key).name
+        file = folder() / self.called(key)
         try:
             found = _opened(_read(file, os.stat(__file__)), file.name)
             used.add(file.name)
@@ -140,7 +149,9 @@ class KernelFiles:
         """Keep a compiled kernel, whole or not at all."""
         from grazing.kernel.private import dumps
 
-        file, content = self.file(key), dumps(data)
+        if self._folder is None:
+            return
+        file, content = self._folder / self.called(key), dumps(data)
         new = file.with_name(f".{file.name}-{uuid4().hex[:16]}")
         try:
             with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
@@ -151,7 +162,7 @@ class KernelFiles:
 
     def flush(self) -> None:
         """Forget all that is kept of this kernel."""
-        for file in self._folder.glob(f"{self._name}.*.nbc"):
+        for file in () if self._folder is None else self._folder.glob(f"{self._name}.*.nbc"):
             file.unlink(missing_ok=True)
 
 

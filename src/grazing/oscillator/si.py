@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from math import inf, pi, sqrt
+from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
-from grazing.oscillator.forcing import refuse_out_of_range
+from grazing.oscillator.forcing import MOST_HARMONICS, refuse_out_of_range
 from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, real
 from grazing.units import magnitude
@@ -95,6 +95,8 @@ def base_of(text: Any) -> Base:
 def based(moves: str, *lists: tuple[float, ...]) -> Base:
     """Return a base of which all lists are as long as the longest one."""
     most = max(1, *map(len, lists))
+    if most > MOST_HARMONICS:
+        raise InputError(f"base and force have {most} harmonics; allowed are at most {MOST_HARMONICS}")
     return Base(moves, *((*one, *[0.0] * (most - len(one))) for one in lists))
 
 
@@ -143,10 +145,14 @@ def si_numbers(
     moved = based(moves, *signed, tuple(sign * x + 0.0 for x in pushes), ())
     natural = sqrt(stiffness / mass)
     cos, sin = zip(*moved.forces(damping / mass, natural, w), strict=True)
-    shaken = any(shakes) or any(jerks)
+    offset, shaken = sign * _checked(LOAD, load) + 0.0, any(shakes) or any(jerks)
+    if not all(map(isfinite, (damping / mass, natural, offset, *cos, *sin))):
+        raise InputError(
+            f"m = {mass:g} kg: damping, stiffness, load or forces divided by it are larger than any double; give a "
+            f"mass that they belong to"
+        )
     return Numbers(
-        mass, damping / mass, natural, w, sign * _checked(LOAD, load) + 0.0, cos, sin, 0.0 - distance,
-        moved if shaken else None,
+        mass, damping / mass, natural, w, offset, cos, sin, 0.0 - distance, moved if shaken else None
     )  # fmt: skip
 
 

@@ -6,14 +6,19 @@ store. Reading here takes no more memory than the array, whatever size the bytes
 
 from __future__ import annotations
 
+import re
 from math import prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.outcome import shown
+
 #: The codecs as the metadata of an array names them; a cell of ``done`` is one bare byte.
 CODECS = ("bytes", "zstd", "crc32c")
+#: How a type of numbers or texts is called that a store may name: not by a list, nor by a letter that is no more.
+_TYPE = re.compile(r"[<>=|]?[A-Zb-z?]\w*")
 _CHECKSUM = 4
 _MAGIC = b"\x28\xb5\x2f\xfd"
 
@@ -62,6 +67,27 @@ def longest(chunk: tuple[int, ...], dtype: str) -> int:
     """Return more bytes than the file of a block can have."""
     size = prod(chunk) * np.dtype(dtype).itemsize
     return size + size // 128 + 1024
+
+
+def type_named(name: Any, kinds: str) -> np.dtype[Any]:
+    """Return the type that a store names, if it is of one of these kinds, by NumPy's letters for them.
+
+    Examples
+    --------
+    >>> type_named("float64", "if"), type_named("<i2", "if")
+    (dtype('float64'), dtype('int16'))
+
+    Raises
+    ------
+    ValueError
+        For any other, such as ``a``, an old name at which NumPy would warn.
+    """
+    try:
+        if isinstance(name, str) and _TYPE.fullmatch(name) and np.dtype(name).kind in kinds:
+            return np.dtype(name)
+    except TypeError:  # as NumPy says that it knows none of this name
+        pass
+    raise ValueError(f"it names a type {shown(name)}, which no store has")
 
 
 def fill_value(dtype: Any) -> Any:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import InputError
 from grazing.studies.plan import Plan
+from grazing.sweep.codec import type_named
 from grazing.sweep.files import is_name
 from grazing.sweep.grid import Grid
 from grazing.sweep.letters import TEXT, Types, encoded, stored_attrs, width_of
@@ -95,8 +96,7 @@ class Layout:
             if not is_name(name) or name in (DONE, MANIFEST):
                 raise ValueError(f"it names an array {name!r}, which no store has")
         for kind in {*variables.values(), *coords.values()} - {"text", "object"}:
-            if not isinstance(kind, str) or np.dtype(kind).kind not in "biufcU":
-                raise ValueError(f"it names a type {kind!r}, which no store has")
+            type_named(kind, "biufcU")
         return cls(
             Grid(shape, chunk),
             tuple(map(str, record["axes"])),

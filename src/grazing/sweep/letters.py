@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.outcome import GrazingError, InputError
+from grazing.sweep.codec import type_named
 
 Types = dict[str, str]
 #: The attribute of an array that holds text.
@@ -78,9 +79,7 @@ def restored_attrs(attrs: Mapping[str, Any], where: str, types: Types) -> dict[H
         if kind == "python":
             found[name] = [float(item) for item in value] if ndim == "1" else float(value)
         elif kind:
-            if np.dtype(kind).kind not in "biuf":  # such as texts of a billion letters
-                raise ValueError(f"an attribute {name} of type {kind} is none")
-            array = np.array(value).astype(kind)
+            array = np.array(value).astype(type_named(kind, "biuf"))  # none such as texts of a billion letters
             found[name] = array if ndim == "1" else array[()]
         else:
             found[name] = value

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.paths import path_of
 from grazing.studies.plan import Plan
-from grazing.sweep.codec import CODECS, decode, encode, longest
+from grazing.sweep.codec import CODECS, decode, encode, longest, type_named
 from grazing.sweep.files import MISFIT, PARTIAL, Print, print_of, read_file, remove_file, write_file
 from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, MOST, RECIPE, UNBOUND, Layout, Spec
@@ -452,11 +452,10 @@ def _spec(own: dict[str, Any], name: str) -> Spec:
         or grid["name"] != "regular"
     ):
         raise ValueError("its chunks are not cut as those of a store")
-    if not isinstance(own["data_type"], str) or np.dtype(own["data_type"]).kind not in "biufc":
-        raise ValueError("its type is not one of a store")
+    data_type = type_named(own["data_type"], "biufc")
     shape, chunk = (tuple(map(int, sizes)) for sizes in (own["shape"], grid["configuration"]["chunk_shape"]))
     dims = tuple(map(str, own.get("dimension_names") or ()))
-    attrs, kind = own.get("attributes", {}), str(np.dtype(own["data_type"]))
+    attrs, kind = own.get("attributes", {}), str(data_type)
     if not isinstance(attrs, dict):
         raise ValueError("it has no attributes")
     if not len(shape) == len(chunk) == len(dims) or min(shape, default=0) < 0 or min(chunk, default=1) < 1:
