@@ -120,7 +120,7 @@ def test_the_numbers_are_those_of_the_equation_per_mass():
         ({"gap": np.nan}, "not finite"),
         ({"m": True}, "not a real number"),
         ({"reset": 0.7}, "reset is 0.7; give gz.newton"),
-        ({"frequency": 1e-200}, "omega = 6.28319e-200; allowed is 1e-100 <= omega"),
+        ({"frequency": 1e-200}, "omega = 6.28319e-200; allowed is 1e-60 <= omega"),
         ({"c": "2 dB"}, "its units do not match"),
     ],
 )
@@ -130,7 +130,7 @@ def test_what_is_wrong_is_said(wrong, said):
 
 
 def test_a_shaken_model_at_a_frequency_without_a_square():
-    with pytest.raises(InputError, match="omega = 1e-200; allowed is 1e-100 <= omega"):
+    with pytest.raises(InputError, match="omega = 1e-200; allowed is 1e-60 <= omega"):
         shaken(base=3e-4).replace(omega=1e-200)
 
 
