@@ -219,7 +219,7 @@ def test_all_errors_come_at_once_with_their_paths():
         ({**DIAGRAM, "law": "triggered"}, "parameters.trigger: missing; give least speed of impact"),
         ({**DIAGRAM, "unfold": "d"}, "unfold: the normal-form map has one, the stroboscopic map has not"),
         ({**DIAGRAM, "map": "impact", "parameters": {"phase": 0.1}}, "parameters.phase: unknown parameter"),
-        ({**DIAGRAM, "parameters": {"omega": 1e-200}}, "omega = 1e-200; allowed is 1e-100 <= omega"),
+        ({**DIAGRAM, "parameters": {"omega": 1e-200}}, "omega = 1e-200; allowed is 1e-60 <= omega"),
         ({**DIAGRAM, "settings": {"starts": [[0.1, "a"]]}}, "settings.starts: starts[0][1] = 'a' is not"),
         ({**DIAGRAM, "settings": {"box": [[1, 0]]}}, "the lower end must come first"),
         ({**DIAGRAM, "settings": {"sweep": "left"}}, "settings.sweep = 'left'; allowed are up, down"),

@@ -588,6 +588,44 @@ def solved_again(rng, data, others):
     fitting_matrix(rng, data, others)
 
 
+def elsewhere(rng, data, others):
+    """A curve of orbits that is right, but beside the bifurcation or over it, along another coordinate, or wider."""
+    how, pinned = rng.randrange(3), data["pinned"]
+    with precision(256):
+        if how == 0:
+            by = exact(data["radius"][pinned]) * rng.choice((1, 2, -2, 5, -1000))
+            data["centre"][pinned] = text_of(exact(data["centre"][pinned]) + by)
+        elif how == 1:
+            data["pinned"] = rng.randrange(len(data["centre"]))
+        else:
+            factor = number(1, rng.choice((-10, 10, 20, 30)))
+            data["radius"] = [text_of(exact(x) * factor) for x in data["radius"]]
+    fitting_matrix(rng, data, others)
+    data["centre"] = closed(data, data["centre"])
+    pinned = data["pinned"]
+    for side, end in zip((-1, 1), data["ends"], strict=True):
+        x = list(data["centre"])
+        with precision(256):
+            x[pinned] = text_of(exact(x[pinned]) + side * exact(data["radius"][pinned]))
+        end["centre"] = closed(data, x)
+        end["radius"] = ["0x1p-90" if one == "0x0p0" else one for one in end["radius"]]
+        end["radius"][pinned] = "0x0p0"
+
+
+def closed(data, x, steps=3):
+    """An orbit near x with its pinned coordinate, by the preconditioner."""
+    C = [[double(float.fromhex(one)) for one in row_] for row_ in data["preconditioner"]]
+    problem, free = Problem(data, (data["parameter"]["of"], data["parameter"]["name"])), list(range(len(x)))
+    del free[data["pinned"]]
+    with precision(256):
+        point = [exact(text) for text in x]
+        for _ in range(steps):
+            F = problem.defect(point, problem.legs(point))
+            for i, line in zip(free, C, strict=True):
+                point[i] = (point[i] - sum((c * f for c, f in zip(line, F, strict=True)), number(0))).mid()
+        return [text_of(one) if i in free else x[i] for i, one in enumerate(point)]
+
+
 def orthogonal(rng, data, _others):
     """A matrix of low rank whose rows are orthogonal to what the equations leave, and radii of the wrong sign.
 

@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 from grazing_checker import Rejected, check
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, bases
 from tests.grazing_checker.documents import NAMES
-from tests.grazing_checker.forgeries import forgeries
+from tests.grazing_checker.forgeries import elsewhere, forgeries
 from tests.grazing_checker.truth import is_true
 
 WHOLE = Draft202012Validator(json.loads((files("grazing_checker") / "schema.json").read_text()))
@@ -19,11 +19,11 @@ SHORT = dict(zip(KINDS, (40, 30, 170, 160, 100), strict=True))
 LONG = dict(zip(KINDS, (900, 700, 3200, 3200, 2000), strict=True))
 
 
-def attack(kind, count, seed):
+def attack(kind, count, seed, only=()):
     """Return how many forgeries were refused, and how many accepted because they are true, and fit the schema."""
     known = {one["statement"] for one in bases().values()}
     found = Counter()
-    for ways, document in forgeries(kind, list(bases().values()), count, seed):
+    for ways, document in forgeries(kind, list(bases().values()), count, seed, only):
         try:
             said = check(document)
         except Rejected:
@@ -50,6 +50,22 @@ def test_no_forgery_is_accepted_that_is_false(kind):
     found = attack(kind, SHORT[kind], "short")
     assert found.total() == SHORT[kind]
     assert 0.5 * SHORT[kind] < found["refused"] < SHORT[kind]  # those that are true pass, so the forger gets far
+
+
+def elsewhere_only(count, seed):
+    """Curves of orbits that are right, each with its ends and its matrix, but beside the bifurcation, or over it."""
+    found = attack("bifurcation value", count, seed, (elsewhere,))
+    assert found.total() == count and found["refused"] > 0
+    return found
+
+
+def test_no_curve_beside_a_bifurcation_is_accepted():
+    elsewhere_only(2, "short")
+
+
+@pytest.mark.long
+def test_no_curve_of_many_beside_a_bifurcation_is_accepted():
+    assert elsewhere_only(300, "long")["true"] > 0
 
 
 @pytest.mark.long

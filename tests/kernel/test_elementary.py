@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.elementary import exp, log, power, sincos
+from grazing.kernel.elementary import exp, length, log, power, sincos
 from grazing.kernel.primitives import exponent_of
 
 RNG = np.random.default_rng(20111)
@@ -114,3 +114,9 @@ def test_laws_of_exp_and_sincos(x, y):
     assert sincos(-x) == (-sine, cosine)
     s2, c2 = sincos(y)
     assert sincos(x + y)[0] == pytest.approx(sine * c2 + cosine * s2, abs=2e-13)
+
+
+def test_length_in_any_unit():
+    assert length(3.0, -4.0) == 5.0 and length(0.0, 0.0) == 0.0 and length(math.inf, 1.0) == math.inf
+    for unit in (5e-324 * 2.0**60, 2.0**-600, 2.0**600, 2.0**1000):
+        assert length(-3.0 * unit, 4.0 * unit) == pytest.approx(5.0 * unit, rel=1e-15)

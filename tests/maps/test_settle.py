@@ -184,6 +184,8 @@ def test_what_no_precision_decides_stays_ambiguous(way):
     assert np.array_equal(asked.letters, plain.letters)
     assert np.array_equal(asked.outcomes, plain.outcomes)
     assert np.allclose(last, end, rtol=0.0, atol=1e-15)
+    assert asked.slowest[0, 0] == pytest.approx(plain.slowest[0, 0])
+    assert asked.near_miss[0, 0] == pytest.approx(plain.near_miss[0, 0], abs=1e-14)
 
 
 def test_an_exact_tie_is_reported():

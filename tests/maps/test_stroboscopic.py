@@ -328,7 +328,7 @@ def P_model(omega):
 
 
 def test_overflow_is_not_blamed_on_the_law():
-    P = gz.stroboscopic_map(gz.pinball(alpha=1e90, k=1e90, d=1e280))
+    P = gz.stroboscopic_map(gz.pinball(alpha=1e60, k=1e60, d=1e280))
     _, _, outcome = one_period(P, (1e300, -1e300))
     assert not outcome & BAD_LAW
 
@@ -339,3 +339,35 @@ def test_the_jacobian_is_undefined_at_a_touch(state):
     P, _ = graze_state()
     assert np.isnan(P.jacobian(state)).all()
     assert np.isfinite(P.jacobian((1.0, 0.5))).all()
+
+
+@pytest.mark.parametrize("algorithm", ["scalar", "block"])
+@pytest.mark.parametrize(("alpha", "k"), [(3.0, 1.0), (0.0, 2.2), (0.3, 0.0)])
+def test_a_wall_however_far_below_costs_no_digits(alpha, k, algorithm):
+    """Of heights above it nothing is left: a state came out as that of the wall, certified."""
+    starts = np.array([[[0.1, 5.0], [0.3, -2.0]]])
+    found = []
+    for sigma in (-1e3, -1e10, -1e100):
+        P = gz.stroboscopic_map(gz.pinball(alpha=alpha, k=k, sigma=sigma))
+        found.append(P.run_columns([list(P.params.values())], starts.copy(), 0, 3, algorithm=algorithm, threads=1))
+        assert not found[-1].outcomes.any() and not found[-1].letters.any()
+    for other in found[1:]:
+        assert np.allclose(other.points, found[0].points, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize(("a", "b"), [(-400, 40), (150, -100), (0, 190)])
+def test_units_of_powers_of_two_change_no_bit(a, b):
+    """Of length and of time. Squares of small numbers are 0, as are high derivatives where time is long."""
+    L, T, speed, force = 2.0**a, 2.0**b, 2.0 ** (a - b), 2.0 ** (a - 2 * b)
+    law, push = gz.active(0.8, 0.4 * speed), gz.Forcing(2.2 / T, offset=0.03 * force, cos=(force,))
+    plain, other = gz.pinball(alpha=0.2, k=3.0, d=0.03, V=0.4), gz.Oscillator(0.2 / T, 3.0 / T, push, law)
+    for algorithm in ("scalar", "block"):
+        found = []
+        for m, start in ((plain, (0.1, 0.3)), (other, (0.1 * L, 0.3 * speed))):
+            P, lanes = gz.stroboscopic_map(m), np.array(start).reshape(1, 2, 1)
+            row = [list(P.params.values())]
+            found.append(P.run_columns(row, lanes, 0, 5, algorithm=algorithm, arithmetic="strict", threads=1))
+        points, again = found[0].points[0, :, :, 0], found[1].points[0, :, :, 0] / (L, speed)
+        assert found[0].letters.sum() > 5 and np.array_equal(found[0].letters, found[1].letters)
+        assert np.array_equal(found[0].outcomes, found[1].outcomes)
+        assert np.array_equal(points, again) if algorithm == "scalar" else np.allclose(points, again, 0.0, 1e-13)

@@ -285,3 +285,14 @@ def test_without_impact_there_is_no_slowest():
         found = flown(P, [list(P.params.values())], np.array([[[1.0], [0.0]]]), 5, algorithm=algorithm)
         assert not found.letters.any()
         assert np.isinf(found.slowest).all()
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_what_an_impact_leaves_of_a_fast_flight_has_its_digits(arithmetic):
+    """The flight after it was that before it and a change: of 1e30 there was 1e13 left after a dead stop, certified."""
+    P = gz.stroboscopic_map(gz.pinball(alpha=0.1, k=0.0, d=0.4, r=0.0, V=0.0))
+    rows, lanes = [list(P.params.values())], np.array([[[0.24e30, 0.24e6, 0.24], [-0.11e30, -0.11e6, -0.11]]])
+    block = flown(P, rows, lanes, 2, arithmetic=arithmetic)
+    scalar = flown(P, rows, lanes, 2, arithmetic=arithmetic, algorithm="scalar")
+    assert np.array_equal(block.letters, scalar.letters) and scalar.letters[0, 0].tolist() == [1, 1, 0]
+    assert np.allclose(block.points, scalar.points, rtol=0.0, atol=1e-12)

@@ -147,3 +147,12 @@ def test_more_harmonics_than_can_be_compiled_are_refused_by_name(harmonics, monk
 def test_a_trajectory_too_long_to_hold_is_refused_before_it_is_flown():
     with pytest.raises(gz.InputError, match=r"7e\+07 points are more than 2e\+07; choose an earlier end"):
         gz.trajectory(gz.pinball(d=3.0), (0.1, 0.0), until=1e6)
+
+
+def test_a_wall_however_far_below_costs_no_digits():
+    near, far, lost = (
+        gz.trajectory(gz.pinball(sigma=sigma), (0.1, 0.3), until=9.0, samples=5) for sigma in (-1e3, -1e12, -1e100)
+    )
+    for other in (far, lost):
+        assert np.allclose(other.u, near.u, rtol=1e-12, atol=1e-12) and np.allclose(other.v, near.v, atol=1e-12)
+    assert lost.wall == lost.attrs["parameter_sigma"] == -1e100

@@ -126,3 +126,13 @@ def test_series_and_its_slope():
         h = 1e-5
         ahead, behind = (series(t + e, 0.2, cos, sin, omega, theta)[0] for e in (h, -h))
         assert slope == pytest.approx((ahead - behind) / (2.0 * h), abs=1e-8)
+
+
+@pytest.mark.parametrize("unit", [2.0**-700, 2.0**600])
+def test_zeros_of_a_force_in_any_unit_cost_the_same(unit):
+    """Products of numbers as small are 0: a step then proved nothing, and a period took ten million."""
+    bend = 2.2**2
+    assert free_distance(0.7 * unit, -0.3 * unit, bend * unit) == pytest.approx(free_distance(0.7, -0.3, bend))
+    edges, first, _T = edges_of(0.0, [unit], [0.0])
+    plain, sign, _T = edges_of(0.0, [1.0], [0.0])
+    assert first == sign and edges == pytest.approx(plain, rel=1e-14)

@@ -7,6 +7,8 @@ The C library's versions differ between systems in the last digit and stop a loo
 
 from __future__ import annotations
 
+from math import sqrt
+
 from grazing.kernel.primitives import exponent_of, power_of_two
 
 # Adding and subtracting 1.5 * 2**52 rounds to the nearest integer.
@@ -73,6 +75,18 @@ def sincos(x: float) -> tuple[float, float]:
     first = first if quarter < 2.0 else -first
     second = -second if (quarter - 1.5) * (quarter - 1.5) < 1.0 else second
     return first, second
+
+
+def length(x: float, y: float) -> float:
+    """Return sqrt(x^2 + y^2), also where squares are below all doubles or beyond them."""
+    square = x * x + y * y
+    if 1e-280 < square < 1e300:
+        return sqrt(square)
+    size = max(abs(x), abs(y))
+    if not 0.0 < size < float("inf"):
+        return size
+    x, y = x / size, y / size
+    return size * sqrt(x * x + y * y)
 
 
 def log(x: float) -> float:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.elementary import length
 from grazing.maps.map import Map
 from grazing.maps.period import log_size
 from grazing.maps.starting import boxes_at, impact_box
@@ -58,7 +59,7 @@ def next_period(ball: Ball, doubt: Doubt, c: Any) -> tuple[Ball, Doubt]:
     root = sqrt(c.k2)
     y = abs(E11) * doubt.y + abs(E12) * doubt.v + ball.error_y
     v = abs(E21) * doubt.y + abs(E22) * doubt.v + ball.error_v
-    energy = doubt.energy + sqrt(c.k2 * ball.error_y * ball.error_y + ball.error_v * ball.error_v)
+    energy = doubt.energy + length(root * ball.error_y, ball.error_v)
     y = energy / root if energy < root * y else y
     v = min(v, energy)
     return Ball(0.0, ball.y, ball.v, 0, 0.0, 0.0, Launch(0.0, 1.0, 0.0, y, v)), Doubt(y, v, energy)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.oscillator.constants import Constants, forcing
+from grazing.oscillator.constants import FAR, OFFSET, Constants, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
-from grazing.oscillator.flight import modes
+from grazing.oscillator.flight import beside_far_wall, modes
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -89,9 +89,10 @@ def period_of(
         ball = placed(0.0, y, v, 0)
         impacts, outcome, near, slow = 0, OK, INFINITY, INFINITY
         contact = y == 0.0 and v <= 0.0
-        smooth, chattered, lay = True, False, False
+        smooth, chattered, lay, aloft = True, False, False, True
         while True:
             if contact:
+                aloft = False
                 arrived = ball.v
                 kind, ball, flags = departure(ball, INFINITY, c)
                 outcome |= flags
@@ -126,11 +127,14 @@ def period_of(
                 area -= c.alpha * (ball.t - left)
             if not contact:
                 break
+        u_end, v_end = ball.y + c.sigma, ball.v
+        if aloft and abs(u_end) < FAR * abs(c.sigma):
+            u_end, v_end = beside_far_wall(c.T, u, v, c.p[OFFSET], c)
         whole = (J[0], J[1], J[2], J[3], area)
         if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
             whole = lost
         letter = CHATTER_LETTER if chattered else (STUCK_LETTER if lay else impacts)
-        return (ball.y + c.sigma, ball.v), letter, outcome, whole, near, slow
+        return (u_end, v_end), letter, outcome, whole, near, slow
 
     return period
 

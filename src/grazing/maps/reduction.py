@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import sqrt
 from typing import Any, NamedTuple
 
+from grazing.kernel.elementary import length
 from grazing.kernel.primitives import replaced
 from grazing.oscillator.constants import Constants, forcing, steady_response
 from grazing.oscillator.flight import modes
@@ -46,7 +46,7 @@ def steady_low(c: Constants) -> tuple[float, float]:
     for j in range(len(c.hc)):
         W = (j + 1) * c.omega
         cos, sin = replaced(cos, j, W * c.hs[j]), replaced(sin, j, -W * c.hc[j])
-        bend += W * W * W * sqrt(c.hc[j] * c.hc[j] + c.hs[j] * c.hs[j])
+        bend += W * W * W * length(c.hc[j], c.hs[j])
     none = c.edges
     for i in range(len(none)):
         none = replaced(none, i, 0.0)

@@ -102,6 +102,8 @@ def settle_orbit(
             undecided += 1
             outcome = int(part.outcomes[0, sure, 0])
             state, letter = part.points[0, sure, :, 0], int(part.letters[0, sure, 0])
+            alone = again(row, np.array(before), 1)  # the part says it of all its steps, those to come included
+            near, slow = min(near, alone.near_miss[0, 0]), min(slow, alone.slowest[0, 0])
         else:
             state, letter, outcome = np.array(proven.state), proven.letter, proven.outcome
             near, slow = min(near, proven.near_miss), min(slow, proven.slowest)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from math import floor, pi, sqrt
 from typing import Any, NamedTuple
 
-from grazing.kernel.elementary import exp, sincos
+from grazing.kernel.elementary import exp, length, sincos
 from grazing.kernel.primitives import replaced
 from grazing.oscillator.constants import Constants, forcing
 from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
@@ -98,7 +98,7 @@ def simple_zeros(
     if best == 0.0:
         return zeros, 0
     for j in range(m):
-        bend += (j + 1) * (j + 1) * sqrt(gc[j] * gc[j] + gs[j] * gs[j])
+        bend += (j + 1) * (j + 1) * length(gc[j], gs[j])
     edges, _first, _doubtful = window_edges(g0, gc, gs, 1.0, start, TWO_PI, bend, no_edges)
     for i in range(1, len(no_edges) - 1):
         if edges[i] < TWO_PI:
@@ -190,7 +190,7 @@ def bend_of_forcing(t: float, c: Constants) -> tuple[float, float]:
     for j in range(len(c.cos)):
         W = (j + 1) * c.omega
         ddF -= W * W * (c.cos[j] * cj + c.sin[j] * sj)
-        bound += W * W * W * sqrt(c.cos[j] * c.cos[j] + c.sin[j] * c.sin[j])
+        bound += W * W * W * length(c.cos[j], c.sin[j])
         sj, cj = sj * c1 + cj * s1, cj * c1 - sj * s1
     return ddF, bound
 
@@ -212,7 +212,7 @@ def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[
         acc = F - c.alpha * v - c.k2 * y
         jerk = dF - c.alpha * acc - c.k2 * v
         snap = ddF - c.alpha * jerk - c.k2 * acc
-        bend = abs(jerk) + reach * (sqrt(snap * snap + c.k2 * jerk * jerk) + reach * third)
+        bend = abs(jerk) + reach * (length(snap, sqrt(c.k2) * jerk) + reach * third)
         monotone = 0.9 * abs(acc) / bend if bend > 0.0 else L
         step = max(0.9 * free_distance(v, acc, bend), monotone, 1e-7 * c.T)
         end = min(L, s + min(step, reach))

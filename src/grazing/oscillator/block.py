@@ -22,6 +22,9 @@ from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, val
 from grazing.oscillator.workspace import HIGH, NAN, SOME, WHOSE, WIDTH, W
 
 INFINITY = float("inf")
+#: The least share of a speed that an impact and the force leave. A flight after it is what it changes of the one before:
+#: where that was much faster, its digits would be lost.
+LEAST_LEFT = 1e-3
 
 
 @inlined
@@ -238,6 +241,7 @@ def kick(w: Any, count: int) -> None:
             z2 = w[W.X2 + i] + (w[W.B1 + i] * d - w[W.D1 + i] * y) * scale
             w[W.Z1 + i], w[W.Z2 + i] = z1, z2
             flies = (w[W.PROVEN + i] > 0.0) & (u >= 0.0) & (abs(z1) < HIGH) & (abs(z2) < HIGH) & (not ends)
+            flies = flies & (LEAST_LEFT * -v < u + w[W.PUSH + i])
             # what an impact makes of the errors before it, see next_launch in contact.py
             worse, steep = w[W.WORSE + i], 1.0 + w[W.STEEP + i]
             carried = worse * u + (w[W.PUSH + i] + change) * steep

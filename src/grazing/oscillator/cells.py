@@ -19,7 +19,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
-from grazing.oscillator.constants import Constants
+from grazing.oscillator.constants import FAR, OFFSET, Constants, natural_size, steady_position
 from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
 from grazing.oscillator.windows import summed
@@ -115,6 +115,14 @@ def cells_in(length: float, c: Constants) -> int:
 def fastest(c: Constants) -> float:
     """Return the fastest rate of the flight: roots of the equation and harmonics of the force."""
     return max(max(-c.l2, sqrt(c.k2)), len(c.cos) * c.omega)
+
+
+def out_of_range(c: Constants) -> bool:
+    """Return whether doubles may not hold the 14 derivatives of a flight, or a pair the state over a wall far away."""
+    push = (c.force - abs(c.F0)) + abs(c.p[OFFSET])
+    if not (c.steady and c.k2 > 0.0) and FAR * abs(c.sigma) > natural_size(c.alpha, c.T, push):
+        return True
+    return not (1e-15 <= fastest(c) <= 1e15 and (c.force == 0.0 or 1e-100 <= c.force <= 1e100))
 
 
 def windows_in(c: Constants) -> int:
@@ -278,7 +286,7 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
     windows, total = windows_in(c), 0
     for i in range(windows):
         total += cells_in(c.edges[i + 1] - c.edges[i], c)
-    if total > MAX_CELLS or -c.l2 * c.T > MAX_DECAY:
+    if total > MAX_CELLS or -c.l2 * c.T > MAX_DECAY or out_of_range(c):
         return False
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
@@ -321,6 +329,9 @@ def put_maps(t: Any, c: Constants) -> None:
     i11, i12, i21, i22 = d2 / W, -b2 / W, -d1 / W, b1 / W
     put_row(t, STATE, 1, y, b1, b2)
     t[SIGMA] = c.sigma
+    u, _v = steady_position(0.0, c)
+    if c.steady and abs(u) < FAR * abs(c.sigma):  # else little is left of positions as sums of a height and the wall's
+        t[SIGMA], t[STATE] = 0.0, u
     put_row(t, STATE + 3, 1, v, d1, d2)
     t[PAIR], t[PAIR + 1], t[PAIR + 2], t[PAIR + 3] = i11, i12, i21, i22
     x1, x2 = (0.0, 0.0) if c.steady else (y_T - y, v_T - v)

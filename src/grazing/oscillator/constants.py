@@ -7,6 +7,7 @@ from functools import lru_cache
 from math import floor, pi, sqrt
 from typing import Any, NamedTuple
 
+from grazing.kernel.elementary import length
 from grazing.kernel.primitives import replaced, unit
 from grazing.oscillator.windows import series, window_edges
 from grazing.outcome import InputError
@@ -22,6 +23,10 @@ TWO_PI_4 = float.fromhex("0x1.8cc51701b839ap-70")
 
 #: Parameters in front of the harmonics cos1, sin1, cos2, ...; pinball calls the offset d.
 HEAD = ("alpha", "k", "omega", "t0", "offset")
+#: The place of the offset.
+OFFSET = len(HEAD) - 1
+#: A ball at less than this share of the wall's distance from 0 is far from the wall, if it is not on it.
+FAR = 1e-3
 
 
 class Constants(NamedTuple):
@@ -156,7 +161,7 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
             W = (j + 1) * p.omega
             a, b = k2 - W * W, p.alpha * W
             det = a * a + b * b
-            amplitude = sqrt(c * c + s * s)
+            amplitude = length(c, s)
             cos, sin = replaced(cos, j, c), replaced(sin, j, s)
             force += amplitude
             bend += W * W * amplitude
@@ -193,3 +198,8 @@ def forcing(t: float, c: Constants) -> tuple[float, float]:
 def steady_response(t: float, c: Constants) -> tuple[float, float]:
     """Return the steady response Y and dY/dt at local time t; meaningful where ``c.steady``."""
     return series(t, c.Y0, c.hc, c.hs, c.omega, c.theta)
+
+
+def steady_position(t: float, c: Constants) -> tuple[float, float]:
+    """Return sigma + Y and dY/dt, of which the place of the wall takes no digits; meaningful where ``c.steady``."""
+    return series(t, c.p[OFFSET] / c.k2 if c.k2 > 0.0 else c.sigma, c.hc, c.hs, c.omega, c.theta)

@@ -14,7 +14,7 @@ from functools import lru_cache
 from math import sqrt
 from typing import Any, NamedTuple
 
-from grazing.kernel.elementary import sincos
+from grazing.kernel.elementary import length, sincos
 from grazing.kernel.primitives import unit
 from grazing.oscillator.constants import Constants, forcing, steady_response
 from grazing.oscillator.flight import Anchor, anchored, flight, modes, noise, stiff
@@ -252,11 +252,11 @@ def aloft(a: Anchor, launch: Launch, c: Constants) -> tuple[float, float, float]
         return 0.0, INFINITY, 0.0
     Y, dY = steady_response(a.t, c)
     lean = (a.h1 + 0.5 * c.alpha * a.h0) / c.spread
-    swing = sqrt(a.h0 * a.h0 + lean * lean)
+    swing = length(a.h0, lean)
     bend = 0.0
     for j in range(len(c.hc)):
         W = (j + 1) * c.omega
-        bend += W * W * sqrt(c.hc[j] * c.hc[j] + c.hs[j] * c.hs[j])
+        bend += W * W * length(c.hc[j], c.hs[j])
     phase = 1e-15 * c.spread * left * swing
     reach = 1.0 / c.spread
     off = (abs(launch.w) * (1.0 + 0.5 * c.alpha * reach) + abs(launch.lift) * reach) * launch.late + reach * launch.off

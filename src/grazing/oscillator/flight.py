@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-from grazing.kernel.elementary import exp, sincos
+from grazing.kernel.elementary import exp, length, sincos
 from grazing.oscillator.constants import Constants, steady_response
 
 #: Flights shorter than this fraction of 1/rate use Duhamel's form: near the anchor y/s then has all its digits.
@@ -125,14 +125,29 @@ def divided3(a: complex, b: complex, c: complex, s: float) -> complex:
 
 def duhamel(s: float, t: float, c: Constants) -> tuple[float, float]:
     """Return position and velocity at t + s of a ball at rest at y = 0 at time t, under the forcing F alone."""
+    return pushed(s, t, c.F0, c)
+
+
+def beside_far_wall(s: float, u: float, v: float, offset: float, c: Constants) -> tuple[float, float]:
+    """Return the state at local time s of a ball that is at (u, v) at local time 0 and meets no wall until then.
+
+    Its height above a wall far below would have none of its digits left.
+    """
+    E11, E12, E21, E22 = modes(s, c)
+    y, w = pushed(s, 0.0, offset, c)
+    return E11 * u + E12 * v + y, E21 * u + E22 * v + w
+
+
+def pushed(s: float, t: float, F0: float, c: Constants) -> tuple[float, float]:
+    """Return :func:`duhamel` for another constant part of the force."""
     if c.q2 > 0.0:
         a, b = complex(c.l1), complex(c.l2)
     else:
         a, b = complex(c.l1, c.spread), complex(c.l2, -c.spread)
     still = complex(0.0)
     y3 = divided3(a, b, still, s)
-    y = c.F0 * y3.real
-    v = c.F0 * (times(a, y3) + divided2(b, still, s)).real
+    y = F0 * y3.real
+    v = F0 * (times(a, y3) + divided2(b, still, s)).real
     s1, c1 = sincos(c.omega * t + c.theta)
     turn = complex(c1, s1)
     phase = turn
@@ -177,8 +192,9 @@ def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
         hurried = c.force * s
     brought_y, brought_v = grown * a.error_y + reach * a.error_v, c.k2 * reach * a.error_y + grown * a.error_v
     if stiff(c.T, c):  # the energy of a free flight never grows; the plain bound would double in every piece
-        energy = sqrt(c.k2 * a.error_y * a.error_y + a.error_v * a.error_v)
-        brought_y, brought_v = min(brought_y, energy / sqrt(c.k2)), min(brought_v, energy)
+        k = sqrt(c.k2)
+        energy = length(k * a.error_y, a.error_v)
+        brought_y, brought_v = min(brought_y, energy / k), min(brought_v, energy)
     y = rounding + brought_y
     v = 4.0 * c.rate * rounding + 1e-15 * (abs(a.v) + hurried) + brought_v
     return y, v

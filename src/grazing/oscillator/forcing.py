@@ -17,8 +17,9 @@ from grazing.parameter import real, whole
 MOST_HARMONICS = 1000
 #: Angles beyond which a double is too coarse for a phase.
 LATEST = 1e15
-#: Frequencies, and products of an amplitude and its frequency, whose squares a double still holds.
-LOWEST, HIGHEST, STRONGEST = 1e-100, 1e100, 1e150
+#: Frequencies, and products of an amplitude and its frequency, whose squares a double still holds; forces that do not
+#: move the ball by less than doubles hold. Flights are made of the fourth power of a frequency.
+LOWEST, HIGHEST, WEAKEST, STRONGEST = 1e-60, 1e60, 1e-150, 1e150
 TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
 
 
@@ -71,6 +72,12 @@ class Forcing:
                     raise InputError(
                         f"{name}{j} = {value:g}; allowed is |{name}{j}| <= {most:g}: beyond, numbers overflow"
                     )
+        largest = max(map(abs, (self.offset, *cos, *sin)))
+        if 0.0 < largest < WEAKEST:
+            raise InputError(
+                f"the force is at most {largest:g}; allowed are 0 and amplitudes of which one is at least {WEAKEST:g}: "
+                "below, numbers are lost; take another unit of length"
+            )
         m = max(len(cos), len(sin), 1)
         object.__setattr__(self, "cos", cos + (0.0,) * (m - len(cos)))
         object.__setattr__(self, "sin", sin + (0.0,) * (m - len(sin)))
@@ -147,7 +154,7 @@ class Forcing:
 def refuse_out_of_range(omega: float) -> None:
     """Raise InputError for a frequency whose square no double holds."""
     if not LOWEST <= omega <= HIGHEST:
-        raise InputError(f"omega = {omega:g}; allowed is {LOWEST:g} <= omega <= 1e100: beyond, numbers overflow")
+        raise InputError(f"omega = {omega:g}; allowed is {LOWEST:g} <= omega <= {HIGHEST:g}: beyond, numbers overflow")
 
 
 def series_said(force: Any) -> str:

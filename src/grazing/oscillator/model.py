@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from grazing.oscillator.forcing import LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
+from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
@@ -95,9 +95,9 @@ class Oscillator:
         if self.mass is not None:
             object.__setattr__(self, "mass", MASS.check(self.mass))
         for name in ("alpha", "k"):
-            if getattr(self, name) > 1e100:
+            if getattr(self, name) > HIGHEST:
                 raise InputError(
-                    f"{name} = {getattr(self, name):g}; allowed is {name} <= 1e100: beyond, numbers overflow"
+                    f"{name} = {getattr(self, name):g}; allowed is {name} <= {HIGHEST:g}: beyond, numbers overflow"
                 )
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Any
 
-from grazing.kernel.elementary import exp
+from grazing.kernel.elementary import exp, length
 
 #: The least share of its speed that a ball is taken to lose from impact to impact; without it, r = 1 knows no bound.
 LEAST_LOSS = 0.02
@@ -25,7 +25,7 @@ def drive_of(alpha: float, k: float, omega: float, F0: float, cos: Any, sin: Any
     width, speed = 0.0, 0.0
     for j in range(len(cos)):
         W = (j + 1) * omega
-        amplitude = sqrt(cos[j] * cos[j] + sin[j] * sin[j])
+        amplitude = length(cos[j], sin[j])
         a, b = k * k - W * W, alpha * W
         response = amplitude / max(sqrt(a * a + b * b), DETUNED * (k * k + W * W))
         width += response

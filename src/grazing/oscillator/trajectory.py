@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.oscillator.constants import piece_of, roots
+from grazing.oscillator.constants import FAR, piece_of, roots
 from grazing.oscillator.contact import MAX_SWINGS
 from grazing.oscillator.legs import (
     END,
@@ -26,6 +26,7 @@ from grazing.oscillator.legs import (
     flown_legs,
 )  # fmt: skip
 from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.reach import drive_of
 from grazing.oscillator.walled import Walled
 from grazing.oscillator.walled_trajectory import walled_trajectory
 from grazing.outcome import (
@@ -115,7 +116,8 @@ def trajectory(
     if isinstance(model, Walled):
         return walled_trajectory(model, (u, v), start, until, samples)
     refuse_inside(u, model)
-    legs = flown_legs(model, (u, v), start, until, MAX_IMPACTS)
+    given = model
+    model, legs = _flown(model, (u, v), start, until)
     times, us, vs = _sampled(model, legs, start, until, samples)
     ends = np.array([_instants(leg, start, model.period)[1] for leg in legs])
     hits = ~np.isnan(legs[:, V_MINUS]) & (ends <= until)
@@ -129,19 +131,36 @@ def trajectory(
             "impact_time": ("impact", ends[hits], about["t"] | {"long_name": "time of impact"}),
             "v_minus": ("impact", legs[hits, V_MINUS], about["v_minus"]),
             "v_plus": ("impact", legs[hits, V_PLUS], about["v_plus"]),
-            "wall": ((), model.sigma, model.describe("sigma").attributes),
+            "wall": ((), given.sigma, model.describe("sigma").attributes),
             "trust": ((), trust.value),
         },
         coords={"t": ("t", times, about["t"])},
     )
     result.attrs = {
-        "title": f"trajectory of {model!r}",
+        "title": f"trajectory of {given!r}",
         "grazing_outcome": flags,
         "chatter": int(bool(flags & CHATTER)),
         **model.attributes,
-        **{f"parameter_{name}": value for name, value in model.params.items()},
+        **{f"parameter_{name}": value for name, value in given.params.items()},
     }
     return result
+
+
+def _flown(model: Oscillator, state: tuple[float, float], start: float, until: float) -> tuple[Oscillator, Floats]:
+    """Return the legs of a trajectory, and the model whose wall their heights are above.
+
+    Heights above a wall far below have few digits left. A ball that does not meet a nearer wall meets no wall.
+    """
+    (u, v), f, T = state, model.forcing, model.period
+    swing, _speed = drive_of(model.alpha, model.k, f.omega, f.offset, f.cos, f.sin)
+    stiff = max(model.k, f.omega)
+    nearer = -64.0 * max(abs(u), abs(v) * T, swing, abs(f.offset) / stiff / stiff)
+    if FAR * model.sigma < nearer < 0.0:
+        raised = model.replace(sigma=nearer)
+        legs = flown_legs(raised, state, start, until, MAX_IMPACTS)
+        if not legs[:, FLAGS].any() and np.isnan(legs[:, V_MINUS]).all():
+            return raised, legs
+    return model, flown_legs(model, state, start, until, MAX_IMPACTS)
 
 
 def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from grazing.kernel.elementary import sincos
+from grazing.kernel.elementary import length, sincos
 from grazing.kernel.primitives import replaced
 
 
@@ -49,7 +49,8 @@ def starts_at_zero(F0: float, cos: tuple[float, ...], theta: float) -> bool:
 def free_distance(F: float, dF: float, bend: float) -> float:
     """Return how far F keeps its sign for certain, given |F''| <= bend."""
     towards = max(0.0, -dF if F > 0.0 else dF)
-    root = sqrt(towards * towards + 2.0 * bend * abs(F))
+    square = towards * towards + 2.0 * bend * abs(F)
+    root = sqrt(square) if 1e-280 < square < 1e300 else length(towards, sqrt(2.0 * bend) * sqrt(abs(F)))
     return 2.0 * abs(F) / (root + towards) if root > 0.0 else 0.0
 
 
