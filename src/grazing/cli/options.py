@@ -87,7 +87,7 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "si")):
+        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "stop", "si")):
             continue
         choices = _choices(fields[key])
         group = STUDY if key in DRAWN.get(study, ()) else MAP

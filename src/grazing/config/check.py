@@ -26,8 +26,8 @@ Recipe = dict[str, Any]
 DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = (
-    "study", "map", "order", "unfold", "model", "law", "mass", "base", "parameters", "vary", "settings", "curves",
-    "coordinate",
+    "study", "map", "order", "unfold", "model", "law", "mass", "base", "stop", "parameters", "vary", "settings",
+    "curves", "coordinate",
 )  # fmt: skip
 
 
@@ -230,6 +230,9 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if "base" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
         yield Problem(("base",), f"{brings}; leave the base out")
+    if "stop" in config and (config.get("model") or not oscillator):
+        brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
+        yield Problem(("stop",), f"{brings}; leave it out")
     beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
         if config.get(key) and kind != at and not (key == "order" and beside):

@@ -24,6 +24,7 @@ KEYS = {
     "law": LAW,
     "mass": None,
     "base": None,
+    "stop": None,
     "si": None,
     "curves": None,
     "coordinate": None,

@@ -13,7 +13,7 @@ from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
 from grazing.config.si import SCHEMA
 from grazing.maps.discontinuity import ORDERS
 from grazing.oscillator.parameters import MASS
-from grazing.oscillator.si import base_of
+from grazing.oscillator.si import SIDES, base_of
 
 MAPS = {
     "stroboscopic": "the state (u, v) once per period of the forcing",
@@ -97,6 +97,9 @@ class Config(Table):
         default=None,
         description="a base whose amplitude a sweep keeps: moves=both,displacement=0.0003 or acceleration=5, with the "
         "sign of u, blanks between harmonics; cos and sin are what forces the mass beside it",
+    )
+    stop: Literal[tuple(SIDES)] | None = Field(  # type: ignore[valid-type]
+        default=None, description="side of a rig's stop: figures show its x, upwards, which is -u for one above"
     )
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
         default=None,

@@ -77,11 +77,11 @@ def from_table(raw: Mapping[str, Any]) -> dict[str, Any]:
     if open_frequency:
         del parameters["omega"]
     given = found.get("parameters", {})
-    both = sorted({*parameters, "mass", "base"} & {*given, *found}) if isinstance(given, Mapping) else []
+    both = sorted({*parameters, "mass", "base", "stop"} & {*given, *found}) if isinstance(given, Mapping) else []
     if both:
         raise InputError(f"the table gives {', '.join(both)}, too; give it there alone")
     found["parameters"] = {**parameters, **given} if isinstance(given, Mapping) else given
-    found["mass"] = made.mass
+    found["mass"], found["stop"] = made.mass, table.get("side", usual["side"])
     if made.base is not None:
         found["base"] = made.base.alone.text
     found.setdefault("law", LAW)

@@ -121,8 +121,7 @@ def si_numbers(
     With x upwards from the place where the spring is relaxed, m x'' + c x' + k x = F(t) + load, and z the motion of
     the base, y = x - z is what a moving stop sees. Then u = y for a stop below, u = -y for one above.
     """
-    if not isinstance(side, str) or side not in SIDES:
-        raise InputError(f"side = {shown(side)}; allowed are 'above' and 'below', where the stop is")
+    checked_side(side, "side")
     if not isinstance(moves, str) or moves not in MOVES:
         raise InputError(
             f"moves = {shown(moves)}; allowed are 'both', 'spring' and 'stop', what the base carries along"
@@ -148,6 +147,13 @@ def si_numbers(
         mass, damping / mass, natural, w, sign * _checked(LOAD, load) + 0.0, cos, sin, 0.0 - distance,
         moved if shaken else None,
     )  # fmt: skip
+
+
+def checked_side(side: Any, name: str) -> str:
+    """Return where a stop is, or raise InputError."""
+    if not isinstance(side, str) or side not in SIDES:
+        raise InputError(f"{name} = {shown(side)}; allowed are 'above' and 'below', where the stop is")
+    return side
 
 
 def _checked(known: Parameter, value: Any) -> float:

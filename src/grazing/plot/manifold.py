@@ -90,8 +90,8 @@ def manifolds(
         marks = _saddle(ax, np.asarray(result["saddle"].values, np.float64)) if saddle else None
         if fresh:
             limits = _limits(result, x, 0), _limits(result, y, 1)
-            ax.set_xlabel(label(names[0], names[0]))
-            ax.set_ylabel(label(names[1], names[1]))
+            for name, of, axis in zip(names, _symbols(result, names), (ax.xaxis, ax.yaxis), strict=True):
+                axis.set_label_text(label(name, of))
         ax.set_xlim(*limits[0])
         ax.set_ylim(*limits[1])
         entries = [Line2D([], [], label=f"{side} manifold", **look)]
@@ -109,6 +109,12 @@ def manifolds(
         "legend": beside,
         "provenance": provenance_of(result),
     }
+
+
+def _symbols(result: Any, names: list[str]) -> list[str]:
+    """Return the symbols of the coordinates: their names, where the result has no others."""
+    others = result["coordinate"].attrs.get("symbols") or names
+    return [other or name for other, name in zip(others, names, strict=True)]
 
 
 def _cuts(ax: Axes, result: Any, look: dict[str, Any]) -> Line2D:
