@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from grazing.plot.classes import legend_beside
+from grazing.plot.classes import legend_extended
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
@@ -100,7 +100,7 @@ def manifolds(
         if marks is not None:
             name = plain(f"saddle {word}".strip())
             entries.append(Line2D([], [], ls="none", marker="X", ms=5.0, mfc="white", mec=INK, mew=0.9, label=name))
-        beside = _legend(ax, entries) if legend else None
+        beside = legend_extended(ax, entries) if legend else None
     return {
         "figure": root(ax),
         "line": line,
@@ -148,12 +148,3 @@ def _limits(result: Any, values: Floats, axis: int) -> tuple[float, float]:
     low, high = max(float(np.nanmin(points)), float(box[0])), min(float(np.nanmax(points)), float(box[1]))
     margin = 0.04 * (high - low) or 1.0
     return low - margin, high + margin
-
-
-def _legend(ax: Axes, entries: list[Line2D]) -> Any:
-    """Put entries into the legend beside the axes, after those that are there."""
-    old = ax.get_legend()
-    handles: list[Any] = [] if old is None else list(old.legend_handles)
-    title = "" if old is None else old.get_title().get_text()
-    known = {handle.get_label() for handle in handles}
-    return legend_beside(ax, [*handles, *(entry for entry in entries if entry.get_label() not in known)], title)
