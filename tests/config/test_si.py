@@ -143,6 +143,32 @@ def test_what_is_wrong_is_said(change, said):
     assert said in str(error.value)
 
 
+def test_all_that_is_wrong_is_told_at_once():
+    si = {"m": -1, "c": "2 kg", "k": math.nan, "gap": -1e-3, "side": "left", "force": ["2 N", "x"], "mas": 1.0}
+    config = {"study": "diagram", "si": si, "parameters": {"r": 1.2, "alpha": 3.0}, "vary": {"frequency": "a:2:3"}}
+    with pytest.raises(InputError) as error:
+        checked(config | {"settings": {"strats": 3}})
+    said = str(error.value)
+    assert said.startswith("there are 11 errors:")
+    for part in (
+        "m = -1", "c = '2 kg'", "k = nan", "gap = -0.001 m", "side = 'left'", "force[1] = 'x'", "'mas' of si",
+        "frequency = 'a' is not", "the table gives alpha, too", "parameters.r = 1.2", "settings.strats",
+    ):  # fmt: skip
+        assert part in said, part
+    with pytest.raises(InputError, match="c, k, gap missing") as error:
+        checked({"study": "diagram", "si": {"m": -1}, "vary": {"omega": "1:2:3"}})
+    assert str(error.value).count("\n") == 3 and "m = -1" in str(error.value)  # and r, of the law
+
+
+@pytest.mark.parametrize("si", [{}, "m", 3, {"x": 1.0}, {"m": 1.0, "frequency": "1 m"}])
+@pytest.mark.parametrize("vary", [{"frequency": [1.0, 2.0]}, {"frequency": "5:19"}, {"frequency": 3}])
+def test_what_stands_for_a_wrong_table_is_no_error_itself(si, vary):
+    study = "windows" if vary["frequency"] == "5:19" else "diagram"
+    with pytest.raises(InputError) as error:
+        checked({"study": study, "si": si, "parameters": {"r": 0.7}, "vary": vary})
+    assert all("si" in line for line in str(error.value).splitlines() if "errors" not in line)
+
+
 @pytest.mark.parametrize("mass", [-1, 0, "a", math.nan, [1]])
 def test_a_mass_alone_is_checked(mass):
     with pytest.raises(InputError, match="mass"):

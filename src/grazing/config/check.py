@@ -75,16 +75,15 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
+    before: list[Problem] = []
     if raw.get("si") is not None:
-        try:
-            raw = from_table(raw)
-        except InputError as error:
-            raise refusal([Problem(("si",), str(error))], source, label) from None
+        raw, faults = from_table(raw)
+        before = [Problem(("si",), fault) for fault in faults]
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
-    if problems or config is None:
-        raise refusal(problems, source, label)
+    if before or problems or config is None:
+        raise refusal([*before, *problems], source, label)
     return config
 
 
@@ -184,7 +183,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
     yield from _parameters(
-        config, known, {*ranges, *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
+        config, known, {*config["vary"], *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
     )
     yield from _fits(config, coordinates)
     if config.get("study") == "cobweb" and len(coordinates) != 1:
