@@ -142,6 +142,18 @@ def matching(unit: str) -> bool:
     return any(_factor(old, unit, 1.0) is not None for old in MEASURED)
 
 
+def checked_units(units: Any, name: str) -> tuple[str, ...]:
+    """Return the units in a list, or in a text with commas; raise InputError for those that no result has."""
+    parts = units.split(",") if isinstance(units, str) else units
+    if not isinstance(parts, (list, tuple)) or not all(isinstance(one, str) for one in parts):
+        raise InputError(f"{name} = {shown(units)}; give units with commas between them, such as mm,Hz,N s")
+    found = tuple(one.strip() for one in parts)
+    for unit in found:
+        if not matching(unit):
+            raise InputError(f"{shown(unit)} matches nothing that a result has; give some of mm,mm/s,Hz,N,N s")
+    return found
+
+
 def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variable:
     """Return a variable in another unit, with what is said of it; several are those along its coordinates."""
     import numpy as np

@@ -39,7 +39,7 @@ RUN = Group("Run and output", sort_key=4)
 Recipe = dict[str, Any]
 Place = tuple[str, ...]
 #: What stands for a value in the help.
-METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,..."}
+METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...", "units": "LIST"}
 #: Options whose values are files, and those for which completion offers words though others are allowed.
 FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
@@ -87,10 +87,10 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "stop", "si")):
+        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "stop", "si", "units")):
             continue
         choices = _choices(fields[key])
-        group = STUDY if key in DRAWN.get(study, ()) else MAP
+        group = RUN if key == "units" else STUDY if key in DRAWN.get(study, ()) else MAP
         metavar = METAVARS.get(key, "" if choices else "NAME")
         arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})

@@ -53,13 +53,12 @@ def checked_units(units: str | None) -> tuple[str, ...]:
     """Return units that a text names, commas between them, or raise InputError for those that no result has."""
     if units is None:
         return ()
-    from grazing.units import matching
+    from grazing.units import checked_units as checked
 
-    found = tuple(unit.strip() for unit in units.split(","))
-    for unit in found:
-        if not matching(unit):
-            raise InputError(f"--units: {shown(unit)} matches nothing that a result has; give some of mm,mm/s,Hz,N,N s")
-    return found
+    try:
+        return checked(units, "units")
+    except InputError as error:
+        raise InputError(f"--units: {error}") from None
 
 
 def converted(result: Any, units: Sequence[str]) -> Any:

@@ -190,8 +190,12 @@ def signed(result: xr.Dataset) -> xr.Dataset:
 
 
 def kept(recipe: Recipe) -> Recipe:
-    """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys."""
-    return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
+    """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys.
+
+    Units are those of one look at a result, which has its own.
+    """
+    rest = {key: value for key, value in recipe.items() if key != "units"}
+    return {**rest, "vary": [list(item) for item in recipe["vary"].items()]}
 
 
 def result_of(

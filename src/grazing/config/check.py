@@ -27,7 +27,7 @@ DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "mass", "base", "stop", "parameters", "vary", "settings",
-    "curves", "coordinate",
+    "curves", "coordinate", "units",
 )  # fmt: skip
 
 
@@ -75,6 +75,8 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
+    if isinstance(raw.get("settings"), dict) and "units" in raw["settings"] and "units" not in raw:
+        raw["units"] = raw["settings"].pop("units")  # of what is shown, not of how it is computed
     before: list[Problem] = []
     if raw.get("si") is not None:
         raw, faults = from_table(raw)
@@ -232,6 +234,8 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if "stop" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
         yield Problem(("stop",), f"{brings}; leave it out")
+    if "units" in config and "mass" not in config and not config.get("model") and not is_own(kind):
+        yield Problem(("units",), "the model is dimensionless; give it with --si, or its mass with --mass")
     beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
         if config.get(key) and kind != at and not (key == "order" and beside):

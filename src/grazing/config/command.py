@@ -25,6 +25,7 @@ KEYS = {
     "mass": None,
     "base": None,
     "stop": None,
+    "units": None,
     "si": None,
     "curves": None,
     "coordinate": None,
