@@ -143,6 +143,41 @@ def test_what_is_wrong_is_said(change, said):
     assert said in str(error.value)
 
 
+@pytest.mark.parametrize(
+    "written", ['units = "Hz, mm"\n{}', 'units = ["Hz", "mm"]\n{}', '{}[settings]\nunits = "Hz,mm"\n']
+)
+def test_a_file_says_in_which_units_things_are_shown(written, folder, capsys):
+    rest = """si = "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm"
+vary.frequency = "13:15:2"
+parameters.r = 0.7
+"""
+    (folder / "a.toml").write_text('study = "response"\n' + written.format(rest))
+    recipe = load_config("a.toml")
+    assert recipe["units"] == "Hz,mm" and "--units Hz,mm" in command_of(recipe)
+    assert load_config("a.toml") == checked(tomllib.loads(toml_of(recipe)))
+    small = ["response", "--config", "a.toml", "--starts", "1", "-q"]
+    assert main([*small, "-o", "a.nc"]) == 0
+    assert "Hz (" in capsys.readouterr().out
+    made = load("a.nc")
+    np.testing.assert_allclose(made.omega, [13.0, 15.0], rtol=1e-14)
+    assert "units" not in recipe_of(made.attrs)  # another look at it has its own
+    assert main([*small, "--units", "mm/s", "--json"]) == 0  # the shell overrides
+    assert {"mm/s", "m", "rad/s"} <= json.loads(capsys.readouterr().out)["units"].keys()
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [("mmm", "units: 'mmm' is no unit"), (3, "units = 3; give units with commas"), (["mm", 2], "give units with"),
+     ("furlong^2", "units: 'furlong^2' matches nothing that a result has")],
+)  # fmt: skip
+def test_units_of_a_file_are_checked(units, said):
+    with pytest.raises(InputError) as error:
+        checked(RIG | {"units": units})
+    assert said in str(error.value)
+    with pytest.raises(InputError, match="units: the model is dimensionless"):
+        checked({"study": "diagram", "units": "mm", "vary": {"d": "0:1:3"}})
+
+
 def test_all_that_is_wrong_is_told_at_once():
     si = {"m": -1, "c": "2 kg", "k": math.nan, "gap": -1e-3, "side": "left", "force": ["2 N", "x"], "mas": 1.0}
     config = {"study": "diagram", "si": si, "parameters": {"r": 1.2, "alpha": 3.0}, "vary": {"frequency": "a:2:3"}}

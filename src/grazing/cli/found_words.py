@@ -178,6 +178,19 @@ def trajectory_words(found: Found) -> list[str]:
     return [*said, f"u {between(found['u'])} at the instants of the table"]
 
 
+def sample_words(found: Found) -> list[str]:
+    """Return how much was recorded, and the impacts."""
+    said = f"{found['samples']} samples, {short(found['rate'])} per unit of time, t from {between(found['t'])}"
+    return [said, *trajectory_words(found)]
+
+
+def spectrum_words(found: Found) -> list[str]:
+    """Return the strongest lines, and how fine and how far the spectrum is."""
+    rows = [[short(row[key]) for key in ("frequency", "order", "amplitude")] for row in found["lines"]]
+    said = table(["frequency", "order", "amplitude"], rows) or ["no lines: nothing moves"]
+    return [*said, f"from 0 to {short(found['until'])} in steps of {short(found['resolution'])}"]
+
+
 def cobweb_words(found: Found) -> list[str]:
     """Return the letters, the range and the end of an orbit."""
     dots = "..." if found["steps"] > len(found["letters"]) else ""
@@ -210,5 +223,6 @@ def event_words(events: Mapping[str, int]) -> list[str]:
 WORDS: dict[str, Callable[[Found], list[str]]] = {
     "diagram": diagram_words, "density": density_words, "chart": chart_words, "basins": basins_words,
     "lyapunov": lyapunov_words, "coexistence": coexistence_words, "trajectory": trajectory_words,
-    "cobweb": cobweb_words, "graph": graph_words,
+    "history": trajectory_words, "sample": sample_words, "spectrum": spectrum_words, "cobweb": cobweb_words,
+    "graph": graph_words,
 }  # fmt: skip

@@ -22,7 +22,7 @@ from grazing.config.own import Named, is_own, located, refuse_unnamed
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
-from grazing.config.settings import COORDINATE, SINGLE, STUDIES, settings_of, text_of
+from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.outcome import GrazingError
 
@@ -116,7 +116,7 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
 
 def _positional_help(study: str) -> str:
     known = STUDIES[study]
-    if study == "trajectory":
+    if study in FLOWN:
         return "Initial state and parameters: u=0.1 v=0 d=0.12."
     if study == "cobweb":
         return "Initial state and parameters: x=0.1 mu=0.05."
@@ -299,7 +299,7 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
     if mapping.get("study") not in SINGLE and not _coordinates_vary(mapping):
         return []
-    if mapping.get("study") == "trajectory":
+    if mapping.get("study") in FLOWN:
         return ["u", "v"]
     asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
     if not is_own(asked.setdefault("map", "stroboscopic")) and asked["map"] not in MAPS:

@@ -132,9 +132,11 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
 
 
 DRAWN = (
-    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "graph",
-    "branch", "windows", "bifurcation_diagram", "response",
+    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "history", "spectrum",
+    "cobweb", "graph", "branch", "windows", "bifurcation_diagram", "response",
 )  # fmt: skip
+#: Studies whose figure has another name.
+FIGURE_OF = {"sample": "history"}
 #: How the titles begin of results whose attributes do not name the function of their figure.
 TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}
 
@@ -152,4 +154,5 @@ def study_of(attrs: Mapping[str, Any]) -> str:
     except (ValueError, TypeError, RecursionError) as error:
         raise InputError(f"the result is damaged: {of} cannot be read ({error}); compute it again") from error
     flown = of == "grazing_recipe" and str(attrs.get("title", "")).startswith("trajectory")
-    return str(said.get("study", "trajectory" if flown else ""))
+    study = str(said.get("study", "trajectory" if flown else ""))
+    return FIGURE_OF.get(study, study)

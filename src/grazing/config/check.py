@@ -13,7 +13,7 @@ from grazing.config.own import KEYS, Named, is_own, located, named, own_object, 
 from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
-from grazing.config.settings import STUDIES
+from grazing.config.settings import FLOWN, STUDIES
 from grazing.config.si import from_table
 from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
@@ -75,8 +75,8 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
-    if isinstance(raw.get("settings"), dict) and "units" in raw["settings"] and "units" not in raw:
-        raw["units"] = raw["settings"].pop("units")  # of what is shown, not of how it is computed
+    if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
+        raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
     if raw.get("si") is not None:
         raw, faults = from_table(raw)
@@ -256,12 +256,13 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
 
 def _in_time(config: Recipe) -> Iterator[Problem]:
     """Yield what belongs to a map and means nothing for the oscillator itself."""
-    flown = config["study"] == "trajectory"
+    study = config["study"]
+    flown = study in FLOWN
     if config["map"] != "stroboscopic":
-        who = "a trajectory is flown by" if flown else "windows belong to"
+        who = f"a {study} is flown by" if flown else "windows belong to"
         yield Problem(("map",), f"map = {config['map']!r}; {who} the oscillator itself: leave it out")
     if config["parameters"].get("phase"):
-        who = "a trajectory has no section; leave it out, start is the initial time"
+        who = f"a {study} has no section; leave it out, start is the initial time"
         yield Problem(("parameters", "phase"), who if flown else "windows need no section; leave it out")
 
 

@@ -19,7 +19,7 @@ LINE, MARK = (1.0, 0.25, 0.35), (3.2, 0.8, 0.8)
 
 
 @inline
-def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str = INK) -> dict[str, Any]:
+def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colour: str = INK) -> dict[str, Any]:
     """Draw a motion in time, with a mark at each impact.
 
     Parameters
@@ -28,8 +28,8 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         From :func:`grazing.trajectory` or :func:`grazing.sample`.
     ax : matplotlib Axes, optional
         Default: a new figure two columns wide.
-    of : {"u", "v"}
-        Position, with the walls, or velocity, which jumps at impacts.
+    of : {"u", "v"}, optional
+        Position, with the walls, or velocity, which jumps at impacts. Default: position, unless the result says.
     colour : str
         Of the motion.
 
@@ -40,6 +40,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``figure``.
     """
     expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)})
+    of = str(result.attrs.get("history_of", "u")) if of is None else of
     if of not in ("u", "v"):
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     with styled():
