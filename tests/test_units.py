@@ -253,6 +253,22 @@ def test_curves_are_laid_over_a_chart_in_its_units(rig):
     assert len(lines) == 1 + len({*edges.label.values.tolist()})  # none of pieces where no orbit is stable
 
 
+def test_what_was_searched_has_the_units_of_what_was_found(rig):
+    table = gz.windows(rig, "omega", 1, span=(70.0, 110.0))
+    found = in_units(table, "Hz")
+    np.testing.assert_allclose(found.attrs["span"], np.array([70.0, 110.0]) / (2 * np.pi), rtol=1e-15)
+    assert in_units(gz.windows(rig, "sigma", 1, span=(-2e-3, -1e-3)), "mm").attrs["span"] == [-2.0, -1.0]
+    from grazing.cli.orbits import windows_figure
+
+    ax = windows_figure(found)["figure"].axes[0]
+    low, high = ax.get_xlim()
+    assert 70.0 <= 2 * np.pi * low < 2 * np.pi * high <= 110.0 and ax.get_xlabel() == r"$\omega/2\pi$ (Hz)"
+    orbit = gz.one_impact_orbits(rig, 1)[0]
+    branch = gz.continuation(gz.stroboscopic_map(rig), orbit, "omega", (85.0, 90.0))
+    assert in_units(branch, "mm").attrs["bounds"] == [85.0, 90.0]
+    np.testing.assert_allclose(in_units(branch, "Hz").attrs["bounds"], np.array([85.0, 90.0]) / (2 * np.pi), rtol=1e-15)
+
+
 @pytest.mark.parametrize(
     ("units", "said"),
     [(("kg",), r"'kg' matches nothing in the result; it has .*m/s"), (("mm", "cm"), "'mm' and 'cm' both match"),
