@@ -6,6 +6,8 @@ from matplotlib.colors import to_hex, to_rgba
 
 import grazing as gz
 from grazing import plot
+from grazing.compare.word_branches import branches as tables_of
+from grazing.compare.word_branches import loci_of
 from grazing.plot.style import PERIODS
 from grazing.plot.words import OTHERS, with_words, worded, words_in
 from tests.plot import results
@@ -92,6 +94,18 @@ def test_a_word_has_one_colour_in_a_chart_with_its_branch_and_locus(rig, branche
     assert {legend["0"], legend["1"]} <= seen
     black = plot.chart(result, curves=[*branches, locus])["curves"]
     assert {line.get_color() for line, _text in black.values()} == {"#1a1a1a"}
+
+
+def test_a_table_of_branches_brings_its_loci(rig):
+    span = (-1.3e-3, -1.1e-3)
+    table = tables_of(gz.stroboscopic_map(rig), "omega", (86.0, 106.0), word="1", at=[95.0], locus={"sigma": span})
+    axes = {"omega": np.linspace(88.0, 105.0, 4), "sigma": np.linspace(*span, 3)}
+    result = gz.chart(gz.stroboscopic_map(rig), axes, starts=1, keep=8, transient=20)
+    lines = {name: line for name, (line, _text) in plot.chart(result, by="word", curves=table)["curves"].items()}
+    assert {"1", "1 lp"} <= lines.keys() and lines["1"].get_color() == lines["1 lp"].get_color()
+    (fold,) = (one for one in loci_of(table) if one.attrs["type"] == "lp")
+    assert {*fold.sigma.values} <= {*lines["1 lp"].get_ydata()}
+    assert plot.locus(loci_of(table))["figure"].axes[0].get_ylabel() == r"$\sigma=-\mathrm{gap}$ (m)"
 
 
 def test_a_word_of_curves_alone_has_a_colour_and_an_entry():

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from grazing.compare.word_branches import loci_of
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.plot.style import INK, drawable
@@ -53,7 +54,9 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
             f"no curve can be drawn from this {type(one).__name__}; give {wanted}, a list of these, "
             "or a mapping of names to (x, y)"
         )
+    loci = []
     if "special_type" in found:
+        loci = [locus for locus in loci_of(found) if {first, second} == {*json.loads(locus.attrs["parameters"])}]
         found = _placed(found, {first, second})
     for name in (first, second):
         if name not in found:
@@ -73,6 +76,8 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
                 own = there & (words == word)
                 own[:-1] |= own[1:] & there[:-1]  # as far as the word before it
                 yield word, word, np.where(own, x, np.nan), np.where(own, y, np.nan)
+        for locus in loci:  # of its special points
+            yield from _lines(locus, result, first, second)
         return
     there = found["admissible"].values == 1  # a chart shows what the map has
     word = str(found.attrs["word"])
