@@ -96,7 +96,17 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
     assert main(["response", *small]) == 0
     out = capsys.readouterr().out
     assert "units: " in out and "rad/s (" in out and "N s/kg (impulse" in out
+    assert "greatest amplitude (m) " in out and " rad/s (2 values)" in out
+    assert main(["response", *small, "--units", "Hz,mm"]) == 0
+    out = capsys.readouterr().out
+    assert "up and down differ at omega = 14 to 15 Hz" in out and "greatest amplitude (mm)" in out
     assert main(["diagram", "sigma=-2e-3:-1e-3:3", *small[1:], "-o", "b.nc"]) == 0
+    assert "sigma (m) from" in capsys.readouterr().out
+    assert main(["windows", "frequency=5:19", *small[1:5], "--N", "1", "--units", "Hz", "-q"]) == 0
+    out = capsys.readouterr().out
+    assert "omega (Hz) from" in out and "searched: omega from 5 to 19 Hz\n" in out
+    assert main(["lyapunov", *small, "--units", "Hz"]) == 0
+    assert " at omega = 15 Hz" in capsys.readouterr().out
     assert main(["plot", "b.nc", "-o", "b.png", "--units", "mm"]) == 0
     assert main(["export", "b.nc", "b.csv", "--units", "mm"]) == 0
     assert any("\n-2.0," in file.read_text() for file in tmp_path.glob("b*.csv"))

@@ -41,7 +41,8 @@ def found(study: str, result: xr.Dataset) -> Row:
     Returns
     -------
     dict
-        Text, numbers, and lists and dicts of them. ``note`` says that orbits left the box of their starts.
+        Text, numbers, and lists and dicts of them. ``unit`` is that of the parameter, of a rig. ``note`` says that
+        orbits left the box of their starts.
 
     Examples
     --------
@@ -52,6 +53,8 @@ def found(study: str, result: xr.Dataset) -> Row:
     [('LLR', 'period 3', 1.0)]
     """
     said = FOUND[study](result)
+    unit = str(result[said["parameter"]].attrs.get("units", "1")) if said.get("parameter") in result else "1"
+    said |= {"unit": unit} if unit != "1" else {}
     return {**said, "note": str(result.attrs[NOTE])} if NOTE in result.attrs else said
 
 
