@@ -15,7 +15,7 @@ SOURCE = Path(__file__).parents[1] / "src"
 LAYERS = (
     ("outcome",),
     ("memory",),
-    ("parameter", "paths", "units"),
+    ("measured", "parameter", "paths", "units"),
     ("writing",),
     ("kernel", "theory"),
     ("copies", "pool"),

@@ -204,15 +204,15 @@ def test_points_of_a_section_are_converted_coordinate_by_coordinate(rig):
     assert found.point.attrs["units"] == "mm, m/s"
     assert in_units(found, "mm/s").point.attrs["units"] == "mm, mm/s"
     drawn = gz.plot.basins(found)["figure"].axes[0]
-    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("$u$ (mm)", "$v$ (m/s)")
+    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("$x$ (mm)", r"$\dot{x}$ (m/s)")
 
 
 def test_the_wall_of_a_figure_is_where_its_units_say(rig):
     tr = gz.trajectory(rig, (0.0, 0.0), until=0.3)
     for draw in (gz.plot.history, gz.plot.trajectory):
         ax = draw(in_units(tr, "mm"))["figure"].axes[0]
-        low = (ax.get_ylim() if draw is gz.plot.history else ax.get_xlim())[0]
-        assert -1.8 < low < -1.2
+        high = (ax.get_ylim() if draw is gz.plot.history else ax.get_xlim())[1]
+        assert 1.2 < high < 1.8
 
 
 def test_the_raster_of_a_density_keeps_its_ends(rig):
@@ -220,7 +220,7 @@ def test_the_raster_of_a_density_keeps_its_ends(rig):
     plain = gz.density(P, "omega", [80.0, 90.0], starts=3, keep=20, bins=16)
     found = in_units(plain, "mm", "Hz")
     assert found.u.attrs["low"] == pytest.approx(1e3 * plain.u.attrs["low"], rel=1e-15)
-    assert gz.plot.density(found)["figure"].axes[0].get_ylabel() == "$u$ (mm)"
+    assert gz.plot.density(found)["figure"].axes[0].get_ylabel() == "$x$ (mm)"
 
 
 def test_samples_of_a_converted_trajectory_are_refused(rig):
@@ -251,6 +251,22 @@ def test_curves_are_laid_over_a_chart_in_its_units(rig):
         if name != word:
             assert -1.5 - 1e-9 <= np.nanmin(line.get_ydata()) <= np.nanmax(line.get_ydata()) <= -1.0 + 1e-9
     assert len(lines) == 1 + len({*edges.label.values.tolist()})  # none of pieces where no orbit is stable
+
+
+def test_what_was_searched_has_the_units_of_what_was_found(rig):
+    table = gz.windows(rig, "omega", 1, span=(70.0, 110.0))
+    found = in_units(table, "Hz")
+    np.testing.assert_allclose(found.attrs["span"], np.array([70.0, 110.0]) / (2 * np.pi), rtol=1e-15)
+    assert in_units(gz.windows(rig, "sigma", 1, span=(-2e-3, -1e-3)), "mm").attrs["span"] == [-2.0, -1.0]
+    from grazing.cli.orbits import windows_figure
+
+    ax = windows_figure(found)["figure"].axes[0]
+    low, high = ax.get_xlim()
+    assert 70.0 <= 2 * np.pi * low < 2 * np.pi * high <= 110.0 and ax.get_xlabel() == r"$\omega/2\pi$ (Hz)"
+    orbit = gz.one_impact_orbits(rig, 1)[0]
+    branch = gz.continuation(gz.stroboscopic_map(rig), orbit, "omega", (85.0, 90.0))
+    assert in_units(branch, "mm").attrs["bounds"] == [85.0, 90.0]
+    np.testing.assert_allclose(in_units(branch, "Hz").attrs["bounds"], np.array([85.0, 90.0]) / (2 * np.pi), rtol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,8 @@ _UNITS = re.compile(
 MEASURED = ("m", "m/s", "s", "1/s", "rad/s", "Hz", "N/kg", "N s/kg")
 #: What an angular frequency is divided by, to be one in turns.
 TURN = r"/2\pi"
+#: Attributes of a whole result that are ends of the parameter that varies.
+SEARCHED = ("span", "bounds")
 #: Attributes of a variable that are numbers in its own units.
 ENDS = ("low", "high")
 
@@ -77,7 +79,8 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     -------
     xarray.Dataset
         Figures of it and files made from it show these units. Attributes of the whole, such as the parameters, stay
-        in SI units. What was opened in chunks, as by ``xarray.open_zarr``, is read and converted when it is asked for.
+        in SI units, but for the ends of what was searched. What was opened in chunks, as by ``xarray.open_zarr``, is
+        read and converted when it is asked for.
 
     Raises
     ------
@@ -114,12 +117,16 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     # the numbers in their own units, and those made of them; what is in chunks is read when it is asked for
     size = sum(2 * found.variables[name].nbytes for name in factors if found.variables[name].chunks is None)
     refuse_too_large(size, "take a part of it, or open it in chunks: xarray.open_zarr(store, chunks={})", "its numbers")
-    return found.assign(
+    converted = found.assign(
         {
             name: _scaled(found.variables[name], [factor for _unit, factor in parts], ", ".join(u for u, _ in parts))
             for name, parts in factors.items()
         }
     )
+    along = found.attrs.get("parameter") if found.attrs.get("parameter") in found else "low"
+    ((_unit, factor),) = factors.get(along, [("", 1.0)])
+    ends = {key: [float(end) * factor for end in found.attrs[key]] for key in SEARCHED if key in found.attrs}
+    return converted.assign_attrs(ends if factor != 1.0 else {})
 
 
 def _units_of(variable: xr.Variable) -> list[str]:
@@ -140,6 +147,18 @@ def _fitting(name: str, old: str, units: tuple[str, ...], mass: float | None) ->
 def matching(unit: str) -> bool:
     """Whether a result of a model in SI units may hold something that a unit measures; raise InputError for none."""
     return any(_factor(old, unit, 1.0) is not None for old in MEASURED)
+
+
+def checked_units(units: Any, name: str) -> tuple[str, ...]:
+    """Return the units in a list, or in a text with commas; raise InputError for those that no result has."""
+    parts = units.split(",") if isinstance(units, str) else units
+    if not isinstance(parts, (list, tuple)) or not all(isinstance(one, str) for one in parts):
+        raise InputError(f"{name} = {shown(units)}; give units with commas between them, such as mm,Hz,N s")
+    found = tuple(one.strip() for one in parts)
+    for unit in found:
+        if not matching(unit):
+            raise InputError(f"{shown(unit)} matches nothing that a result has; give some of mm,mm/s,Hz,N,N s")
+    return found
 
 
 def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variable:

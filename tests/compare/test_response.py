@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pint
 import pytest
 
 import grazing as gz
@@ -44,6 +45,29 @@ def test_grazes_and_the_fold_of_the_rig(swept):
     np.testing.assert_allclose(grazing.special_amplitude.values, GAP, rtol=1e-12)
     folds = admissible(swept, "lp").special_value.values / HERTZ
     assert folds.max() == pytest.approx(16.58097, abs=5e-6)
+
+
+@pytest.mark.parametrize("way", ["metres", "millimetres", "pint"])
+def test_the_rig_is_the_same_in_whatever_units_it_is_given(way):
+    numbers = {"m": M, "c": C, "k": K, "force": FORCE, "gap": GAP, "frequency": 14.0}
+    if way == "millimetres":
+        numbers = {"m": "800 g", "c": "2.4e-3 N s/mm", "k": "3.2 N/mm", "force": "2500 mN", "gap": "1.2 mm",
+                   "frequency": "840 rpm"}  # fmt: skip
+    if way == "pint":
+        units = pint.UnitRegistry()
+        of = {"m": "kg", "c": "N*s/m", "k": "N/m", "force": "N", "gap": "m", "frequency": "Hz"}
+        numbers = {name: units.Quantity(value, of[name]) for name, value in numbers.items()}
+    made = gz.Oscillator.from_si(**numbers, side="above", reset=gz.newton(0.7))
+    P = gz.stroboscopic_map(made)
+    found = []
+    for at, ends, word in ((5.6, (5.5, 6.5), "0"), (18.0, (12.0, 19.0), "0"), (14.0, (13.5, 17.0), "1")):
+        (orbit,) = (one for one in gz.periodic_orbits(P.replace(omega=HERTZ * at), word=word) if one.stable)
+        branch = gz.continuation(P, orbit, "omega", (HERTZ * ends[0], HERTZ * ends[1]))
+        special = gz.in_units(branch, "Hz")
+        found += special.special_value.values[special.special_type.values == ("gr" if word == "0" else "lp")].tolist()
+    assert np.unique(np.round(found, 9)) == pytest.approx([5.951311, 12.922705, 16.580971], abs=5e-7)
+    where = gz.basins(P, {"u": np.linspace(-1.2e-3, 9e-3, 80), "v": np.linspace(-0.4, 0.4, 80)}, preimages=0)
+    assert (where.word.values[0], round(float(where.fraction[0]), 3)) == ("1", 0.981)
 
 
 def test_up_and_down_differ_from_the_graze_to_the_fold(swept):

@@ -96,7 +96,17 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
     assert main(["response", *small]) == 0
     out = capsys.readouterr().out
     assert "units: " in out and "rad/s (" in out and "N s/kg (impulse" in out
+    assert "greatest amplitude (m) " in out and " rad/s (2 values)" in out
+    assert main(["response", *small, "--units", "Hz,mm"]) == 0
+    out = capsys.readouterr().out
+    assert "up and down differ at omega = 14 to 15 Hz" in out and "greatest amplitude (mm)" in out
     assert main(["diagram", "sigma=-2e-3:-1e-3:3", *small[1:], "-o", "b.nc"]) == 0
+    assert "sigma (m) from" in capsys.readouterr().out
+    assert main(["windows", "frequency=5:19", *small[1:5], "--N", "1", "--units", "Hz", "-q"]) == 0
+    out = capsys.readouterr().out
+    assert "omega (Hz) from" in out and "searched: omega from 5 to 19 Hz\n" in out
+    assert main(["lyapunov", *small, "--units", "Hz"]) == 0
+    assert " at omega = 15 Hz" in capsys.readouterr().out
     assert main(["plot", "b.nc", "-o", "b.png", "--units", "mm"]) == 0
     assert main(["export", "b.nc", "b.csv", "--units", "mm"]) == 0
     assert any("\n-2.0," in file.read_text() for file in tmp_path.glob("b*.csv"))
@@ -141,6 +151,67 @@ def test_what_is_wrong_is_said(change, said):
     with pytest.raises(InputError) as error:
         checked(RIG | change)
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "written", ['units = "Hz, mm"\n{}', 'units = ["Hz", "mm"]\n{}', '{}[settings]\nunits = "Hz,mm"\n']
+)
+def test_a_file_says_in_which_units_things_are_shown(written, folder, capsys):
+    rest = """si = "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm"
+vary.frequency = "13:15:2"
+parameters.r = 0.7
+"""
+    (folder / "a.toml").write_text('study = "response"\n' + written.format(rest))
+    recipe = load_config("a.toml")
+    assert recipe["units"] == "Hz,mm" and "--units Hz,mm" in command_of(recipe)
+    assert load_config("a.toml") == checked(tomllib.loads(toml_of(recipe)))
+    small = ["response", "--config", "a.toml", "--starts", "1", "-q"]
+    assert main([*small, "-o", "a.nc"]) == 0
+    assert "Hz (" in capsys.readouterr().out
+    made = load("a.nc")
+    np.testing.assert_allclose(made.omega, [13.0, 15.0], rtol=1e-14)
+    assert "units" not in recipe_of(made.attrs)  # another look at it has its own
+    assert main([*small, "--units", "mm/s", "--json"]) == 0  # the shell overrides
+    assert {"mm/s", "m", "rad/s"} <= json.loads(capsys.readouterr().out)["units"].keys()
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [("mmm", "units: 'mmm' is no unit"), (3, "units = 3; give units with commas"), (["mm", 2], "give units with"),
+     ("furlong^2", "units: 'furlong^2' matches nothing that a result has")],
+)  # fmt: skip
+def test_units_of_a_file_are_checked(units, said):
+    with pytest.raises(InputError) as error:
+        checked(RIG | {"units": units})
+    assert said in str(error.value)
+    with pytest.raises(InputError, match="units: the model is dimensionless"):
+        checked({"study": "diagram", "units": "mm", "vary": {"d": "0:1:3"}})
+
+
+def test_all_that_is_wrong_is_told_at_once():
+    si = {"m": -1, "c": "2 kg", "k": math.nan, "gap": -1e-3, "side": "left", "force": ["2 N", "x"], "mas": 1.0}
+    config = {"study": "diagram", "si": si, "parameters": {"r": 1.2, "alpha": 3.0}, "vary": {"frequency": "a:2:3"}}
+    with pytest.raises(InputError) as error:
+        checked(config | {"settings": {"strats": 3}})
+    said = str(error.value)
+    assert said.startswith("there are 11 errors:")
+    for part in (
+        "m = -1", "c = '2 kg'", "k = nan", "gap = -0.001 m", "side = 'left'", "force[1] = 'x'", "'mas' of si",
+        "frequency = 'a' is not", "the table gives alpha, too", "parameters.r = 1.2", "settings.strats",
+    ):  # fmt: skip
+        assert part in said, part
+    with pytest.raises(InputError, match="c, k, gap missing") as error:
+        checked({"study": "diagram", "si": {"m": -1}, "vary": {"omega": "1:2:3"}})
+    assert str(error.value).count("\n") == 3 and "m = -1" in str(error.value)  # and r, of the law
+
+
+@pytest.mark.parametrize("si", [{}, "m", 3, {"x": 1.0}, {"m": 1.0, "frequency": "1 m"}])
+@pytest.mark.parametrize("vary", [{"frequency": [1.0, 2.0]}, {"frequency": "5:19"}, {"frequency": 3}])
+def test_what_stands_for_a_wrong_table_is_no_error_itself(si, vary):
+    study = "windows" if vary["frequency"] == "5:19" else "diagram"
+    with pytest.raises(InputError) as error:
+        checked({"study": study, "si": si, "parameters": {"r": 0.7}, "vary": vary})
+    assert all("si" in line for line in str(error.value).splitlines() if "errors" not in line)
 
 
 @pytest.mark.parametrize("mass", [-1, 0, "a", math.nan, [1]])

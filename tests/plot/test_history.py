@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import grazing as gz
 
@@ -49,6 +50,58 @@ def test_a_spectrum_is_drawn_over_frequencies_or_orders(recorded, over):
     x, y = gz.plot.spectrum(found, over=over)["lines"].get_data()
     np.testing.assert_array_equal(x, found[over][1:])
     assert y.max() == found.amplitude[1:].max()
+
+
+@pytest.mark.parametrize("of", ["u", "v"])
+def test_many_swings_are_drawn_finer_than_they_are_apart(of):
+    m = gz.pinball(d=0.12, V=0.4)
+    widths, sizes = [], []
+    for periods in (10, 100, 400, 2000):
+        drawn = gz.plot.history(gz.trajectory(m, (0.1, 0.0), until=periods * m.period, samples=12), of=of)
+        ax = drawn["figure"].axes[0]
+        apart = ax.get_window_extent().width * 72.0 / drawn["figure"].dpi / periods
+        widths.append(drawn["motion"].get_linewidth())
+        sizes.append(drawn["impacts"][0].get_markersize())
+        if 1.0 < apart:  # a third of the orbit's periods have an impact
+            assert widths[-1] <= 0.4 * apart and sizes[-1] <= 3 * apart
+    assert widths[0] == 1.0 and sizes[0] == 3.2  # as ever
+    assert widths == sorted(widths, reverse=True) and sizes == sorted(sizes, reverse=True)
+    assert widths[-1] >= 0.25 and sizes[-1] >= 0.8  # still seen
+
+
+def made_up(amplitude, harmonics=1, lines=1000):
+    """A spectrum with ten lines an order."""
+    frequency = 0.7 * np.arange(lines)
+    attrs = {f"parameter_{wave}{j}": 1.0 * (wave == "cos") for j in range(1, harmonics + 1) for wave in ("cos", "sin")}
+    order = ("frequency", 0.1 * np.arange(lines), {"units": "1"})
+    coords = {"frequency": ("frequency", frequency, {"units": "Hz"}), "order": order}
+    return xr.Dataset({"amplitude": ("frequency", amplitude(0.1 * np.arange(lines)))}, coords, {**attrs, "mass": 0.8})
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "harmonics", "last"),
+    [
+        (lambda n: np.where(n <= 20.0, 1.0, 9e-4), 1, 21.0),  # what is below a thousandth is not shown
+        (lambda n: np.where(n == 1.0, 1.0, 1e-9), 1, 4.0),  # a sine: some orders beside it
+        (lambda n: 1.0 / np.maximum(n, 0.1), 1, 40.0),  # a velocity with impacts
+        (lambda n: 1.0 / np.maximum(n, 0.1), 2, 80.0),
+        (lambda n: 0.0 * n, 1, 4.0),
+        (lambda n: np.where(n == 0.0, 1e6, np.where(n <= 20.0, 1.0, 0.0)), 1, 21.0),  # the mean is no line
+    ],
+)
+@pytest.mark.parametrize("over", ["frequency", "order"])
+def test_a_spectrum_is_shown_as_far_as_it_has_lines(amplitude, harmonics, last, over):
+    end = gz.plot.spectrum(made_up(amplitude, harmonics), over=over)["figure"].axes[0].get_xlim()[1]
+    assert end == pytest.approx(last * (7.0 if over == "frequency" else 1.0), rel=1e-12)
+
+
+def test_a_spectrum_is_shown_no_farther_than_it_reaches_and_as_far_as_is_said():
+    found = made_up(lambda n: 1.0 + 0.0 * n, lines=100)
+    assert gz.plot.spectrum(found)["figure"].axes[0].get_xlim() == (0.0, pytest.approx(69.3))
+    assert gz.plot.spectrum(found, until=20.0)["figure"].axes[0].get_xlim() == (0.0, 20.0)
+    for wrong in (0.0, -1.0, np.nan, "far"):
+        with pytest.raises(gz.InputError, match=r"until = .*any positive frequency|until = 'far' is not a real number"):
+            gz.plot.spectrum(found, until=wrong)
 
 
 def test_units_stand_at_the_axes(recorded):

@@ -43,6 +43,18 @@ STUDIES = {
         "d=0.05:0.16:500 --starts 200 -o shares.png",
     ),
     "trajectory": ("Follow the ball in continuous time, with every impact.", "u=0.1 v=0 --until 50 -o orbit.png"),
+    "history": (
+        "Show position or velocity over time, with every impact.",
+        "u=0 v=0 --until 20 --d 0.12 --V 0.4 -o history.png",
+    ),
+    "sample": (
+        "Record a motion at equal times, each computed and none interpolated.",
+        "u=0 v=0 --until 100 --rate 20 --d 0.12 --V 0.4 -o motion.csv",
+    ),
+    "spectrum": (
+        "Take a motion apart into lines at their frequencies.",
+        "u=0 v=0 --until 600 --since 100 --d 0.12 --V 0.4 -o spectrum.png",
+    ),
     "cobweb": (
         "Draw an orbit of a one-dimensional map.",
         "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from grazing.cli.orbit_words import aligned, short
+from grazing.cli.orbit_words import aligned, headed, short
 
 Found = Mapping[str, Any]
 
@@ -68,7 +68,7 @@ def diagram_words(found: Found) -> list[str]:
         [*named(row), share(row["share"], many), f"{row['values']} of {found['values']}", places(row["ranges"])]
         for row in found["attractors"]
     ]
-    return table(["word", "", "orbits", "values", f"{name} from"], rows)
+    return table(["word", "", "orbits", "values", f"{headed(name, found.get('unit', ''))} from"], rows)
 
 
 def chart_words(found: Found) -> list[str]:
@@ -98,11 +98,12 @@ def lyapunov_words(found: Found) -> list[str]:
     """Return the exponents, or over a range how the largest one varies."""
     if "starts" in found:
         return exponent_words(found)
-    name, known = found["parameter"], found["known"]
+    name, known, unit = found["parameter"], found["known"], found.get("unit", "")
     if not known:
         return ["no value has an orbit with exponents"]
     ends = [
-        f"{short(found[end]['exponent'], 4)} at {name} = {short(found[end][name])}" for end in ("least", "greatest")
+        f"{short(found[end]['exponent'], 4)} at {name} = {short(found[end][name])} {unit}".rstrip()
+        for end in ("least", "greatest")
     ]
     said = [f"largest exponent per step: from {ends[0]} to {ends[1]}"]
     said.append(f"positive at {found['positive']} of {known} values")
@@ -144,7 +145,7 @@ def coexistence_words(found: Found) -> list[str]:
         ]
         for row in ranked
     ]
-    said = table(["word", "", "values", "most starts", f"{name} from"], rows)
+    said = table(["word", "", "values", "most starts", f"{headed(name, found.get('unit', ''))} from"], rows)
     said.append(f"at most {found['most_at_once']} at one value")
     kinds: dict[str, int] = {}
     for change in found["changes"]:
@@ -178,6 +179,19 @@ def trajectory_words(found: Found) -> list[str]:
     return [*said, f"u {between(found['u'])} at the instants of the table"]
 
 
+def sample_words(found: Found) -> list[str]:
+    """Return how much was recorded, and the impacts."""
+    said = f"{found['samples']} samples, {short(found['rate'])} per unit of time, t from {between(found['t'])}"
+    return [said, *trajectory_words(found)]
+
+
+def spectrum_words(found: Found) -> list[str]:
+    """Return the strongest lines, and how fine and how far the spectrum is."""
+    rows = [[short(row[key]) for key in ("frequency", "order", "amplitude")] for row in found["lines"]]
+    said = table(["frequency", "order", "amplitude"], rows) or ["no lines: nothing moves"]
+    return [*said, f"from 0 to {short(found['until'])} in steps of {short(found['resolution'])}"]
+
+
 def cobweb_words(found: Found) -> list[str]:
     """Return the letters, the range and the end of an orbit."""
     dots = "..." if found["steps"] > len(found["letters"]) else ""
@@ -193,7 +207,7 @@ def graph_words(found: Found) -> list[str]:
     """Return where each letter is taken, and how far the two maps differ."""
     name = found["coordinate"]
     rows = [[row["map"], row["letter"], str(row["states"]), places(row["ranges"])] for row in found["letters"]]
-    said = table(["map", "letter", "states", f"{name} from"], rows)
+    said = table(["map", "letter", "states", f"{headed(name, found.get('unit', ''))} from"], rows)
     if "agree" in found:
         gaps = ", ".join(f"{short(gap, 3)} in {key}" for key, gap in found["differ"].items())
         agree = f"letters agree at {found['agree']} of {found['states']} states"
@@ -210,5 +224,6 @@ def event_words(events: Mapping[str, int]) -> list[str]:
 WORDS: dict[str, Callable[[Found], list[str]]] = {
     "diagram": diagram_words, "density": density_words, "chart": chart_words, "basins": basins_words,
     "lyapunov": lyapunov_words, "coexistence": coexistence_words, "trajectory": trajectory_words,
-    "cobweb": cobweb_words, "graph": graph_words,
+    "history": trajectory_words, "sample": sample_words, "spectrum": spectrum_words, "cobweb": cobweb_words,
+    "graph": graph_words,
 }  # fmt: skip

@@ -22,7 +22,7 @@ from grazing.config.own import Named, is_own, located, refuse_unnamed
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
-from grazing.config.settings import COORDINATE, SINGLE, STUDIES, settings_of, text_of
+from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.outcome import GrazingError
 
@@ -39,7 +39,7 @@ RUN = Group("Run and output", sort_key=4)
 Recipe = dict[str, Any]
 Place = tuple[str, ...]
 #: What stands for a value in the help.
-METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,..."}
+METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...", "units": "LIST"}
 #: Options whose values are files, and those for which completion offers words though others are allowed.
 FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
@@ -87,10 +87,10 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "si")):
+        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "stop", "si", "units")):
             continue
         choices = _choices(fields[key])
-        group = STUDY if key in DRAWN.get(study, ()) else MAP
+        group = RUN if key == "units" else STUDY if key in DRAWN.get(study, ()) else MAP
         metavar = METAVARS.get(key, "" if choices else "NAME")
         arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})
@@ -116,7 +116,7 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
 
 def _positional_help(study: str) -> str:
     known = STUDIES[study]
-    if study == "trajectory":
+    if study in FLOWN:
         return "Initial state and parameters: u=0.1 v=0 d=0.12."
     if study == "cobweb":
         return "Initial state and parameters: x=0.1 mu=0.05."
@@ -299,7 +299,7 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
     if mapping.get("study") not in SINGLE and not _coordinates_vary(mapping):
         return []
-    if mapping.get("study") == "trajectory":
+    if mapping.get("study") in FLOWN:
         return ["u", "v"]
     asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
     if not is_own(asked.setdefault("map", "stroboscopic")) and asked["map"] not in MAPS:

@@ -51,6 +51,17 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
     return [*table, *([""] if table else []), f"{tables['statement']}.", ""]
 
 
+def unit_in(result: Any, *names: str) -> str:
+    """Return the unit of the first of some variables that a result has, nothing where it is dimensionless."""
+    unit = next((str(result[name].attrs.get("units", "1")) for name in names if name in result), "1")
+    return "" if unit == "1" else unit
+
+
+def headed(name: str, unit: str) -> str:
+    """Return a name as it stands over a column."""
+    return f"{name} ({unit})" if unit else name
+
+
 def special_words(special: Sequence[Row], name: str, virtual: bool) -> list[str]:
     """Return the table of special points."""
     shown = [row for row in special if virtual or row["admissible"]]
@@ -96,7 +107,8 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
     """Return special points, windows and meetings."""
     [name] = recipe["vary"]
     virtual = bool(recipe["settings"].get("virtual"))
-    said = special_words(tables["special"], name, virtual) + window_words(tables["windows"], name)
+    head = headed(name, unit_in(result, name))
+    said = special_words(tables["special"], head, virtual) + window_words(tables["windows"], head)
     said += [f"not followed: {why}" for why in tables["not_followed"]] + unfinished(result)
     if "loci" not in tables:
         return said
@@ -105,7 +117,8 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
         [one["type"], one["word"], str(one["points"]), *(" to ".join(map(short, one[n])) for n in (first, second))]
         for one in tables["loci"]
     ]
-    said += [*aligned(["locus", "word", "points", first, second], rows), ""] if rows else ["no locus", ""]
+    heads = [headed(each, unit_in(result, f"locus_{each}")) for each in (first, second)]
+    said += [*aligned(["locus", "word", "points", *heads], rows), ""] if rows else ["no locus", ""]
     met = [
         [
             one["type"],
@@ -116,9 +129,7 @@ def branch_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, An
         ]
         for one in tables["meetings"]
     ]
-    said += (
-        [*aligned(["meeting", first, second, "on locus", ""], met), ""] if met else ["no meeting of two of them", ""]
-    )
+    said += [*aligned(["meeting", *heads, "on locus", ""], met), ""] if met else ["no meeting of two of them", ""]
     return [*said, *(f"not followed: {why}" for why in tables["locus_not_followed"])]
 
 
@@ -133,18 +144,19 @@ def edge_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]
     """Return the table of windows, what their types mean, and derivatives."""
     [name] = recipe["vary"]
     low, high = tables["span"]
+    unit = unit_in(result, "low")
     rows = [
         [str(w["N"]), f"{w['low']:.13g}", w["low_type"], f"{w['high']:.13g}", w["high_type"], w["piece"]]
         for w in tables["windows"]
     ]
     if not rows:
         asked = ", ".join(map(str, recipe["settings"]["N"]))
-        none = f"no window with N = {asked} for {name} from {low:g} to {high:g}"
+        none = f"no window with N = {asked} for {name} from {low:g} to {high:g} {unit}".rstrip()
         return [f"{none}; try another range, or other periods with --N", ""]
-    said = [*aligned(["N", f"{name} from", "", "to", "", "piece of the law"], rows), ""]
+    said = [*aligned(["N", f"{headed(name, unit)} from", "", "to", "", "piece of the law"], rows), ""]
     seen = {row[side] for row in tables["windows"] for side in ("low_type", "high_type")}
     said += legend({kind: words for kind, words in tables["meanings"].items() if kind in seen})
-    said.append(f"searched: {name} from {low:g} to {high:g}")
+    said.append(f"searched: {name} from {low:g} to {high:g} {unit}".rstrip())
     if "derivative" in result:
         moved = [key for key in result["moved"].values.tolist() if key != name]
         slopes = [
@@ -163,7 +175,8 @@ def diagram_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, A
     """Return windows, special points on them and disagreements."""
     [name] = recipe["vary"]
     admissible = [row for row in tables["special"] if row["admissible"]]
-    said = window_words(tables["windows"], name) + special_words(admissible, name, virtual=False)
+    head = headed(name, unit_in(result, name))
+    said = window_words(tables["windows"], head) + special_words(admissible, head, virtual=False)
     said += unfinished(result)
     if not tables["disagreements"]:
         return [*said, "scan and branches agree", ""]
@@ -171,13 +184,14 @@ def diagram_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, A
     for one in tables["disagreements"]:
         place = short(one["low"]) if one["low"] == one["high"] else f"{short(one['low'])} to {short(one['high'])}"
         rows.append([one["kind"], place, str(one["values"]), one["word"], str(one["period"]), one["reason"]])
-    return [*said, *aligned(["disagreement", name, "values", "word", "period", "why"], rows), ""]
+    return [*said, *aligned(["disagreement", head, "values", "word", "period", "why"], rows), ""]
 
 
 def response_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> list[str]:
     """Return where the sweeps differ, the greatest amplitudes and impact speeds, and the special points."""
     [name] = recipe["vary"]
-    said = [f"up and down differ at {name} = {_between(one)}" for one in tables["differences"]]
+    unit = unit_in(result, name)
+    said = [f"up and down differ at {name} = {_between(one, unit)}" for one in tables["differences"]]
     said = said or ["up and down agree at every value"]
     told = {"amplitude": "greatest amplitude", "impact_speed": "greatest speed of an impact"}
     peaks = {(row["run"], row["reading"]): row for row in tables["peaks"]}
@@ -185,17 +199,19 @@ def response_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, 
     for way in ("up", "down"):
         found = [peaks[way, reading] for reading in told if (way, reading) in peaks]
         if found:
-            rows.append([way, *(f"{short(row['greatest'])} at {name} = {short(row[name])}" for row in found)])
-    table = [*aligned(["", *told.values()], rows), ""] if rows else []
+            at = (f"{short(row['greatest'])} at {name} = {short(row[name])} {unit}".rstrip() for row in found)
+            rows.append([way, *at])
+    heads = [headed(said, unit_in(result, reading)) for reading, said in told.items()]
+    table = [*aligned(["", *heads], rows), ""] if rows else []
     admissible = [row for row in tables["special"] if row["admissible"]]
-    return [*said, "", *table, *special_words(admissible, name, virtual=False), *unfinished(result)]
+    return [*said, "", *table, *special_words(admissible, headed(name, unit), False), *unfinished(result)]
 
 
-def _between(one: Row) -> str:
+def _between(one: Row, unit: str) -> str:
     """Return a range of values at which the sweeps differ, in words."""
     if one["values"] == 1:
-        return short(one["low"])
-    return f"{short(one['low'])} to {short(one['high'])} ({one['values']} values)"
+        return f"{short(one['low'])} {unit}".rstrip()
+    return " ".join(filter(None, (short(one["low"]), "to", short(one["high"]), unit, f"({one['values']} values)")))
 
 
 WORDS: dict[str, Callable[[Mapping[str, Any], Any, Mapping[str, Any]], list[str]]] = {

@@ -148,6 +148,7 @@ def branch_figure(result: Any, **style: Any) -> Mapping[str, Any]:
 def windows_figure(result: Any, **style: Any) -> Mapping[str, Any]:
     """Draw windows over the range that was searched, or over what they take of it."""
     from grazing import plot
+    from grazing.plot.style import unit_of
 
     name, (low, high) = str(result.attrs["parameter"]), result.attrs["span"]
     lows, highs = result["low"].values.tolist(), result["high"].values.tolist()
@@ -160,7 +161,7 @@ def windows_figure(result: Any, **style: Any) -> Mapping[str, Any]:
         ax.set_yticks([])
         ax.spines["left"].set_visible(False)
         symbol = str(result["low"].attrs.get("symbol", name))
-        ax.set_xlabel(f"${symbol}$")
+        ax.set_xlabel(f"${symbol}${unit_of(result['low'])}")
     return {**plot.windows(result, ax, **style), "figure": figure}
 
 

@@ -53,13 +53,12 @@ def checked_units(units: str | None) -> tuple[str, ...]:
     """Return units that a text names, commas between them, or raise InputError for those that no result has."""
     if units is None:
         return ()
-    from grazing.units import matching
+    from grazing.units import checked_units as checked
 
-    found = tuple(unit.strip() for unit in units.split(","))
-    for unit in found:
-        if not matching(unit):
-            raise InputError(f"--units: {shown(unit)} matches nothing that a result has; give some of mm,mm/s,Hz,N,N s")
-    return found
+    try:
+        return checked(units, "units")
+    except InputError as error:
+        raise InputError(f"--units: {error}") from None
 
 
 def converted(result: Any, units: Sequence[str]) -> Any:
@@ -133,9 +132,11 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
 
 
 DRAWN = (
-    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "cobweb", "graph",
-    "branch", "windows", "bifurcation_diagram", "response",
+    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "history", "spectrum",
+    "cobweb", "graph", "branch", "windows", "bifurcation_diagram", "response",
 )  # fmt: skip
+#: Studies whose figure has another name.
+FIGURE_OF = {"sample": "history"}
 #: How the titles begin of results whose attributes do not name the function of their figure.
 TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}
 
@@ -153,4 +154,5 @@ def study_of(attrs: Mapping[str, Any]) -> str:
     except (ValueError, TypeError, RecursionError) as error:
         raise InputError(f"the result is damaged: {of} cannot be read ({error}); compute it again") from error
     flown = of == "grazing_recipe" and str(attrs.get("title", "")).startswith("trajectory")
-    return str(said.get("study", "trajectory" if flown else ""))
+    study = str(said.get("study", "trajectory" if flown else ""))
+    return FIGURE_OF.get(study, study)

@@ -20,7 +20,6 @@ from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.cli.orbit_rows import plain
 from grazing.cli.whole import whole_number
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
-from grazing.config.own import is_own
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
 from grazing.parameter import whole
@@ -62,7 +61,6 @@ def run_arguments(study: str) -> list[Argument]:
         found.append(one("dry_run", bool, False, "Print size, memory and estimated time, and compute nothing."))
     return [
         *found,
-        one("units", str | None, None, output.UNITS, metavar="LIST"),
         one("dump_config", bool, False, "Print the configuration as TOML, complete, and compute nothing."),
         one("json", bool, False, "Print a summary as one JSON object."),
         one("quiet", bool, False, "Show no progress.", alias="-q"),
@@ -77,7 +75,6 @@ def command(study: str) -> Callable[..., int]:
         out: list[Path] | None = None,
         config: Path | None = None,
         threads: int | None = None,
-        units: str | None = None,
         dry_run: bool = False,
         dump_config: bool = False,
         json: bool = False,
@@ -94,9 +91,7 @@ def command(study: str) -> Callable[..., int]:
             whole(threads, "--threads", 1)
         if dry_run:
             return estimated(plan_of(recipe), threads, json)
-        files, shown = output.targets(out, endings(study)), output.checked_units(units)
-        if shown and "mass" not in recipe and "model" not in recipe and not is_own(recipe["map"]):
-            raise InputError("--units: the model is dimensionless; give it with --si, or its mass with --mass")
+        files, shown = output.targets(out, endings(study)), output.checked_units(recipe.get("units"))
         if study in ("orbit", "branch", "windows", "bifurcations", "response"):
             from grazing.cli.orbits import compute as found
 

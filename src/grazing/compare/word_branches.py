@@ -239,5 +239,6 @@ def loci_of(table: xr.Dataset) -> list[xr.Dataset]:
         columns["meeting_type"] = "meeting", table["meeting_type"].values[meetings]
         columns["meeting_admissible"] = "meeting", table["meeting_admissible"].values[meetings]
         attrs = {"type": kind, "word": str(table["locus_word"].values[i]), "parameters": json.dumps(names)}
+        attrs |= {key: table.attrs[key] for key in ("mass", "stop", "base") if key in table.attrs}
         found.append(xr.Dataset(columns, attrs=attrs))
     return found

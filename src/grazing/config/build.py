@@ -13,13 +13,12 @@ from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
 from grazing.config.schema import ALONE
-from grazing.config.settings import STUDIES, WHOLE
+from grazing.config.settings import FLOWN, STUDIES, WHOLE, function_of
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import describe_parameter
-from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb
 from grazing.studies.graph import graph
@@ -190,8 +189,12 @@ def signed(result: xr.Dataset) -> xr.Dataset:
 
 
 def kept(recipe: Recipe) -> Recipe:
-    """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys."""
-    return {**recipe, "vary": [list(item) for item in recipe["vary"].items()]}
+    """Return a recipe as results and stores keep it: what varies in pairs, whose order survives sorted keys.
+
+    Units are those of one look at a result, which has its own.
+    """
+    rest = {key: value for key, value in recipe.items() if key != "units"}
+    return {**rest, "vary": [list(item) for item in recipe["vary"].items()]}
 
 
 def result_of(
@@ -228,8 +231,8 @@ def result_of(
     """
     recipe = checked(config, code=code)
     refuse_unnamed(recipe)
-    if recipe["study"] == "trajectory":
-        result = signed(trajectory(model_of(recipe), **recipe["settings"]))
+    if recipe["study"] in FLOWN:
+        result = signed(function_of(recipe["study"])(model_of(recipe), **recipe["settings"]))
     elif recipe["study"] == "orbit":
         result = orbits_as_table(orbits_of(recipe, threads), recipe)
     elif recipe["study"] == "cobweb":

@@ -13,7 +13,7 @@ from grazing.config.own import KEYS, Named, is_own, located, named, own_object, 
 from grazing.config.parameters import AMPLITUDES, defaults_of
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
-from grazing.config.settings import STUDIES
+from grazing.config.settings import FLOWN, STUDIES
 from grazing.config.si import from_table
 from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
@@ -26,8 +26,8 @@ Recipe = dict[str, Any]
 DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = (
-    "study", "map", "order", "unfold", "model", "law", "mass", "base", "parameters", "vary", "settings", "curves",
-    "coordinate",
+    "study", "map", "order", "unfold", "model", "law", "mass", "base", "stop", "parameters", "vary", "settings",
+    "curves", "coordinate", "units",
 )  # fmt: skip
 
 
@@ -75,16 +75,17 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
+    if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
+        raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
+    before: list[Problem] = []
     if raw.get("si") is not None:
-        try:
-            raw = from_table(raw)
-        except InputError as error:
-            raise refusal([Problem(("si",), str(error))], source, label) from None
+        raw, faults = from_table(raw)
+        before = [Problem(("si",), fault) for fault in faults]
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
-    if problems or config is None:
-        raise refusal(problems, source, label)
+    if before or problems or config is None:
+        raise refusal([*before, *problems], source, label)
     return config
 
 
@@ -184,7 +185,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
     yield from _parameters(
-        config, known, {*ranges, *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
+        config, known, {*config["vary"], *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
     )
     yield from _fits(config, coordinates)
     if config.get("study") == "cobweb" and len(coordinates) != 1:
@@ -230,6 +231,11 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if "base" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
         yield Problem(("base",), f"{brings}; leave the base out")
+    if "stop" in config and (config.get("model") or not oscillator):
+        brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
+        yield Problem(("stop",), f"{brings}; leave it out")
+    if "units" in config and "mass" not in config and not config.get("model") and not is_own(kind):
+        yield Problem(("units",), "the model is dimensionless; give it with --si, or its mass with --mass")
     beside = has_beside(config)
     for key, at in (("order", "discontinuity"), ("unfold", "normal-form")):
         if config.get(key) and kind != at and not (key == "order" and beside):
@@ -250,12 +256,13 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
 
 def _in_time(config: Recipe) -> Iterator[Problem]:
     """Yield what belongs to a map and means nothing for the oscillator itself."""
-    flown = config["study"] == "trajectory"
+    study = config["study"]
+    flown = study in FLOWN
     if config["map"] != "stroboscopic":
-        who = "a trajectory is flown by" if flown else "windows belong to"
+        who = f"a {study} is flown by" if flown else "windows belong to"
         yield Problem(("map",), f"map = {config['map']!r}; {who} the oscillator itself: leave it out")
     if config["parameters"].get("phase"):
-        who = "a trajectory has no section; leave it out, start is the initial time"
+        who = f"a {study} has no section; leave it out, start is the initial time"
         yield Problem(("parameters", "phase"), who if flown else "windows need no section; leave it out")
 
 

@@ -24,6 +24,8 @@ KEYS = {
     "law": LAW,
     "mass": None,
     "base": None,
+    "stop": None,
+    "units": None,
     "si": None,
     "curves": None,
     "coordinate": None,

@@ -185,7 +185,7 @@ def model_of(config: Mapping[str, Any]) -> Oscillator:
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
     paper = beyond_pinball(config) is None
-    kept: dict[str, Any] = {"mass": config.get("mass"), "offset_name": "d", "paper": paper}
+    kept: dict[str, Any] = {"mass": config.get("mass"), "stop": config.get("stop"), "offset_name": "d", "paper": paper}
     if config.get("base"):
         moved = base_of(config["base"])
         kept["base"] = based(

@@ -82,7 +82,7 @@ def _recipe_in(
         "study": study,
         **_map(config),
         **({"order": config["order"]} if "order" in config else {}),
-        **({"mass": attrs["mass"]} if "mass" in attrs else {}),
+        **{key: attrs[key] for key in ("mass", "stop") if key in attrs},
         "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
     }

@@ -13,7 +13,8 @@ from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
 from grazing.config.si import SCHEMA
 from grazing.maps.discontinuity import ORDERS
 from grazing.oscillator.parameters import MASS
-from grazing.oscillator.si import base_of
+from grazing.oscillator.si import SIDES, base_of
+from grazing.units import checked_units
 
 MAPS = {
     "stroboscopic": "the state (u, v) once per period of the forcing",
@@ -74,6 +75,17 @@ def _base(value: Any) -> str | None:
 Moved = Annotated[str | None, BeforeValidator(_base), WithJsonSchema({"type": "string"})]
 
 
+def _units(value: Any) -> str | None:
+    return None if value is None else ",".join(checked_units(value, "units"))
+
+
+Units = Annotated[
+    str | None,
+    BeforeValidator(_units),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+
+
 def _in_order(value: Any) -> Any:
     """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
     if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
@@ -97,6 +109,12 @@ class Config(Table):
         default=None,
         description="a base whose amplitude a sweep keeps: moves=both,displacement=0.0003 or acceleration=5, with the "
         "sign of u, blanks between harmonics; cos and sin are what forces the mass beside it",
+    )
+    stop: Literal[tuple(SIDES)] | None = Field(  # type: ignore[valid-type]
+        default=None, description="side of a rig's stop: figures show its x, upwards, which is -u for one above"
+    )
+    units: Units = Field(
+        default=None, description="units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s"
     )
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
         default=None,

@@ -47,6 +47,9 @@ STUDIES = {
     "trajectory": Study(
         "trajectory", "oscillator.trajectory", 0, 0, ONE, "one orbit in time, with every impact", of="model"
     ),
+    "history": Study("history", "signals.record", 0, 0, ONE, "position or velocity of one orbit over time", of="model"),
+    "sample": Study("sampled", "signals.record", 0, 0, ONE, "one orbit at equal times, as it is recorded", of="model"),
+    "spectrum": Study("spectrum_of", "signals.record", 0, 0, ONE, "amplitudes of one orbit by frequency", of="model"),
     "cobweb": Study("cobweb", "studies.cobweb", 0, 0, ONE, "one orbit of a one-dimensional map, step by step"),
     "graph": Study("graph", "studies.graph", 1, 1, COORDINATE, "one step of the map along a line of states"),
     "orbit": Study("periodic_orbits", "orbits.periodic", 0, 0, ONE, "periodic orbits, stable and unstable"),
@@ -63,8 +66,9 @@ STUDIES = {
         "response", "compare.response", 1, 1, ONE, "what instruments read going up, going down and from random starts"
     ),
 }
-#: Studies of one orbit, which begins at a state that is given.
-SINGLE = ("trajectory", "cobweb")
+#: Studies of one orbit, which begins at a state that is given; those in continuous time first.
+FLOWN = ("trajectory", "history", "sample", "spectrum")
+SINGLE = (*FLOWN, "cobweb")
 #: Studies that are computed as a whole: they have no cells to sweep.
 WHOLE = (*SINGLE, "graph", "orbit", "branch", "windows", "bifurcations", "response")
 
@@ -151,6 +155,12 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "start": _setting(values.number, {"type": "number"}, "time of the initial state"),
     "until": _setting(values.number, {"type": "number"}, "time of the end"),
     "samples": _whole(2, "points per period of the forcing"),
+    "since": _setting(values.number, {"type": "number"}, "time before which nothing is recorded; start if not given"),
+    "rate": _setting(
+        values.number, {"type": "number"}, "samples per unit of time, in Hz of a rig; 128 a period if not given"
+    ),
+    "of": _choice(("u", "v"), "position or velocity"),
+    "window": _setting(_text, {"type": "string"}, "window of the spectrum, such as hann, boxcar or flattop"),
     "period": _setting(values.wholes, WHOLES, "least periods, in steps of the map: 3, 2,3 or 1:6"),
     "word": _setting(_text, {"type": "string"}, "word of the orbits, such as 001, or LLR for the gap map"),
     "virtual": _switch("include virtual orbits, which the map does not have"),

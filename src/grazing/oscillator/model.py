@@ -11,7 +11,7 @@ from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refus
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
-from grazing.oscillator.si import Base, si_numbers
+from grazing.oscillator.si import Base, checked_side, si_numbers
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, updated
 from grazing.units import magnitude
@@ -83,6 +83,7 @@ class Oscillator:
     offset_name: str = field(default="offset", kw_only=True, repr=False)
     paper: bool = field(default=False, kw_only=True, repr=False)
     base: Base | None = field(default=None, kw_only=True, repr=False)
+    stop: str | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         if isinstance(self.sigma, Sequence) and not isinstance(self.sigma, (str, bytes)):
@@ -94,6 +95,8 @@ class Oscillator:
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
         if self.mass is not None:
             object.__setattr__(self, "mass", MASS.check(self.mass))
+        if self.stop is not None:
+            checked_side(self.stop, "stop")
         for name in ("alpha", "k"):
             if getattr(self, name) > HIGHEST:
                 raise InputError(
@@ -163,7 +166,8 @@ class Oscillator:
         force : float or sequence of float
             Amplitude in N: the mass feels force cos(omega t), upwards. Several are those of harmonics 1, 2, ...
         side : {"above", "below"}
-            Where the stop is. Above, u points down: u = -x; below, u = x. In both the wall is at u = -gap.
+            Where the stop is. Above, u points down: u = -x; below, u = x. In both the wall is at u = -gap. Figures
+            show x, upwards; results, tables and starts are in u.
         base : float or sequence of float
             Amplitude in m of a base that moves by base cos(omega t), positive upwards. A sweep in ``omega`` keeps it:
             the force grows with the frequency.
@@ -199,7 +203,7 @@ class Oscillator:
         """
         found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega, acceleration)
         forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
-        return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base)
+        return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base, stop=side)
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate, with its units."""
@@ -213,9 +217,10 @@ class Oscillator:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """What a result says of the units, the mass in kg by which forces are divided, and of a moving base."""
-        mass = {} if self.mass is None else {"mass": self.mass}
-        return mass if self.base is None else {**mass, "base": self.base.text}
+        """What a result says of the rig: the mass in kg by which forces are divided, the side of the stop, the base."""
+        base = None if self.base is None else self.base.text
+        said = {"mass": self.mass, "stop": self.stop, "base": base}
+        return {name: value for name, value in said.items() if value is not None}
 
     def made_from_base(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Write the forces of a base into all parameters, shape (..., parameters), in place; return these."""
@@ -303,7 +308,7 @@ class Oscillator:
             sin=tuple(new[f"sin{j + 1}"] for j in range(self.harmonics)),
         )
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
-        kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base")}
+        kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base", "stop")}
         return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
 
     def __repr__(self) -> str:

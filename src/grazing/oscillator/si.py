@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -18,6 +19,8 @@ LOAD = Parameter("load", "F_0", "constant force, positive upwards", units="N")
 FREQUENCY = Parameter("frequency", "f", "frequency of the forcing in turns", 0.0, inf, "low", "Hz")
 OMEGA = Parameter("omega", r"\omega", "frequency of the forcing", 0.0, inf, "low", "rad/s")
 SI = {known.name: known for known in (M, C, K, GAP, LOAD, FREQUENCY, OMEGA)}
+#: Amplitudes of harmonics, with their units.
+AMPLITUDES = {"force": "N", "base": "m", "acceleration": "m/s^2"}
 #: Whether u points up or down: it is the height above the stop that counts, seen from the stop.
 SIDES = {"below": 1.0, "above": -1.0}
 #: What a moving base carries along.
@@ -123,24 +126,14 @@ def si_numbers(
     With x upwards from the place where the spring is relaxed, m x'' + c x' + k x = F(t) + load, and z the motion of
     the base, y = x - z is what a moving stop sees. Then u = y for a stop below, u = -y for one above.
     """
-    if not isinstance(side, str) or side not in SIDES:
-        raise InputError(f"side = {shown(side)}; allowed are 'above' and 'below', where the stop is")
-    if not isinstance(moves, str) or moves not in MOVES:
-        raise InputError(
-            f"moves = {shown(moves)}; allowed are 'both', 'spring' and 'stop', what the base carries along"
-        )
+    checked_side(side, "side")
+    _checked_moves(moves)
     mass, damping, stiffness = _checked(M, m), _checked(C, c), _checked(K, k)
-    distance = real(magnitude(gap, GAP.units, "gap"), "gap", f"allowed is {GAP.allowed} ({GAP.meaning})")
-    if distance < 0.0:
-        other = "below" if side == "above" else "above"
-        raise InputError(
-            f"gap = {distance:g} m; it is a distance, >= 0, and side says where the stop is: for one on the other side "
-            f"give side={other!r}; for a spring that presses the mass onto the stop, gap=0 and that force as load"
-        )
+    distance = _distance(gap, side)
     w = _frequency(frequency, omega)
     sign = SIDES[side] / mass
-    amplitudes = (base, "base", "m"), (acceleration, "acceleration", "m/s^2"), (force, "force", "N")
-    shakes, jerks, pushes = (_amplitudes(*one) for one in amplitudes)
+    amplitudes = (base, "base"), (acceleration, "acceleration"), (force, "force")
+    shakes, jerks, pushes = (_amplitudes(value, name, AMPLITUDES[name]) for value, name in amplitudes)
     signed = [tuple(SIDES[side] * x for x in one) for one in (shakes, jerks)]
     moved = based(moves, *signed, tuple(sign * x + 0.0 for x in pushes), ())
     natural = sqrt(stiffness / mass)
@@ -156,8 +149,54 @@ def si_numbers(
     )  # fmt: skip
 
 
+def checked_side(side: Any, name: str) -> str:
+    """Return where a stop is, or raise InputError."""
+    if not isinstance(side, str) or side not in SIDES:
+        raise InputError(f"{name} = {shown(side)}; allowed are 'above' and 'below', where the stop is")
+    return side
+
+
 def _checked(known: Parameter, value: Any) -> float:
     return known.check(magnitude(value, known.units, known.name))
+
+
+def _checked_moves(moves: Any) -> None:
+    if not isinstance(moves, str) or moves not in MOVES:
+        raise InputError(
+            f"moves = {shown(moves)}; allowed are 'both', 'spring' and 'stop', what the base carries along"
+        )
+
+
+def _distance(gap: Any, side: Any) -> float:
+    """Return the distance to the stop in m."""
+    distance = real(magnitude(gap, GAP.units, "gap"), "gap", f"allowed is {GAP.allowed} ({GAP.meaning})")
+    if distance < 0.0:
+        other = "below" if side == "above" else "above"
+        raise InputError(
+            f"gap = {distance:g} m; it is a distance, >= 0, and side says where the stop is: for one on the other side "
+            f"give side={other!r}; for a spring that presses the mass onto the stop, gap=0 and that force as load"
+        )
+    return distance
+
+
+def faults_of(given: Mapping[str, Any]) -> dict[str, str]:
+    """Return what is wrong with each of the numbers and words that :func:`si_numbers` takes, by its name."""
+    found = {}
+    for name, value in given.items():
+        try:
+            if name == "side":
+                checked_side(value, name)
+            elif name == "moves":
+                _checked_moves(value)
+            elif name == "gap":
+                _distance(value, given.get("side", "above"))
+            elif name in AMPLITUDES:
+                _amplitudes(value, name, AMPLITUDES[name])
+            elif value is not None or name not in ("frequency", "omega"):
+                _checked(SI[name], value)
+        except InputError as error:
+            found[name] = str(error)
+    return found
 
 
 def _frequency(frequency: Any, omega: Any) -> float:

@@ -10,11 +10,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
-from grazing.plot.branch import branch
+from grazing.plot.branch import branch, shade_of
 from grazing.plot.drawn import inline
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import DOUBLE, axes, period_colour, root, styled
+from grazing.plot.style import DOUBLE, axes, root, styled
+from grazing.plot.words import words_in
 
 #: Opacity of scanned points and of shaded windows.
 FAINT, SHADE = 0.35, 0.10
@@ -26,6 +27,7 @@ def bifurcation_diagram(
     ax: Axes | None = None,
     *,
     coordinate: str | None = None,
+    by: str = "period",
     virtual: bool = False,
     names: bool = True,
 ) -> dict[str, Any]:
@@ -39,6 +41,8 @@ def bifurcation_diagram(
         Default: a new figure two columns wide.
     coordinate : str, optional
         Which coordinate of the map; the first one by default.
+    by : {"period", "word"}
+        What colours tell apart, of points, branches and windows alike.
     virtual : bool
         Whether orbits that the map does not have are drawn too.
     names : bool
@@ -67,15 +71,16 @@ def bifurcation_diagram(
         raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinate_names']))}")
     with styled():
         ax = axes(ax, DOUBLE, 95.0)
-        scan = orbit_diagram(result, ax, chosen, size=1.0, legend=False)
+        scan = orbit_diagram(result, ax, chosen, by=by, size=1.0, legend=by == "word")
         for line in scan["points"].values():
             line.set_alpha(FAINT)
         low, high = ax.get_ylim()
-        drawn = branch(table, ax, coordinate=chosen, virtual=virtual, names=names)
+        drawn = branch(table, ax, coordinate=chosen, by=by, virtual=virtual, names=names)
+        shades = words_in(root(ax)) if by == "word" else None
         bands = []
-        lows, highs, periods = (result[f"window_{key}"].values for key in ("low", "high", "period"))
-        for a, b, N in zip(lows.tolist(), highs.tolist(), periods.tolist(), strict=True):
-            bands.append(ax.axvspan(a, b, color=period_colour(N), alpha=SHADE, lw=0, zorder=0))
+        ends = (result[f"window_{key}"].values.tolist() for key in ("low", "high", "word", "period"))
+        for a, b, word, N in zip(*ends, strict=True):
+            bands.append(ax.axvspan(a, b, color=shade_of(str(word), N, shades), alpha=SHADE, lw=0, zorder=0))
         ax.set_xlim(float(np.min(result[name].values)), float(np.max(result[name].values)))
         if virtual:
             ax.set_ylim(low, high)

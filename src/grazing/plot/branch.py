@@ -14,8 +14,11 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
+from grazing.plot.classes import legend_extended, patch, written
 from grazing.plot.drawn import inline
+from grazing.plot.expected import choice
 from grazing.plot.style import INK, axes, period_colour, root, styled, symbol
+from grazing.plot.words import OTHERS, with_words, words_in
 
 #: Dashes by kind of orbit.
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
@@ -35,6 +38,7 @@ def branch(
     ax: Axes | None = None,
     *,
     coordinate: str | None = None,
+    by: str | None = None,
     virtual: bool = True,
     names: bool = True,
     legend: bool = True,
@@ -48,6 +52,8 @@ def branch(
     ax : matplotlib Axes, optional
     coordinate : str, optional
         Which coordinate of the map; the first one by default.
+    by : {"period", "word"}, optional
+        What colours tell apart. Default: what they do in the figure; in a new one periods.
     virtual : bool
         Whether orbits that the map does not have are drawn, and special points on them.
     names : bool
@@ -65,6 +71,8 @@ def branch(
     InputError
         For anything else, or a coordinate that the map does not have.
     """
+    if by is not None:
+        choice(by, "by", ("period", "word"))
     tables = [table_of(one) for one in (result if isinstance(result, (list, tuple)) else [result])]
     if not tables:
         raise InputError("no branch to draw; give a branch, its dataset, or several of them")
@@ -80,16 +88,23 @@ def branch(
     texts: list[Any] = []
     with styled():
         ax = axes(ax)
+        known = words_in(root(ax))
+        shades = known if by == "word" or (by is None and known) else None
+        listed: dict[str, str] = {}
+        if shades is not None:
+            words = {word for table in tables for word in seen_words(table, virtual)}
+            with_words(shades, words)
+            listed = {word: shades.get(word, OTHERS) for word in sorted(words, key=lambda word: (len(word), word))}
         for table in tables:
-            lines += drawn(table, ax, name, chosen, virtual)
-            for artist, text in marked(table, ax, chosen, virtual, names):
+            lines += drawn(table, ax, name, chosen, virtual, shades)
+            for artist, text in marked(table, ax, chosen, virtual, names, shades):
                 markers.append(artist)
                 texts += [text] if text is not None else []
         spread(ax, texts)
         ax.set_xlabel(symbol(tables[0][name]))
         ax.set_ylabel(symbol(tables[0][chosen]))
         if legend:
-            explained(ax, tables, virtual)
+            explained(ax, tables, virtual, listed)
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts}
 
 
@@ -110,7 +125,20 @@ def kinds(table: xr.Dataset) -> NDArray[Any]:
     return np.where(table["admissible"].values == 1, kind, "virtual")
 
 
-def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool) -> list[Any]:
+def seen_words(table: xr.Dataset, virtual: bool) -> set[str]:
+    """Return the words of the orbits of a branch that are drawn."""
+    shown = (table["admissible"].values == 1) | virtual
+    return {str(word) for word in table["word"].values[shown].tolist()}
+
+
+def shade_of(word: str, period: int, shades: dict[str, str] | None) -> str:
+    """Return the colour of an orbit: of its word, or of its period where words have no colours."""
+    return period_colour(period) if shades is None else shades.get(word, OTHERS)
+
+
+def drawn(
+    table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool, shades: dict[str, str] | None = None
+) -> list[Any]:
     """Draw the lines: one for each stretch of one piece, word and kind, joined to the point before it."""
     kind, piece = kinds(table), table["piece"].values
     word, period = table["word"].values.astype(str), table["period"].values
@@ -133,7 +161,7 @@ def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool
         artists += ax.plot(
             x[rows],
             y[rows, : period[first]],
-            color=period_colour(int(period[first])),
+            color=shade_of(str(word[first]), int(period[first]), shades),
             ls=DASHES[what],
             lw={"stable": 1.2, "unstable": 0.8, "virtual": 0.5}[what],
             zorder={"stable": 3.0, "unstable": 2.8, "virtual": 2.5}[what],
@@ -141,7 +169,9 @@ def drawn(table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool
     return artists
 
 
-def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: bool) -> list[tuple[Any, Any]]:
+def marked(
+    table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: bool, shades: dict[str, str] | None = None
+) -> list[tuple[Any, Any]]:
     """Draw the special points at the first point of their orbits, with their names."""
     artists = []
     places = table["special_value"].values
@@ -154,7 +184,7 @@ def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: b
         x, y = float(table["special_value"].values[i]), float(table[f"special_{coordinate}"].values[i])
         place = kind, round(1e4 * x / span)
         shape, filled = MARKERS[kind]
-        colour = period_colour(int(table["special_period"].values[i]))
+        colour = shade_of(word_at(table, i), int(table["special_period"].values[i]), shades)
         (artist,) = ax.plot(
             [x], [y], shape, ms=4.2, mec=colour, mew=0.8, mfc=colour if filled else "white", zorder=5, ls="none"
         )
@@ -166,6 +196,17 @@ def marked(table: xr.Dataset, ax: Axes, coordinate: str, virtual: bool, names: b
             )
         artists.append((artist, text))
     return artists
+
+
+def word_at(table: xr.Dataset, i: int) -> str:
+    """Return the word of the orbit next to a special point on its piece."""
+    there = np.flatnonzero(table["piece"].values == table["special_piece"].values[i])
+    if not there.size:
+        return ""
+    values = table[table.attrs["parameter"]].values[there]
+    far = np.abs(values - table["special_value"].values[i])
+    far[table["event"].values[there] != 1] += np.ptp(values)  # the point itself is on the piece
+    return str(table["word"].values[there[int(np.argmin(far))]])
 
 
 def spread(ax: Axes, texts: list[Any]) -> None:
@@ -188,13 +229,16 @@ def spread(ax: Axes, texts: list[Any]) -> None:
             text.set_visible(False)
 
 
-def explained(ax: Axes, tables: list[xr.Dataset], virtual: bool) -> None:
-    """Add a legend of the kinds of lines and of special points that occur."""
+def explained(ax: Axes, tables: list[xr.Dataset], virtual: bool, words: dict[str, str]) -> None:
+    """Add a legend of the words that have colours, of the kinds of lines and of special points that occur."""
     seen = [kind for kind in DASHES if any((kinds(table) == kind).any() for table in tables)]
-    handles = [
+    handles: list[Any] = [
         Line2D([], [], color=INK, ls=DASHES[kind], lw=1.1 if kind == "stable" else 0.8, label=kind)
         for kind in seen
         if virtual or kind != "virtual"
     ]
-    if len(handles) > 1:
+    if words:
+        entries = [patch(colour, written(word)) for word, colour in words.items()]
+        legend_extended(ax, [*entries, *(handles if len(handles) > 1 else [])])
+    elif len(handles) > 1:
         ax.legend(handles=handles, loc="best", fontsize=6.5, handlelength=2.4)

@@ -22,7 +22,7 @@ from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
 from grazing.plot.stripes import striped
 from grazing.plot.style import ENDED, INK, axes, period_colour, root, styled, symbol
-from grazing.plot.words import worded
+from grazing.plot.words import OTHERS, worded, words_in
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def chart(
     curves : xarray.Dataset, Locus, Branch, list of them, or mapping of str to (x, y), optional
         What is laid on top: what :func:`grazing.boundaries` or :func:`grazing.locus` returns for these two parameters
         (of a locus the part on orbits that the map has), the stable part of a branch in one of them, or any curves;
-        each name is written on its curve.
+        each name is written on its curve. By word, curves of orbits have the colours of their words.
     legend : bool
         Whether a legend, or a colour bar for exponents, stands beside the chart.
 
@@ -82,10 +82,11 @@ def chart(
     choice(by, "by", ("period", "word", "exponent", "attractors"))
     needed = {"period": plane, "share": plane} | ({by: plane} if by in ("exponent", "word") else {})
     first, second, _rank = expect(result, "chart", needed)
-    curves = curves_of(curves, result, first, second)
+    curves, words_of = curves_of(curves, result, first, second)
     (x_values, i), (y_values, j) = ordered(result[first].values), ordered(result[second].values)
     period, share = _shown(result, i, j)
     bar = beside = None
+    own: dict[str, str] = {}
     with styled():
         ax = axes(ax, 120.0, 88.0)
         x, y = edges_of(x_values, ax.xaxis), edges_of(y_values, ax.yaxis)
@@ -97,12 +98,14 @@ def chart(
                 image, handles = _attractors(ax, x, y, period, share)
             elif by == "word":
                 words = np.asarray(result["word"].values)[i][:, j][..., : period.shape[2]]
-                codes, _words, colours, entries = worded(period, words, share)
+                shades = words_in(root(ax))
+                codes, _words, colours, entries = worded(period, words, share, shades, words_of.values())
+                own = {name: shades.get(word, OTHERS) for name, word in words_of.items()}
                 image, handles = _classes(ax, x, y, codes, share, stripes, colours.__getitem__, lambda _codes: entries)
             else:
                 image, handles = _classes(ax, x, y, period, share, stripes, period_colour, patches_of)
             beside = legend_beside(ax, handles, by) if legend else None
-        drawn = lay_curves(ax, curves)
+        drawn = lay_curves(ax, curves, own)
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
         ax.set_xlabel(symbol(result[first]))

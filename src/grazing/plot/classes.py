@@ -144,3 +144,12 @@ def legend_beside(ax: Axes, handles: Sequence[Any], title: str = "", **look: Any
     for text in found.get_texts():
         text.set_linespacing(1.0)
     return found
+
+
+def legend_extended(ax: Axes, entries: Sequence[Any]) -> Any:
+    """Put entries into the legend beside the axes, after those that are there."""
+    old = ax.get_legend()
+    handles: list[Any] = [] if old is None else list(old.legend_handles)
+    title = "" if old is None else old.get_title().get_text()
+    known = {handle.get_label() for handle in handles}
+    return legend_beside(ax, [*handles, *(entry for entry in entries if entry.get_label() not in known)], title)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from grazing.compare.word_branches import loci_of
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.plot.style import INK, drawable
@@ -23,23 +24,26 @@ Floats = NDArray[np.float64]
 SAMPLES = 160
 
 
-def curves_of(given: Any, result: xr.Dataset, first: str, second: str) -> Mapping[str, Any]:
-    """Return curves by name: as they are given, or made of boundaries, loci and branches in the plane of a result.
+def curves_of(given: Any, result: xr.Dataset, first: str, second: str) -> tuple[Mapping[str, Any], dict[str, str]]:
+    """Return curves by name, as they are given or made of boundaries, loci and branches in the plane of a result.
 
-    Edges of one name are one line in pieces. Curves in other units are converted to those of the result.
+    Also the words of those that are of orbits, by the same names. Edges of one name are one line in pieces. Curves in
+    other units are converted to those of the result.
     """
     if given is None or (isinstance(given, Mapping) and not isinstance(given, xr.Dataset)):
-        return given or {}
+        return given or {}, {}
     several = given if isinstance(given, (list, tuple)) else [given]
     pieces: dict[str, list[Floats]] = {}
+    words: dict[str, str] = {}
     for one in several:
-        for name, x, y in _lines(one, result, first, second):
+        for name, word, x, y in _lines(one, result, first, second):
             pieces.setdefault(name, []).append(np.append(np.stack([x, y]), [[np.nan], [np.nan]], axis=1))
-    return {name: tuple(np.concatenate(parts, axis=1)) for name, parts in pieces.items()}
+            words |= {name: word} if word else {}
+    return {name: tuple(np.concatenate(parts, axis=1)) for name, parts in pieces.items()}, words
 
 
-def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tuple[str, Floats, Floats]]:
-    """Yield the lines of boundaries, of a locus or of a branch, each with its name."""
+def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tuple[str, str, Floats, Floats]]:
+    """Yield the lines of boundaries, of a locus or of a branch, each with its name and its word."""
     found = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
     wanted = (
         f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), a gz.locus in {first} and {second}, "
@@ -50,7 +54,9 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
             f"no curve can be drawn from this {type(one).__name__}; give {wanted}, a list of these, "
             "or a mapping of names to (x, y)"
         )
+    loci = []
     if "special_type" in found:
+        loci = [locus for locus in loci_of(found) if {first, second} == {*json.loads(locus.attrs["parameters"])}]
         found = _placed(found, {first, second})
     for name in (first, second):
         if name not in found:
@@ -59,18 +65,23 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
     x, y = (_in_units_of(result, found, side) for side in (first, second))
     if "label" in found:
         for k, name in enumerate(found["label"].values):
-            yield str(name), x[k], y[k]
+            yield str(name), "", x[k], y[k]
         return
     if "special_type" in found:
         real = (found["admissible"].values == 1) & (found["stable"].values == 1)
-        for k in np.unique(found["piece"].values):
-            there = found["piece"].values == k
-            if (real & there).any():
-                names, lengths = np.unique(found["word"].values[real & there], return_counts=True)
-                yield str(names[lengths.argmax()]), np.where(real, x, np.nan)[there], np.where(real, y, np.nan)[there]
+        words, pieces = found["word"].values.astype(str), found["piece"].values
+        for k in np.unique(pieces):
+            there = real & (pieces == k)
+            for word in np.unique(words[there]).tolist():
+                own = there & (words == word)
+                own[:-1] |= own[1:] & there[:-1]  # as far as the word before it
+                yield word, word, np.where(own, x, np.nan), np.where(own, y, np.nan)
+        for locus in loci:  # of its special points
+            yield from _lines(locus, result, first, second)
         return
     there = found["admissible"].values == 1  # a chart shows what the map has
-    yield f"{found.attrs['word']} {found.attrs['type']}", np.where(there, x, np.nan), np.where(there, y, np.nan)
+    word = str(found.attrs["word"])
+    yield f"{word} {found.attrs['type']}", word, np.where(there, x, np.nan), np.where(there, y, np.nan)
 
 
 def _placed(branch: xr.Dataset, plane: set[str]) -> xr.Dataset:
@@ -91,7 +102,7 @@ def _in_units_of(result: xr.Dataset, found: xr.Dataset, side: str) -> Floats:
     return np.asarray(in_units(found[[side]], unit)[side].values, np.float64)
 
 
-def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:
+def lay_curves(ax: Axes, curves: Mapping[str, Any], colours: Mapping[str, str] | None = None) -> dict[str, Any]:
     """Draw curves with a light rim and write their names on them, where they are far from each other and the frame.
 
     Parameters
@@ -100,6 +111,8 @@ def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:
         With its limits set.
     curves : mapping of str to (x, y)
         NaN breaks a curve.
+    colours : mapping of str to str, optional
+        Of the curves by name; the others are black.
 
     Returns
     -------
@@ -109,12 +122,14 @@ def lay_curves(ax: Axes, curves: Mapping[str, Any]) -> dict[str, Any]:
     plain = {str(name): _checked(str(name), curve) for name, curve in curves.items()}
     left, right, low, high = *ax.get_xlim(), *ax.get_ylim()
     drawn: dict[str, Any] = {}
-    rim = [withStroke(linewidth=2.0, foreground="white", alpha=0.85)]
+    # a colour that the chart has, too, is seen by its rim
+    rims = [[withStroke(linewidth=width, foreground="white", alpha=0.85)] for width in (2.0, 3.2)]
     samples = {name: _sampled(ax, *curve) for name, curve in plain.items()}
     taken: list[Floats] = []
     to_data = ax.transAxes + ax.transData.inverted()
     for name, (x, y) in plain.items():
-        (line,) = ax.plot(x, y, color=INK, lw=0.9, zorder=5, path_effects=rim)
+        own = (colours or {}).get(name)
+        (line,) = ax.plot(x, y, color=own or INK, lw=1.4 if own else 0.9, zorder=5, path_effects=rims[bool(own)])
         others = [s for other, s in samples.items() if other != name]
         place = _place(samples[name], others, taken)
         text = None

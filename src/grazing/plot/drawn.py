@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
+from grazing.measured import measured
+
 Draw = TypeVar("Draw", bound=Callable[..., Any])
 
 #: Dots per inch on a screen.
@@ -51,10 +53,14 @@ class Drawn(dict[str, Any]):
 
 
 def inline(draw: Draw) -> Draw:
-    """Let a function that returns a dict of artists return it as :class:`Drawn`."""
+    """Let a function that returns a dict of artists return it as :class:`Drawn`, and draw a rig as it is measured."""
 
     @wraps(draw)
     def shown(*args: Any, **more: Any) -> Drawn:
+        if args:
+            args = (measured(args[0]), *args[1:])
+        elif "result" in more:
+            more["result"] = measured(more["result"])
         return Drawn(draw(*args, **more))
 
     return shown  # type: ignore[return-value]

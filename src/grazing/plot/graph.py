@@ -12,7 +12,7 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.map_graph import at_step, map_graph
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import INK, PERIODS, axes, plain, root, styled
+from grazing.plot.style import INK, PERIODS, axes, plain, root, styled, unit_of
 from grazing.studies.graph import Graph
 
 #: How each map is drawn; the second is laid over the first.
@@ -63,6 +63,6 @@ def graph(result: Any, ax: Axes | None = None, *, coordinate: str | None = None,
             drawn = Graph(starts, images[:, i].T, letters, name, tuple(known))
             graphs[each] = map_graph(drawn, ax, coordinate=shown, label=plain(each), **LINES[i % len(LINES)])["pieces"]
         for axis, own, of, step in ((ax.xaxis, name, name, "n"), (ax.yaxis, shown, f"image_{shown}", "n+1")):
-            axis.set_label_text(at_step(str(result[of].attrs.get("symbol", own)), step))
+            axis.set_label_text(at_step(str(result[of].attrs.get("symbol", own)), step) + unit_of(result[of]))
         beside = ax.legend(loc="best") if legend and len(names) > 1 else None
     return {"figure": root(ax), "graphs": graphs, "legend": beside, "provenance": provenance_of(result)}

@@ -13,9 +13,13 @@ from grazing.plot.expected import expect
 from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
 from grazing.plot.trajectory import limits, places_of, walls_of
 
+#: Width of the line and size of the marks in points, at most and at least, and shares of how far swings and impacts
+#: are apart: many of them are drawn finer, else they run into a bar.
+LINE, MARK = (1.0, 0.25, 0.35), (3.2, 0.8, 0.8)
+
 
 @inline
-def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str = INK) -> dict[str, Any]:
+def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colour: str = INK) -> dict[str, Any]:
     """Draw a motion in time, with a mark at each impact.
 
     Parameters
@@ -24,8 +28,8 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         From :func:`grazing.trajectory` or :func:`grazing.sample`.
     ax : matplotlib Axes, optional
         Default: a new figure two columns wide.
-    of : {"u", "v"}
-        Position, with the walls, or velocity, which jumps at impacts.
+    of : {"u", "v"}, optional
+        Position, with the walls, or velocity, which jumps at impacts. Default: position, unless the result says.
     colour : str
         Of the motion.
 
@@ -36,6 +40,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``figure``.
     """
     expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)})
+    of = str(result.attrs.get("history_of", "u")) if of is None else of
     if of not in ("u", "v"):
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     with styled():
@@ -44,6 +49,8 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         t, x, hits = (np.asarray(result[name].values) for name in ("t", of, "impact_time"))
         shown_hits = (hits >= t[0]) & (hits <= t[-1])
         hits = hits[shown_hits]
+        rises = np.diff(x) > 0.0
+        width, size = _fine(ax, int((rises[:-1] & ~rises[1:]).sum()), LINE), _fine(ax, hits.size, MARK)
         wall, impacts = None, []
         if of == "u":
             before = places_of(result)[shown_hits]
@@ -55,15 +62,22 @@ def history(result: Any, ax: Axes | None = None, *, of: str = "u", colour: str =
         else:
             ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
             before, after = (result[name].values[shown_hits] for name in ("v_minus", "v_plus"))
-            impacts += ax.plot(hits, after, "o", ls="", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
+            impacts += ax.plot(hits, after, "o", ls="", ms=size, mfc="white", mec=GRAZE, mew=0.25 * size, zorder=5)
             # a trajectory has two points at an impact, samples have none: the line breaks between before and after
             cut = np.searchsorted(t, hits)
             cut += t[np.minimum(cut + 1, len(t) - 1)] == hits
             cut = np.unique(cut[(cut > 0) & (cut < len(t))])
             t, x = np.insert(t, cut, t[cut]), np.insert(x, cut, np.nan)
-        impacts += ax.plot(hits, before, "o", ls="", ms=3.2, color=GRAZE, zorder=4)
-        (motion,) = ax.plot(t, x, color=colour, lw=1.0, zorder=3)
+        impacts += ax.plot(hits, before, "o", ls="", ms=size, mew=0, color=GRAZE, zorder=4)
+        (motion,) = ax.plot(t, x, color=colour, lw=width, zorder=3)
         ax.set_xlim(t[0], t[-1])
         ax.set_xlabel(quantity(result["t"]))
         ax.set_ylabel(quantity(result[of]))
     return {"figure": root(ax), "motion": motion, "impacts": impacts[::-1], "wall": wall}
+
+
+def _fine(ax: Axes, count: int, look: tuple[float, float, float]) -> float:
+    """Return how wide each of so many things is drawn beside each other: no wider than a share of their distance."""
+    most, least, share = look
+    points = ax.get_window_extent().width * 72.0 / root(ax).dpi
+    return float(np.clip(share * points / max(count, 1), least, most))

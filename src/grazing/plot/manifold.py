@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from grazing.plot.classes import legend_beside
+from grazing.plot.classes import legend_extended
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
@@ -90,8 +90,8 @@ def manifolds(
         marks = _saddle(ax, np.asarray(result["saddle"].values, np.float64)) if saddle else None
         if fresh:
             limits = _limits(result, x, 0), _limits(result, y, 1)
-            ax.set_xlabel(label(names[0], names[0]))
-            ax.set_ylabel(label(names[1], names[1]))
+            for name, of, axis in zip(names, _symbols(result, names), (ax.xaxis, ax.yaxis), strict=True):
+                axis.set_label_text(label(name, of))
         ax.set_xlim(*limits[0])
         ax.set_ylim(*limits[1])
         entries = [Line2D([], [], label=f"{side} manifold", **look)]
@@ -100,7 +100,7 @@ def manifolds(
         if marks is not None:
             name = plain(f"saddle {word}".strip())
             entries.append(Line2D([], [], ls="none", marker="X", ms=5.0, mfc="white", mec=INK, mew=0.9, label=name))
-        beside = _legend(ax, entries) if legend else None
+        beside = legend_extended(ax, entries) if legend else None
     return {
         "figure": root(ax),
         "line": line,
@@ -109,6 +109,12 @@ def manifolds(
         "legend": beside,
         "provenance": provenance_of(result),
     }
+
+
+def _symbols(result: Any, names: list[str]) -> list[str]:
+    """Return the symbols of the coordinates: their names, where the result has no others."""
+    others = result["coordinate"].attrs.get("symbols") or names
+    return [other or name for other, name in zip(others, names, strict=True)]
 
 
 def _cuts(ax: Axes, result: Any, look: dict[str, Any]) -> Line2D:
@@ -142,12 +148,3 @@ def _limits(result: Any, values: Floats, axis: int) -> tuple[float, float]:
     low, high = max(float(np.nanmin(points)), float(box[0])), min(float(np.nanmax(points)), float(box[1]))
     margin = 0.04 * (high - low) or 1.0
     return low - margin, high + margin
-
-
-def _legend(ax: Axes, entries: list[Line2D]) -> Any:
-    """Put entries into the legend beside the axes, after those that are there."""
-    old = ax.get_legend()
-    handles: list[Any] = [] if old is None else list(old.legend_handles)
-    title = "" if old is None else old.get_title().get_text()
-    known = {handle.get_label() for handle in handles}
-    return legend_beside(ax, [*handles, *(entry for entry in entries if entry.get_label() not in known)], title)

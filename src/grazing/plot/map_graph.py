@@ -62,6 +62,6 @@ def at_step(symbol: str, step: str) -> str:
     >>> at_step("u", "n+1"), at_step("v_plus", "n")
     ('$u_{n+1}$', '$v_{\\mathrm{plus},n}$')
     """
-    base, _, index = symbol.partition("_")
+    base, _, index = (f"({symbol})" if "-" in symbol else symbol).partition("_")
     formula = f"{base}_{{\\mathrm{{{index}}},{step}}}" if index else f"{base}_{{{step}}}"
     return mathematics(formula, f"{symbol}, {step}")

@@ -13,7 +13,7 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import CHAOS, DOUBLE, axes, period_colour, root, styled, symbol
-from grazing.plot.words import worded
+from grazing.plot.words import worded, words_in
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
 GRAIN = 1 / 2400
@@ -68,12 +68,13 @@ def orbit_diagram(
     values = np.asarray(result[name].values, dtype=np.float64)
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
-    chosen, colours, entries = (_by_period if by == "period" else _by_word)(result, period, longest)
     drawn: dict[Any, Any] = {}
     beside = None
     with styled():
         alone = ax is None
         ax = axes(ax, DOUBLE, 80.0)
+        known = words_in(root(ax)) if by == "word" else None
+        chosen, colours, entries = _classes(result, period, longest, known)
         for place, (key, those) in enumerate(chosen.items()):
             x, z = _thinned(values, y, those)
             (drawn[key],) = ax.plot(
@@ -95,8 +96,15 @@ def orbit_diagram(
     return {"points": drawn, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)}
 
 
-def _by_period(_result: Any, period: NDArray[Any], longest: int) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
-    """Return which orbits belong to each period, 0 for those that are grey, the colours, and what the legend says."""
+def _classes(
+    result: Any, period: NDArray[Any], longest: int, known: dict[str, str] | None
+) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
+    """Return which orbits belong to each period, 0 for those that are grey, the colours, and what the legend says.
+
+    With the colours of words that are known the same by word, "" for those that are grey.
+    """
+    if known is not None:
+        return _by_word(result, period, longest, known)
     shown = np.where((period >= 1) & (period <= longest), period, 0)
     chosen = {int(N): shown == N for N in np.unique(shown)}
     entries = patches_of([int(N) for N in np.unique(period) if N <= longest])
@@ -105,10 +113,11 @@ def _by_period(_result: Any, period: NDArray[Any], longest: int) -> tuple[dict[A
     return chosen, {N: period_colour(N) if N else CHAOS for N in chosen}, entries
 
 
-def _by_word(result: Any, period: NDArray[Any], longest: int) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
-    """Return the same by word, "" for those that are grey."""
+def _by_word(
+    result: Any, period: NDArray[Any], longest: int, known: dict[str, str]
+) -> tuple[dict[Any, Any], dict[Any, str], list[Any]]:
     seen = np.where(period <= longest, period, -1)
-    codes, words, colours, entries = worded(seen, result["word"].values, np.ones(period.shape))
+    codes, words, colours, entries = worded(seen, result["word"].values, np.ones(period.shape), known)
     grey = (codes < 1) | (codes > len(words))
     chosen = {"": grey} if grey.any() else {}
     chosen |= {word: codes == i for i, word in enumerate(words, 1)}

@@ -21,6 +21,8 @@ from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, 
 #: Marks of the sweeps; random starts are dots.
 RUNS = {"up": "^", "down": "v"}
 COLOURS = {"up": "#0064a4", "down": GRAZE}
+#: Room beside the first and the last mark, as a share of the axis.
+EDGE = 0.012
 #: Opacity of the ranges in which up and down differ.
 SHADE = 0.07
 
@@ -88,7 +90,8 @@ def response(
                 )
         ends = zip(result["difference_low"].values, result["difference_high"].values, strict=True)
         bands = [ax.axvspan(low, high, color=INK, alpha=SHADE, lw=0, zorder=0) for low, high in ends]
-        ax.set_xlim(float(values.min()), float(values.max()))
+        low, high = float(values.min()), float(values.max())
+        ax.set_xlim(low - EDGE * (high - low), high + EDGE * (high - low))
         drawn = branch(table, ax, virtual=False, names=names, legend=False)
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(quantity(result[by]))

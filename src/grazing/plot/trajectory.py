@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from grazing.measured import sign_of
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
@@ -29,7 +30,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
     colour : str
         Of the flights.
     strobe : array_like, shape (n, 2), optional
-        States (u, v) at the section, drawn as circles.
+        States (u, v) of the model at the section, drawn as squares.
 
     Returns
     -------
@@ -52,7 +53,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
             ax.plot(at, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
         dots = None
         if strobe is not None:
-            points = np.atleast_2d(strobe)
+            points = sign_of(result) * np.atleast_2d(strobe)
             (dots,) = ax.plot(points[:, 0], points[:, 1], "s", ms=3.6, mfc="white", mec=colour, mew=0.9, zorder=6)
         low, high = float(min(v.min(), 0.0)), float(max(v.max(), 0.0))
         ends = limits(u, walls)
@@ -77,7 +78,7 @@ def walls_of(result: Any) -> list[tuple[Floats, bool]]:
         sides = result["side"].values.tolist()
         return [(at, side == "below") for at, side in zip(result["wall_position"].values, sides, strict=True)]
     at = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
-    return [(np.full(result.sizes["t"], at), True)]
+    return [(np.full(result.sizes["t"], at), sign_of(result) > 0.0)]
 
 
 def places_of(result: Any) -> Floats:

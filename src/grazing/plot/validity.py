@@ -91,7 +91,7 @@ def validity(
                 bar.set_label("overlap of the shares of the words")
                 bar.outline.set_linewidth(0.4)
         line = _graze(ax, result, first, (x[0], x[-1]), (y[0], y[-1]))
-        drawn = lay_curves(ax, curves_of(curves, result, first, second))
+        drawn = lay_curves(ax, curves_of(curves, result, first, second)[0])
         if line is not None:
             handles.append(Line2D([], [], color=GRAZE, lw=line.get_linewidth(), ls=line.get_linestyle(), label="graze"))
         if legend and by == "agreement":

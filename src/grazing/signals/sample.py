@@ -89,6 +89,7 @@ def sample(trajectory: xr.Dataset, rate: float) -> xr.Dataset:
         places, _speeds = model.places_at(times)
         found = found.assign(wall_position=(("wall", "t"), places, trajectory["wall_position"].attrs))
     found = found.assign_coords(t=("t", times, trajectory["t"].attrs))
+    found = found[["u", "v", *(name for name in found.data_vars if name not in ("u", "v"))]]  # first in tables, too
     return found.assign_attrs(trajectory.attrs | {"sample_rate": rate})
 
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: What has a spectrum.
 OF = {"u": "position", "v": "velocity"}
+#: Attributes that say of what rig the motion is.
+RIG = ("mass", "stop", "base")
 
 
 def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Dataset:
@@ -84,7 +86,7 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
             ),
         },
     )
-    kept = {name: value for name, value in recorded.attrs.items() if name.startswith("parameter_")}
+    kept = {name: value for name, value in recorded.attrs.items() if name.startswith("parameter_") or name in RIG}
     title = str(recorded.attrs.get("title", "a motion"))
     return found.assign_attrs({"title": f"spectrum of {of}: {title}", "sample_rate": rate, **kept})
 

@@ -21,6 +21,8 @@ AMBIGUOUS = 2
 #: Impacts, and letters of an orbit, that are listed.
 FIRST = 5
 LETTERS = 60
+#: Lines of a spectrum that are listed have this share of the strongest.
+FAINTEST = 1e-3
 #: The kinds of orbits that have no period, by what stands in its place.
 KINDS = {0: "undecided", -1: "aperiodic as far as seen", -2: "ended"}
 
@@ -31,14 +33,16 @@ def found(study: str, result: xr.Dataset) -> Row:
     Parameters
     ----------
     study : str
-        As the command line names it: diagram, density, chart, basins, lyapunov, coexistence, trajectory, cobweb, graph.
+        As the command line names it: diagram, density, chart, basins, lyapunov, coexistence, trajectory, history,
+        sample, spectrum, cobweb, graph.
     result : xarray.Dataset
         Of that study.
 
     Returns
     -------
     dict
-        Text, numbers, and lists and dicts of them. ``note`` says that orbits left the box of their starts.
+        Text, numbers, and lists and dicts of them. ``unit`` is that of the parameter, of a rig. ``note`` says that
+        orbits left the box of their starts.
 
     Examples
     --------
@@ -49,6 +53,8 @@ def found(study: str, result: xr.Dataset) -> Row:
     [('LLR', 'period 3', 1.0)]
     """
     said = FOUND[study](result)
+    unit = str(result[said["parameter"]].attrs.get("units", "1")) if said.get("parameter") in result else "1"
+    said |= {"unit": unit} if unit != "1" else {}
     return {**said, "note": str(result.attrs[NOTE])} if NOTE in result.attrs else said
 
 
@@ -219,11 +225,12 @@ def in_trajectory(result: xr.Dataset) -> Row:
     names = "impact_time", "v_minus", "v_plus"
     first = zip(*(result[name].values[:FIRST].tolist() for name in names), strict=True)
     t, u = result["t"].values, result["u"].values
+    wall = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
     said: Row = {
         "impacts": int(result.sizes["impact"]),
         "first": [dict(zip(("t", "v_minus", "v_plus"), impact, strict=True)) for impact in first],
         "u": [float(u.min()), float(u.max())],
-        "rests": rests(t, u, result["v"].values, float(result.attrs.get("parameter_sigma", 0.0))),
+        "rests": rests(t, u, result["v"].values, wall),
         "chatter": bool(result.attrs.get("chatter", 0)),
         "trust": str(result["trust"].values),
     }
@@ -231,6 +238,27 @@ def in_trajectory(result: xr.Dataset) -> Row:
         speeds = -result["v_minus"].values
         said["speeds"] = [float(speeds.min()), float(speeds.max())]
     return said
+
+
+def in_sample(result: xr.Dataset) -> Row:
+    """Return how many samples there are, over which time and at which rate, and what is said of a trajectory."""
+    t = result["t"].values
+    count = {"samples": len(t), "rate": float(result.attrs["sample_rate"]), "t": [float(t[0]), float(t[-1])]}
+    return {**count, **in_trajectory(result)}
+
+
+def in_spectrum(result: xr.Dataset) -> Row:
+    """Return the strongest lines, and how fine and how far the spectrum is."""
+    y, order, frequency = (result[name].values for name in ("amplitude", "order", "frequency"))
+    inner = np.arange(1, len(y) - 1)
+    peaks = inner[(y[inner] > y[inner - 1]) & (y[inner] >= y[inner + 1]) & (y[inner] >= FAINTEST * y[1:].max())]
+    peaks = peaks[np.argsort(-y[peaks], kind="stable")]
+    names = {"frequency": frequency, "order": order, "amplitude": y}
+    return {
+        "lines": [{key: float(values[i]) for key, values in names.items()} for i in peaks.tolist()],
+        "resolution": float(frequency[1]),
+        "until": float(frequency[-1]),
+    }
 
 
 def rests(t: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64], wall: float) -> list[list[float]]:
@@ -299,5 +327,6 @@ def in_graph(result: xr.Dataset) -> Row:
 
 FOUND: dict[str, Callable[[Any], Row]] = {
     "diagram": in_diagram, "density": in_density, "chart": in_chart, "basins": in_basins, "lyapunov": in_lyapunov,
-    "coexistence": in_coexistence, "trajectory": in_trajectory, "cobweb": in_cobweb, "graph": in_graph,
+    "coexistence": in_coexistence, "trajectory": in_trajectory, "history": in_trajectory, "sample": in_sample,
+    "spectrum": in_spectrum, "cobweb": in_cobweb, "graph": in_graph,
 }  # fmt: skip

@@ -1,0 +1,61 @@
+"""A motion from a state to a time, drawn, sampled or taken apart into lines: what the command line asks for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import InputError, shown
+from grazing.parameter import real
+from grazing.signals.sample import sample
+from grazing.signals.spectrum import OF, spectrum
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import ArrayLike
+
+#: Samples in a period of the forcing, where no rate is given.
+USUAL = 128
+
+
+def history(
+    model: Oscillator, state: ArrayLike, start: float = 0.0, until: float = 50.0, samples: int = 200, of: str = "u"
+) -> xr.Dataset:
+    """Return a trajectory whose figure is its history: position or velocity over time."""
+    if of not in OF:
+        raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
+    return trajectory(model, state, start, until, samples).assign_attrs(history_of=of)
+
+
+def sampled(
+    model: Oscillator,
+    state: ArrayLike,
+    start: float = 0.0,
+    until: float = 50.0,
+    since: float | None = None,
+    rate: float | None = None,
+) -> xr.Dataset:
+    """Return a motion at equal times, what was before ``since`` left out."""
+    recorded = sample(trajectory(model, state, start, until), USUAL / model.period if rate is None else rate)
+    if since is None:
+        return recorded
+    first = real(since, "since", "any time of the motion is allowed")
+    if not start <= first < until:
+        raise InputError(f"since = {first:g}; allowed is start = {start:g} <= since < until = {until:g}")
+    kept: dict[str, Any] = {"t": recorded["t"].values >= first, "impact": recorded["impact_time"].values >= first}
+    return recorded.isel(kept)
+
+
+def spectrum_of(
+    model: Oscillator,
+    state: ArrayLike,
+    start: float = 0.0,
+    until: float = 50.0,
+    since: float | None = None,
+    rate: float | None = None,
+    of: str = "u",
+    window: str = "hann",
+) -> xr.Dataset:
+    """Return the spectrum of :func:`sampled`."""
+    return spectrum(sampled(model, state, start, until, since, rate), of, window)
