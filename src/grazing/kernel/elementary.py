@@ -84,7 +84,7 @@ def length(x: float, y: float) -> float:
         return sqrt(square)
     size = max(abs(x), abs(y))
     if not 0.0 < size < float("inf"):
-        return size
+        return abs(x) + abs(y)  # which is no number beside one that is none
     x, y = x / size, y / size
     return size * sqrt(x * x + y * y)
 
