@@ -128,6 +128,17 @@ def test_a_branch_is_drawn_in_x(rig):
     assert labels(both)[1] == "$x$ (m)"
 
 
+def test_a_manifold_lies_on_the_basins_that_it_bounds(rig):
+    saddle = next(orbit for orbit in gz.one_impact_orbits(rig, 1) if not orbit.stable)
+    grown = gz.manifolds(saddle, "stable", box=[(-1.2e-3, 4e-3), (-0.2, 0.2)], length=0.3)
+    drawn = gz.plot.manifolds(gz.in_units(grown, "mm"))
+    np.testing.assert_array_equal(drawn["line"].get_xydata(), -grown.manifold.values * [1e3, 1.0])
+    np.testing.assert_allclose(drawn["saddle"].get_xydata(), -saddle.points * [1e3, 1.0], rtol=1e-15)
+    assert labels(drawn) == ("$x$ (mm)", r"$\dot{x}$ (m/s)")
+    low, high = drawn["figure"].axes[0].get_xlim()
+    assert low < drawn["saddle"].get_xdata()[0] < high
+
+
 def test_axes_of_parameters_say_what_they_are_of_the_rig(rig):
     P = gz.stroboscopic_map(rig)
     found = gz.chart(P, {"sigma": [-2e-3, -1e-3], "cos1": [-3.0, -2.0]}, starts=2, keep=8, transient=10)

@@ -90,8 +90,8 @@ def manifolds(
         marks = _saddle(ax, np.asarray(result["saddle"].values, np.float64)) if saddle else None
         if fresh:
             limits = _limits(result, x, 0), _limits(result, y, 1)
-            for name, of, axis in zip(names, _symbols(result, names), (ax.xaxis, ax.yaxis), strict=True):
-                axis.set_label_text(label(name, of))
+            for text, axis in zip(_labels(result, names), (ax.xaxis, ax.yaxis), strict=True):
+                axis.set_label_text(text)
         ax.set_xlim(*limits[0])
         ax.set_ylim(*limits[1])
         entries = [Line2D([], [], label=f"{side} manifold", **look)]
@@ -111,10 +111,13 @@ def manifolds(
     }
 
 
-def _symbols(result: Any, names: list[str]) -> list[str]:
-    """Return the symbols of the coordinates: their names, where the result has no others."""
+def _labels(result: Any, names: list[str]) -> list[str]:
+    """Return what the axes say: symbols, or names where the result has no others, and units."""
     others = result["coordinate"].attrs.get("symbols") or names
-    return [other or name for other, name in zip(others, names, strict=True)]
+    units = str(result["manifold"].attrs.get("units", "1")).split(", ")
+    units = units if len(units) == len(names) else ["1"] * len(names)
+    parts = zip(names, others, units, strict=True)
+    return [label(name, other or name) + (f" ({plain(unit)})" if unit != "1" else "") for name, other, unit in parts]
 
 
 def _cuts(ax: Axes, result: Any, look: dict[str, Any]) -> Line2D:
