@@ -1,5 +1,6 @@
 """Paths of every kind, to all that reads or writes: a sentence, never what some library makes of them."""
 
+import io
 import os
 import stat
 import tempfile
@@ -11,11 +12,12 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing import sweep
+from grazing import paths, sweep
 from grazing.config import load_config
 from grazing.explorer.server import copy_to
 from grazing.paper.files import folder
 from grazing.paths import opened
+from grazing_checker import envelope
 from tests.sweep.test_disks import as_nobody
 from tests.writers import WRITERS
 
@@ -99,6 +101,26 @@ def test_a_file_that_becomes_a_pipe_behind_a_look_is_not_waited_for(tmp_path, mo
     if not ended.wait(20.0):
         os.close(os.open(path, os.O_RDWR))  # lets it go
         pytest.fail("it waits for the pipe")
+
+
+@pytest.mark.parametrize(("ending", "read"), READERS.items())
+def test_a_file_that_has_nothing_to_say_yet_is_not_read_as_one(tmp_path, monkeypatch, ending, read):
+    """Such as the log of the kernel, which looks like a file and gives None: an unexpected error."""
+
+    class Quiet(io.FileIO):
+        def readinto(self, _room):
+            return None
+
+    path = tmp_path / f"a{ending}"
+    path.write_text("a")
+
+    def reading(path, *_mode, **_more):
+        return io.BufferedReader(Quiet(path))
+
+    for module in (paths, envelope):
+        monkeypatch.setattr(module, "open", reading, raising=False)
+    with pytest.raises((gz.InputError, envelope.Rejected)):
+        read(path)
 
 
 def test_what_is_open_is_what_was_looked_at(tmp_path):

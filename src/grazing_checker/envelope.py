@@ -104,9 +104,11 @@ def _read(source: str | Path) -> str:
         with open(Path(source), "rb", opener=_at_once) as file:
             if not S_ISREG(os.fstat(file.fileno()).st_mode):  # a device or a pipe may have no end
                 raise OSError("there is no such file")
-            text = file.read(LARGEST + 1).decode()
+            text = (file.read(LARGEST + 1) or b"").decode()  # nothing yet, of what only looks like a file
     except (OSError, TypeError, ValueError) as error:
-        raise Rejected(f"no certificate can be read from {source!r}: {error}; give its path or the document") from None
+        reason = getattr(error, "strerror", None) or error
+        named = repr(str(source) if isinstance(source, Path) else source)
+        raise Rejected(f"no certificate can be read from {named}: {reason}; give its path or the document") from None
     if len(text) > LARGEST:
         raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
     return text

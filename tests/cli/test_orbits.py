@@ -2,13 +2,14 @@
 
 import csv
 import json
+import os
 import tomllib
 
 import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.cli import main
+from grazing.cli import certificates, main
 from grazing.config import checked, command_of, load_config, plan_of, recipe_of, result_of, toml_of
 
 BALL = ["--V", "0.4", "-q"]
@@ -429,3 +430,12 @@ def test_nothing_is_searched_before_the_files_are_checked(monkeypatch, capsys):
     monkeypatch.setattr("grazing.cli.orbits.orbits_of", never)
     said(capsys, 2, "orbit", "--word", "001", "-o", "no/a.nc")
     said(capsys, 2, "orbit", "--word", "001", "--save", "no/a.json")
+    monkeypatch.setattr(os, "access", lambda *_given, **_more: False)
+    text = said(capsys, 2, "orbit", "--word", "001", "--save", "new")
+    assert "--save new cannot be written: permission denied; choose another folder" in text
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(gz.InputError, match=r"file/new cannot be made: Not a directory; choose another one"):
+        certificates.made(tmp_path / "file" / "new")

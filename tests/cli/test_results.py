@@ -140,6 +140,7 @@ def test_what_has_no_command_says_why(folder, capsys):
 @pytest.mark.parametrize(
     ("file", "text"),
     [
+        ("loop.nc", "loop.nc cannot be read: Too many levels"),
         ("no.nc", "there is no file no.nc"),
         ("a.csv", "ask a .nc of the same result"),
         ("a.txt", "was not written by gz.save"),
@@ -152,6 +153,7 @@ def test_what_is_not_ours(file, text, folder, capsys):
     for name in ("a.csv", "a.txt", "a.png", "a.toml"):
         (folder / name).write_text("= nonsense")
     (folder / "folder").mkdir()
+    (folder / "loop.nc").symlink_to("loop.nc")
     assert text in said(capsys, 2, "info", file)
 
 

@@ -103,6 +103,11 @@ def test_what_is_no_file_is_refused(source):
         opened(source)
 
 
+def test_a_path_is_named_as_it_was_given(tmp_path):
+    with pytest.raises(Rejected, match=r"read from '.*none\.json': No such file or directory; give its path"):
+        opened(tmp_path / "none.json")
+
+
 def test_a_file_that_is_too_large_is_not_read(tmp_path):
     path = tmp_path / "c.json"
     with path.open("wb") as file:

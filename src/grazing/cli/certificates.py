@@ -72,6 +72,8 @@ def certificates_at(target: Path) -> Path:
         raise InputError(f"--save {target}: that is a file and does not end in .json; give a file .json, or a folder")
     if not os.path.isdir(target if os.path.exists(target) else target.parent):
         raise InputError(f"--save {target}: there is no folder {target.parent}; make it first")
+    if not os.access(target if os.path.exists(target) else target.parent, os.W_OK):
+        raise InputError(f"--save {target} cannot be written: permission denied; choose another folder")
     return target
 
 
@@ -85,12 +87,26 @@ def written_proofs(proofs: Sequence[Row], target: Path | None) -> list[Row]:
             number = "" if len(proven) == 1 else f"-{len(names) + 1}"
             file = target.with_name(f"{target.stem}{number}.json")
         else:
-            target.mkdir(exist_ok=True)
+            made(target)
             again = sum(name.startswith(f"{row['stem']}-") or name == row["stem"] for name in names)
             file = target / f"{row['stem']}{f'-{again + 1}' if again else ''}.json"
         names.append(file.stem)
         row["file"] = str(row["proof"].save(file))
     return [{key: item for key, item in row.items() if key not in ("proof", "stem")} for row in proofs]
+
+
+def made(folder: Path) -> None:
+    """Make a folder, if there is none.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made, as on a full disk.
+    """
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder} cannot be made: {error.strerror or error}; choose another one") from error
 
 
 def proof_lines(tables: Mapping[str, Any]) -> list[str]:

@@ -57,8 +57,12 @@ def described(path: Path) -> dict[str, Any]:
     InputError
         If it is missing, or nothing of ours.
     """
-    if not os.path.exists(path):
-        raise InputError(f"there is no file {path}")
+    try:
+        os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        raise InputError(f"there is no file {path}") from None
+    except OSError as error:  # in a folder that others keep closed, links in a circle
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
     kind = path.suffix.lower()
     if kind in (".csv", ".parquet"):
         raise InputError(f"{path} is a table, which says nothing of where it comes from; ask a .nc of the same result")

@@ -102,7 +102,7 @@ def provenance(path: str | Path) -> dict[str, Any]:
     path = path_of(path)
     try:
         with opened(path) as file:
-            head = file.read(512)
+            head = file.read(512) or b""  # nothing yet, of what only looks like a file
             file.seek(0)
             if head.startswith(b"\x89PNG\r\n\x1a\n"):
                 fields = _png(file)
