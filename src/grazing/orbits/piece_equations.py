@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -205,26 +206,22 @@ class PieceEquations(PointEquations):
             place = np.column_stack([points, np.full(N, unit[-1])])
         k = len(unit)
         n = k + m  # what moves: the numbers of a point, then the parameters
-        near = np.abs(place) < NEAR * unit
-        h = distances(2.0 * unit, place) if near.any() else self._apart[:, None] * np.broadcast_to(unit, place.shape)
-        L = len(h)
-        states = np.empty((2, L, N, n, k))
-        states[...] = state[:, None, :]
-        for i in range(k):
-            states[0, :, :, i, i] -= h[:, :, i]
-            states[1, :, :, i, i] += h[:, :, i]
-        values, which = np.empty((1 + 2 * L * m, m)), np.zeros((2, L, N, n), np.int64)
-        values[...] = p
-        off = np.empty((2, L, N, n, 1))
-        for i in range(k):
-            off[..., i, 0] = np.abs(states[..., i, i] - state[:, i])
-        for j in range(m):
-            first, t = 1 + 2 * L * j, FIRST * self.spans[j] * FINER ** -np.arange(float(L))
-            values[first : first + L, j] -= t
-            values[first + L : first + 2 * L, j] += t
-            which[..., k + j] = (first + np.arange(2 * L)).reshape(2, L, 1)
-            off[..., k + j, 0] = np.abs(values[first : first + 2 * L, j] - p[j]).reshape(2, L, 1)
+        if (np.abs(place) < NEAR * unit).any():
+            h = distances(2.0 * unit, place)
+            L = len(h)
+            moves, shifts, which = pattern(N, k, m, L)
+            moves = np.sign(moves) * h[..., None, :]
+        else:
+            L = len(self._apart)
+            moves, shifts, which = pattern(N, k, m, L)
+            moves = moves * (2.0 * unit)
+        here_at = state[:, None, :]
+        states, values = here_at + moves, p + shifts * self.spans
+        off = np.abs(states - here_at).sum(axis=-1)
+        if m:
+            off[..., k:] = np.abs(values[1:] - p).sum(axis=-1).reshape(m, 2, L).transpose(1, 2, 0)[:, :, None]
         off[off == 0.0] = np.nan
+        off = off[..., None]
         rows, flat = self._plain.rows(values), states.reshape(-1, k)
         letters = np.broadcast_to(self.which[:, None], which.shape).ravel()
         root = (roots, flat[:, d]) if self.some else (0.0, 0.0)
@@ -411,6 +408,32 @@ class PieceEquations(PointEquations):
         turn, error = np.abs(here.J[where] - there.J[where]), here.error[where] + there.error[where]
         same = bool((turn <= TURN * (1.0 + np.abs(here.J[where])) + error).all())
         return Across(new, y, close, smooth=close and same)
+
+
+@lru_cache(maxsize=64)
+def pattern(N: int, k: int, m: int, L: int) -> tuple[Floats, Floats, Ints]:
+    """Return in which parts of sizes the k numbers of N points and m parameters are moved, one after the other.
+
+    Returns
+    -------
+    moves : ndarray, shape (2, L, 1, k + m, k)
+        Of numbers, down and up, from far to near.
+    shifts : ndarray, shape (1 + 2 L m, m)
+        Of parameters; the first row is that of no shift.
+    which : ndarray, shape (2, L, N, k + m)
+        The row of parameters of each.
+    """
+    parts = FIRST * FINER ** -np.arange(float(L))
+    both = np.stack([-parts, parts])
+    moves, shifts = np.zeros((2, L, 1, k + m, k)), np.zeros((1 + 2 * L * m, m))
+    which = np.zeros((2, L, N, k + m), np.int64)
+    for i in range(k):
+        moves[:, :, 0, i, i] = both
+    for j in range(m):
+        first = 1 + 2 * L * j
+        shifts[first : first + 2 * L, j] = both.ravel()
+        which[..., k + j] = (first + np.arange(2 * L)).reshape(2, L, 1)
+    return moves, shifts, which
 
 
 def border_units(P: Map) -> Floats:
