@@ -1,6 +1,7 @@
 """Orbits of maps by pieces: virtual ones, collisions from both sides, loci of collisions, against closed forms."""
 
 import pickle
+from fractions import Fraction
 from math import sqrt
 
 import numpy as np
@@ -16,7 +17,7 @@ def found(branch, admissible=True):
 
 def test_the_skew_tent_collides_at_zero_and_goes_on():
     T = LINES.replace(a=0.5, b=-0.6, mu=-0.2, l=0.0)
-    (orbit,) = gz.periodic_orbits(T, 1)
+    (orbit,) = gz.periodic_orbits(T, 1, starts=40)
     branch = gz.continuation(T, orbit, "mu", (-0.5, 0.5))
     (one,) = branch.special
     assert one.type == "bcb" and one.converged and abs(one.value) < 1e-12 and one.to == 1
@@ -29,20 +30,22 @@ def test_the_skew_tent_collides_at_zero_and_goes_on():
 
 
 def test_a_map_with_a_gap_collides_at_rational_values():
-    (orbit,) = gz.periodic_orbits(LINES, word="LR")
+    (orbit,) = gz.periodic_orbits(LINES, word="LR", starts=40)
     branch = gz.continuation(LINES, orbit, "mu", (-0.5, 0.5))
     assert found(branch) == [("bcb", pytest.approx(1 / 7, abs=1e-12)), ("bcb", pytest.approx(5 / 17, abs=1e-12))]
     assert all(one.converged and one.to == -1 for one in branch.special) and len(branch.pieces) == 1
     for value, depth in ((0.4, 0.25), (0.1, 1 / 12)):  # x0 = (1.7 mu - 0.5)/0.72, x1 = (1.4 mu - 0.2)/0.72
         (virtual,) = branch.at(value)
         assert not virtual.admissible and virtual.depth == pytest.approx(depth, abs=1e-12)
-    (again,) = gz.periodic_orbits(LINES.replace(mu=0.4), word="LR")  # none is admissible: the virtual one is listed
+    (again,) = gz.periodic_orbits(
+        LINES.replace(mu=0.4), word="LR", starts=40
+    )  # none is admissible: the virtual one is listed
     assert not again.admissible and again.points == pytest.approx(branch.at(0.4)[0].points, abs=1e-12)
 
 
 def test_the_loci_of_collisions_are_lines_and_meet():
     """The ends of LR are mu = -a l/(1 + a) and mu = -l/(1 + b): they meet where l = 0, or a = 1/b."""
-    (orbit,) = gz.periodic_orbits(LINES, word="LR")
+    (orbit,) = gz.periodic_orbits(LINES, word="LR", starts=40)
     lower, upper = gz.continuation(LINES, orbit, "mu", (0.0, 0.5)).special
     curve = gz.locus(lower, ("mu", "l"), ((-0.5, 0.5), (-0.9, 0.6)), step=0.1)
     assert np.abs(curve.values[:, 0] + 0.4 / 1.4 * curve.values[:, 1]).max() < 1e-12
@@ -56,7 +59,7 @@ def test_the_loci_of_collisions_are_lines_and_meet():
 
 def test_every_word_is_followed_by_the_same_calls():
     P = LINES.replace(a=0.9, b=-1.4, mu=0.3, l=0.0)
-    known = gz.periodic_orbits(P, range(1, 5), virtual=True)
+    known = gz.periodic_orbits(P, range(1, 5), virtual=True, starts=40)
     assert {orbit.word for orbit in known} == {"L", "R", "LR", "LLR", "LRR", "LLLR", "LLRR", "LRRR"}  # each has one
     assert "each word of the length beyond the border too" in known.statement
     for orbit in known:
@@ -65,6 +68,42 @@ def test_every_word_is_followed_by_the_same_calls():
         assert orbit.admissible == ((orbit.points[:, 0] >= 0.0) == np.array(orbit.letters)).all()
         back = gz.continuation(P, orbit, "mu", (-0.4, 0.4), step=0.2)
         assert any(abs(one.value) < 1e-12 for one in back.special) and {one.type for one in back.special} == {"bcb"}
+
+
+def virtual_orbit(word, a, b, l, mu):
+    """Return a piecewise-linear map, its orbit of a word wherever that lies, and its points A + B mu."""
+    slope, jump = {"L": a, "R": b}, {"L": Fraction(0), "R": l}
+    A, B, turn = Fraction(0), Fraction(0), Fraction(1)
+    for c in word:
+        A, B, turn = slope[c] * A + jump[c], slope[c] * B + 1, slope[c] * turn
+    A, B, points = A / (1 - turn), B / (1 - turn), []
+    for c in word:
+        points.append((A, B))
+        A, B = slope[c] * A + jump[c], slope[c] * B + 1
+    P, x = LINES.replace(a=float(a), b=float(b), l=float(l), mu=float(mu)), [[float(A + B * mu)] for A, B in points]
+    margins = np.array([v if c == "R" else -v for (v,), c in zip(x, word, strict=True)])
+    orbit = gz.PieceOrbit(
+        map=P, points=np.array(x), word=word, period=len(word), multipliers=np.zeros(1, complex), condition=1.0,
+        admissible=bool((margins > 0.0).all()), residual=0.0, margins=margins,
+        letters=tuple("LR".index(c) for c in word),
+    )  # fmt: skip
+    return P, orbit, points
+
+
+@pytest.mark.parametrize(
+    "word, a, b, l, mu", [("LLRLR", "0.63", "-1.47", "0.2", "0.11"), ("LRR", "-1.9", "0.7", "-0.83", "-0.5")]
+)
+def test_all_collisions_of_a_word_virtual_ones_too_are_the_rational_ones(word, a, b, l, mu):
+    P, orbit, points = virtual_orbit(word, *map(Fraction, (a, b, l, mu)))
+    branch = gz.continuation(P, orbit, "mu", (-1.5, 1.5), step=0.3)
+    special = sorted((one for one in branch.special if one.piece == 0), key=lambda one: one.value)
+    wanted = sorted(-A / B for A, B in points if abs(A / B) < Fraction(3, 2))
+    assert [one.value for one in special] == pytest.approx([float(one) for one in wanted], abs=1e-12) and wanted
+    for one in special:
+        sides = [
+            (A + B * Fraction(one.value)) * (1 if c == "R" else -1) for (A, B), c in zip(points, word, strict=True)
+        ]
+        assert one.type == "bcb" and one.converged and one.admissible == (min(sides) > -1e-9)
 
 
 def nordmark_left(state, p):
@@ -89,7 +128,7 @@ PLANE = gz.Map(
 def test_a_square_root_map_of_the_plane_from_both_sides(tau, det, g, jump):
     """With the root s the fixed point R has mu = k s^2 + g s + jump, k = 1 - tau + det, also for s < 0: virtual."""
     P, k = PLANE.replace(tau=tau, det=det, g=g, jump=jump), 1.0 - tau + det
-    points = [orbit for orbit in gz.periodic_orbits(P, 1, virtual=True) if orbit.word == "R"]
+    points = [orbit for orbit in gz.periodic_orbits(P, 1, virtual=True, starts=40) if orbit.word == "R"]
     s = np.sort(np.roots([k, g, jump - 0.3]).real)
     assert sorted(orbit.points[0, 0] for orbit in points) == pytest.approx(sorted(s * s), abs=1e-12)
     orbit = max(points, key=lambda one: one.clearance)
@@ -107,7 +146,7 @@ def test_a_square_root_map_of_the_plane_from_both_sides(tau, det, g, jump):
     if jump == 0.0:
         assert found(branch)[0] == ("bcb", pytest.approx(0.0, abs=1e-12))
         assert {orbit.word for orbit in branch.pieces[collision.to].orbits} == {"L"}
-    (left,) = (orbit for orbit in gz.periodic_orbits(P.replace(mu=-0.2), 1) if orbit.word == "L")
+    (left,) = (orbit for orbit in gz.periodic_orbits(P.replace(mu=-0.2), 1, starts=40) if orbit.word == "L")
     specials = gz.continuation(P.replace(mu=-0.2), left, "mu", (-0.5, 0.6)).special
     assert {one.type for one in specials if one.piece == 0} == {"bcb"}
     assert specials[0].value == pytest.approx(0.0, abs=1e-12)
@@ -133,7 +172,7 @@ def test_a_piece_that_takes_its_own_root_is_followed_up_to_the_graze():
 
 def test_collisions_and_doublings_of_the_plane_in_two_parameters():
     """In jump the collision is mu = jump, the doubling mu = jump + c; they meet in g, where s = 0."""
-    orbit = next(one for one in gz.periodic_orbits(PLANE, 1) if one.word == "R")
+    orbit = next(one for one in gz.periodic_orbits(PLANE, 1, starts=40) if one.word == "R")
     branch = gz.continuation(PLANE, orbit, "mu", (-0.3, 0.6))
     bcb, pd = (next(one for one in branch.special if one.type == type) for type in ("bcb", "pd"))
     curve = gz.locus(bcb, ("mu", "jump"), ((-0.5, 0.6), (-0.2, 0.2)), step=0.1)
@@ -198,7 +237,7 @@ def beside(state, p):
 
 def test_a_border_at_which_a_map_is_smooth_changes_the_word_only():
     P = gz.Map(pieces={"A": smooth, "B": smooth}, border=beside, params={"a": 0.5, "c": 0.2}, box=((-2.0, 2.0),))
-    (orbit,) = (one for one in gz.periodic_orbits(P, 1) if one.word == "B")
+    (orbit,) = (one for one in gz.periodic_orbits(P, 1, starts=40) if one.word == "B")
     branch = gz.continuation(P, orbit, "a", (-0.5, 1.0))
     assert {one.type: one.value for one in branch.special} == pytest.approx({"pd": 0.75, "lp": -0.25}, abs=1e-12)
     (crossed,) = branch.relabellings
@@ -210,7 +249,7 @@ def test_a_border_at_which_a_map_is_smooth_changes_the_word_only():
 def test_three_pieces_have_two_borders():
     """The piece B, x -> 0.7 x + mu - 0.5, has x = (mu - 0.5)/0.3 in [0, 1)."""
     P = THREE.replace(mu=0.6)
-    orbit = next(one for one in gz.periodic_orbits(P, 1) if one.word == "B")
+    orbit = next(one for one in gz.periodic_orbits(P, 1, starts=40) if one.word == "B")
     branch = gz.continuation(P, orbit, "mu", (0.3, 1.0))
     assert found(branch) == [("bcb", pytest.approx(0.5, abs=1e-12)), ("bcb", pytest.approx(0.8, abs=1e-12))]
     (virtual,) = branch.at(0.95)
@@ -218,7 +257,7 @@ def test_three_pieces_have_two_borders():
 
 
 def test_a_branch_of_pieces_is_copied_with_its_orbits():
-    (orbit,) = gz.periodic_orbits(LINES, word="LR")
+    (orbit,) = gz.periodic_orbits(LINES, word="LR", starts=40)
     branch = gz.continuation(LINES, orbit, "mu", (0.0, 0.4), step=0.2)
     again = pickle.loads(pickle.dumps(branch))
     assert again == branch and again.at(0.2)[0] == branch.at(0.2)[0]
