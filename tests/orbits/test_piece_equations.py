@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.orbits.piece_equations import PieceEquations
 from tests.maps.test_bordered import LINES, THREE, border
 
 
@@ -152,6 +153,22 @@ def test_a_square_root_map_of_the_plane_from_both_sides(tau, det, g, jump):
     assert specials[0].value == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("s", [1e-13, 0.0, -1e-9, 0.3])
+def test_functions_of_stability_have_no_pole_at_the_border(s):
+    """Times 2 s, pd and lp of the fixed point R are 2 s (1 + tau + det) - g and 2 s (1 - tau + det) + g."""
+    mu, names = 0.6 * s * s + s, ("mu",)
+    for N in (1, 2):  # and gone round twice
+        equations = PieceEquations(PLANE, names, (1,) * N)
+        x, p = equations.unknowns(np.array([[s * s, -0.1 * s * s]] * N), np.array([s] * N)), np.array([mu])
+        assert np.abs(equations.defects(x, p)[0]).max() < 1e-15
+        pd, lp, ns = (test.value for test in equations.tests(x, p)[:3])
+        one, other = 2.0 * s * 1.6 - 1.0, 2.0 * s * 0.6 + 1.0
+        if N == 1:
+            assert (pd, lp, ns) == pytest.approx((one, other, 2.0 * s * 0.9), rel=1e-11, abs=1e-24)
+        else:
+            assert (lp, ns) == pytest.approx((one * other, 4.0 * s * s * 0.99), rel=1e-11, abs=1e-22)
+
+
 def clamped(state, p):
     x, y = state
     return p.tau * x + y + p.mu - p.g * sqrt(max(x, 0.0)) - p.jump, -p.det * x
@@ -180,8 +197,8 @@ def test_collisions_and_doublings_of_the_plane_in_two_parameters():
     curve = gz.locus(pd, ("mu", "g"), ((-0.5, 0.9), (-0.5, 1.2)), step=0.1)
     s = curve.values[:, 1] / 3.2
     assert np.abs(curve.values[:, 0] - 0.6 * s * s - curve.values[:, 1] * s).max() < 1e-11
-    met = {one.type: one.values for one in curve.meetings}
-    assert met["bcb+pd"] == pytest.approx((0.0, 0.0), abs=1e-12)
+    (met,) = curve.meetings  # where the root has no weight at all: lp vanishes as well
+    assert met.type == "bcb+lp+pd" and met.values == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
 def gap_left(state, p):

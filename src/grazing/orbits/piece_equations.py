@@ -288,9 +288,13 @@ class PieceEquations(PointEquations):
         """Return pd, lp and ns without the poles that they have where a root is 0, and the distances from borders."""
         steps, twice, error = self.steps(x, p)
         at, d = self.looked(x, p), self.P.dimension
-        middle, *ends = (self._stability(one, twice, at, x) for one in (steps, steps - error, steps + error))
+        middle, *ends = (self._stability(one, twice) for one in (steps, steps - error, steps + error))
         with np.errstate(invalid="ignore"):
             off = np.max(np.abs(np.array(ends) - middle), axis=0)
+        if self.some and d > 1:
+            middle[:2] = self._closing(x, p)
+            if d == 2:
+                middle[2] = self._turning(at, twice)
         kinds = ("pd", "lp", "ns") if d > 1 else ("pd", "lp")
         found = [Test(kind, value, -1, miss) for kind, value, miss in zip(kinds, middle, off.tolist(), strict=True)]
         long, (_points, roots) = float(self.size.max()), self.parted(x)  # all in the unit of the longest coordinate
@@ -301,7 +305,31 @@ class PieceEquations(PointEquations):
             found += [Test("bcb", float(s * at.borders[j, i] / self.units[i] * long), j) for i, s in self.sides[j]]
         return tuple(found)
 
-    def _stability(self, steps: Floats, twice: Floats, at: Looked, x: Floats) -> list[float]:
+    def _closing(self, x: Floats, p: Floats) -> list[float]:
+        """Return pd and lp, times the factors of all roots, without dividing by one: the derivative of the equations.
+
+        Its determinant is that of 1 - J; with the last step reversed, that of 1 + J.
+        """
+        wide = -self.defects(x, p)[1]
+        if not np.isfinite(wide).all():
+            return [np.nan, np.nan]
+        lp, d = float(np.linalg.det(wide)), self.P.dimension
+        last = int(self.starts[-2])
+        closing = wide[:d, last:].copy()
+        if self.N == 1:
+            closing[:, :d] -= np.eye(d)  # the point itself is no step
+        wide[:d, last:] -= 2.0 * closing
+        return [float(np.linalg.det(wide)), lp]
+
+    def _turning(self, at: Looked, twice: Floats) -> float:
+        """Return ns of a map of the plane, times the factors of all roots: 1 less the determinant of J."""
+        J, u, g = at.J[:, :, :2], at.J[:, :, 2], self.side[:, None] * at.across[:, 0]
+        plain = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
+        bent = g[:, 0] * (J[:, 1, 1] * u[:, 0] - J[:, 0, 1] * u[:, 1])
+        bent += g[:, 1] * (J[:, 0, 0] * u[:, 1] - J[:, 1, 0] * u[:, 0])
+        return float(np.prod(twice) - np.prod(twice * plain + np.where(self.rooted, bent, 0.0)))
+
+    def _stability(self, steps: Floats, twice: Floats) -> list[float]:
         """Return pd, lp and ns, times the factors of all roots."""
         if not np.isfinite(steps).all():
             return [np.nan] * (3 if self.P.dimension > 1 else 2)
