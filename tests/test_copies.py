@@ -82,7 +82,9 @@ def found():
     yield "orbits", orbits
     yield "orbit", orbits[0]
     yield "searched", orbits.searched
-    yield "branch", gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
+    branch = gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
+    yield "branch", branch
+    yield "orbit of pieces", next(iter(branch))
     yield "impact orbit", one_impact_orbits(ball, 3)[-1]
     yield "normal form", gz.normal_form(ball, "d")
     logistic_map = dict(maps())["own map"]
