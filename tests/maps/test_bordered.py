@@ -137,6 +137,7 @@ def test_what_a_wrong_call_is_told():
         wrong("is no letter for a piece", pieces={name: left, "R": right})
     wrong("pieces has 1 letter", pieces={"L": left})
     wrong("1 border.s. for 3 pieces .L, R, C.", pieces=PIECES | {"C": flat})
+    wrong("1000000000000 border.s. for 2 pieces", border=range(10**12))
     wrong("letters is 'AB' for the pieces LR", letters="AB")
     wrong("needs two pieces", pieces=PIECES | {"C": lambda state, p, root: (root,)}, border=(border, upper))
 

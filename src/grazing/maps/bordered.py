@@ -61,15 +61,16 @@ def formulas(pieces: object, border: object) -> tuple[str, Formulas]:
     if len(pieces) < 2:
         raise InputError(f"pieces has {len(pieces)} letter(s); give two or more, or a step without pieces")
     several = isinstance(border, Sequence) and not isinstance(border, str)
-    borders: tuple[Any, ...] = tuple(border) if several else (border,)  # type: ignore[arg-type]
-    if border is None or not all(callable(one) for one in borders):
+    count = len(border) if several else 1  # type: ignore[arg-type]
+    borders: tuple[Any, ...] = tuple(border) if several and count < len(pieces) else (border,)  # type: ignore[arg-type]
+    if count == len(borders) and not all(callable(one) for one in borders):
         raise InputError(
             f"border is {shown(border)}; give border(state, p), negative where the first piece holds, or a tuple of "
             "such functions, one less than pieces"
         )
-    if len(borders) != len(pieces) - 1:
+    if count != len(pieces) - 1:
         raise InputError(
-            f"{len(borders)} border(s) for {len(pieces)} pieces ({listed(pieces)}); give one less than pieces: each "
+            f"{count} border(s) for {len(pieces)} pieces ({listed(pieces)}); give one less than pieces: each "
             "piece but the last holds where its border is the first one that is negative"
         )
     rooted = tuple(takes_root(one) for one in pieces.values())
