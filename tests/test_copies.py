@@ -30,6 +30,15 @@ def halved(p):
     return p
 
 
+def softer(state, p):
+    (x,) = state
+    return (0.5 * p.a * (1.0 - x),)
+
+
+def border(state, p):
+    return state[0] - 0.5
+
+
 def models():
     yield "pinball", gz.pinball(d=0.12, V=0.4)
     forced = gz.Forcing(2.8, t0=0.1, offset=0.05, cos=(1.0, 0.2), sin=(0.1,))
@@ -51,6 +60,7 @@ def maps():
     yield "linearised", gz.linearised_map(0.8, 0.05, 0.1, 0.1)
     yield "own map", gz.Map(logistic, {"a": 3.2}, ("x",), ((0.1, 0.9),))
     yield "own map, prepared", gz.Map(logistic, {"a": 3.2}, ("x",), ((0.1, 0.9),), prepare=halved, letters="L")
+    yield "own map, by pieces", gz.Map(pieces={"L": logistic, "R": softer}, border=border, params={"a": 3.2})
     yield "impact", gz.impact_map(ball)
     yield "discontinuity", gz.discontinuity_map(ball, "full", phase=0.3)
     yield "zdm", gz.zdm(ball)
@@ -72,7 +82,9 @@ def found():
     yield "orbits", orbits
     yield "orbit", orbits[0]
     yield "searched", orbits.searched
-    yield "branch", gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
+    branch = gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
+    yield "branch", branch
+    yield "orbit of pieces", next(iter(branch))
     yield "impact orbit", one_impact_orbits(ball, 3)[-1]
     yield "normal form", gz.normal_form(ball, "d")
     logistic_map = dict(maps())["own map"]

@@ -52,6 +52,10 @@ def all_sorts():
     orbit = gz.Orbit(
         map=P, word=LONG, period=MANY, points=points, multipliers=one, condition=1.0, residual=0.0, admissible=True
     )
+    beyond = gz.PieceOrbit(
+        map=P, word=LONG, period=MANY, points=points, multipliers=one, condition=1.0, residual=0.0, admissible=False,
+        letters=(0,) * MANY, margins=np.linspace(-1.0, 1.0, MANY),
+    )  # fmt: skip
     orbits = (orbit,) * MANY
     searched = Searched(tuple(range(1, 3 * MANY, 3)), 1, 1, 1, 1, ((1, 1),) * MANY, 0, False, 0)
     special = Special("lp", 0.5, 0.5, 0.5, True, orbit, True, -1, 0)
@@ -62,7 +66,8 @@ def all_sorts():
     ends = (0.0, 1.0)
     return {
         "Forcing": forcing, "Oscillator": ball, "Reset": law, "Map": gz.stroboscopic_map(flown), "own Map": P,
-        "Orbit": orbit, "Searched": searched, "Orbits": gz.periodic_orbits(gz.gap_map(0.8, 0.5, 1.0), 3),
+        "Orbit": orbit, "PieceOrbit": beyond, "Searched": searched,
+        "Orbits": gz.periodic_orbits(gz.gap_map(0.8, 0.5, 1.0), 3),
         "many Orbits": type(gz.periodic_orbits(gz.gap_map(0.8, 0.5, 1.0), 3))(orbits, P, LONG, searched),
         "Special": special, "Meeting": meeting, "Piece": piece,
         "Branch": gz.Branch(P, "a0", ends, (piece,) * MANY, (special,) * MANY, ()),

@@ -117,10 +117,16 @@ def _whole(function: Any) -> bytes:
 def packed(value: Any) -> Any:
     """Return a value as a pickle can keep it: functions as :class:`Code`, mappings as dictionaries."""
     if isinstance(value, Mapping):
-        return dict(value)
+        return {key: packed(item) for key, item in value.items()}
+    if isinstance(value, tuple) and any(map(callable, value)):
+        return tuple(map(packed, value))
     return Code(value) if callable(value) else value
 
 
 def plain(value: Any) -> Any:
     """Return what :func:`packed` was given."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, tuple) and any(isinstance(item, Code) for item in value):
+        return tuple(map(plain, value))
     return value.function if isinstance(value, Code) else value

@@ -48,7 +48,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     AssertionError
         Names the law and the state. The laws: compiled code gives the bits of the plain Python step; n steps are n
         times one step; results do not depend on how many orbits run side by side; ``replace`` keeps what it does
-        not change; the Jacobian agrees with central differences wherever the letter is locally constant; a ``block``
+        not change; the Jacobian agrees with central differences wherever the letter is locally constant; pieces give
+        the bits of the step, and borders choose its letter; a ``block``
         twin makes the decisions of the step, within four units in the last place a period, and its bits depend
         neither on threads nor on the size of a block.
     UserCodeError
@@ -71,6 +72,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     assert _equal(again.iterate(starts[0], steps), P.iterate(starts[0], steps)), f"{P.name}: replace() changed the map"
     for start in starts:
         _check_jacobian(P, start)
+    if P.formulas is not None:
+        _check_pieces(P, starts)
     if P.block is not None:
         _check_block(P, starts, steps)
 
@@ -213,6 +216,21 @@ def _check_lanes(P: Map, starts: NDArray[np.float64], steps: int) -> None:
         for copy in (6 * i, 6 * i + 5):
             assert _equal(points[:, :, copy], alone.points[1:]), said
             assert _equal(letters[:, copy], alone.letters), said
+
+
+def _check_pieces(P: Map, starts: NDArray[np.float64]) -> None:
+    """Hold the pieces of a map, which orbits are followed by, to its step."""
+    images, row = P.images(), P.packed()[1][None]
+    ran = [P.orbit(start, 1) for start in starts]
+    letters = np.array([int(one.letters[0]) for one in ran])
+    borders = images(row, 0, starts, letters, 0.0)[1]
+    for i, k in enumerate(letters):
+        own = int(np.argmax(borders[i] < 0.0)) if (borders[i] < 0.0).any() else borders.shape[1]
+        assert own == k, f"{P.name}: at {starts[i].tolist()} the borders choose piece {own}, the step letter {k}"
+    found = images(row, 0, starts, letters, np.sqrt(np.abs(borders[:, 0])))[0]
+    for start, one, image in zip(starts, ran, found, strict=True):
+        if one.outcomes[0] & FATAL == 0:
+            assert _equal(image, one.points[1]), f"{P.name}: piece and step differ at {start.tolist()}"
 
 
 def _check_jacobian(P: Map, start: NDArray[np.float64]) -> None:

@@ -25,6 +25,13 @@ def soft(v, p):
     return -p.r * v / (1.0 - p.c * v)
 
 ball = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=2.8), sigma=-0.1, reset=gz.reset(soft, r=0.8, c=0.1))
+def right(state, p):
+    return (p.r * state[0],)
+
+def border(state, p):
+    return state[0] - p.shift
+
+pieces = gz.Map(pieces={"L": step, "R": right}, border=border, params={"r": 0.5, "shift": 0.3})
 number = 3
 """
 
@@ -47,6 +54,16 @@ def test_a_map_of_ones_own_has_its_own_parameters_and_ranges(own):
         checked({**config, "parameters": {"alpha": 1.0}}, code="trust")
     with pytest.raises(InputError, match=r"parameters.shift = 'x' is not a real number"):
         checked({**config, "parameters": {"shift": "x"}}, code="trust")
+
+
+def test_a_map_by_pieces_is_named_and_travels_as_any_other(own):
+    with pytest.raises(NotNamed):
+        own_object(f"{own}:pieces")
+    P = own_object(Named(f"{own}:pieces"))
+    assert P.letters == "LR" and pickle.loads(pickle.dumps(P)) == P == copy.deepcopy(P)
+    config = {"study": "diagram", "map": f"{own}:pieces", "vary": {"r": "0.2:0.4:3"}}
+    assert checked(config, code="trust")["parameters"] == {"shift": 0.3}
+    assert plan_of(config, code="trust").P == P.replace(r=plan_of(config, code="trust").P.params["r"])
 
 
 def test_a_model_of_ones_own(own):

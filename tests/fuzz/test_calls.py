@@ -56,6 +56,14 @@ def things():
     )
 
 
+def bent(state, p):
+    return (p.a * state[0] * (1.0 - state[0]),)
+
+
+def middle(state, p):
+    return state[0] - 0.5
+
+
 def step(x, p):
     return (p.a * x[0] * (1.0 - x[0]),)
 
@@ -87,6 +95,13 @@ def calls():
     found = {
         "Forcing": dict(omega=2.0, t0=0.1, offset=0.1, cos=(1.0, 0.5), sin=(0.1,)),
         "Map": dict(step=step, params={"a": 3.2}, coordinates=("x",), box=((0.0, 1.0),), letters="LR", escape=10.0),
+        "Map, by pieces": dict(
+            pieces={"L": bent, "R": bent},
+            border=middle,
+            params={"a": 3.2},
+            coordinates=("x",),
+            box=((0.0, 1.0),),
+        ),
         "Oscillator": dict(alpha=0.1, k=1.0, forcing=gz.Forcing(omega=2.0), reset=gz.newton(0.5), sigma=-0.1),
         "active": dict(r=0.5, V=0.4),
         "newton": dict(r=0.5),
@@ -280,6 +295,7 @@ NOT_CALLED = {
     "Orbits",
     "Outcome",
     "OutsideForm",
+    "PieceOrbit",
     "Searched",
     "Trust",
     "UserCodeError",

@@ -86,3 +86,17 @@ def test_studies_take_it():
 def test_a_root_that_is_no_sign_is_refused():
     with pytest.raises(InputError, match=r"root = 0\.5; allowed are 1 .* and -1"):
         linearised_map(0.5, 0.1, 0.1, 0.1, 0.5)
+
+
+def test_the_linearised_map_has_virtual_orbits_too():
+    """Without y its branches are those of the gap map with lam x on the right, and end where x = 0: at mu = l, 0."""
+    Q = linearised_map(lam=0.5, det=0.1, mu=0.3, l=0.1)
+    x = np.random.default_rng(0).uniform(-1.0, 1.0, (30, 2))
+    letters = np.array([Q(one)[1] for one in x])
+    images, _borders = Q.images()(Q.packed()[1][None], 0, x, letters, np.sqrt(np.abs(x[:, 0])))
+    assert np.array_equal(images, [Q(one)[0] for one in x])
+    orbit = next(one for one in gz.periodic_orbits(Q, 1, starts=100) if one.word == "R")
+    branch = gz.continuation(Q, orbit, "mu", (-0.1, 0.5), step=0.2)
+    (end,) = (one for one in branch.special if one.type == "bcb")
+    assert end.value == pytest.approx(0.1, abs=1e-12) and end.converged and end.admissible
+    assert min(one.clearance for one in branch) < 0.0 < branch.dataset.depth.max()

@@ -35,6 +35,25 @@ def gap_tangent(state: Any, p: Any) -> Any:
     return new, letter, outcome, (slope,)
 
 
+def left(state: Any, p: Any) -> Any:
+    """Apply the piece L of (2.6), whatever the sign of x."""
+    return (p.lam * state[0] + p.mu,)
+
+
+def right(_state: Any, p: Any, root: Any) -> Any:
+    """Apply the piece R of (2.6): x is the square of the root, which is negative on virtual orbits."""
+    return (p.mu - p.l - root,)
+
+
+def border(state: Any, _p: Any) -> Any:
+    """Return the distance from the graze."""
+    return state[0]
+
+
+#: The pieces of every gap map: :func:`gap_step` takes both at once, which is faster.
+PIECES: dict[str, Any] = {"pieces": {"L": left, "R": right}, "border": border}
+
+
 def gap_map(lam: float, mu: float, l: float) -> Map:
     """Return the piecewise linear/square-root map with a gap, equation (2.6).
 
@@ -75,6 +94,7 @@ def gap_map(lam: float, mu: float, l: float) -> Map:
         name="gap map",
         describe=PARAMETERS.__getitem__,
         source=_again,
+        **PIECES,
     )
 
 

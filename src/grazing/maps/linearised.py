@@ -6,6 +6,7 @@ from math import sqrt
 from typing import Any
 
 from grazing.maps.gap import PARAMETERS as GAP
+from grazing.maps.gap import border
 from grazing.maps.map import Map
 from grazing.maps.normal_form import NormalForm
 from grazing.outcome import AMBIGUOUS, OK, InputError, shown
@@ -34,6 +35,18 @@ def linearised_tangent(state: Any, p: Any) -> Any:
     x = state[0]
     slope = p.lam if x < 0.0 else (p.lam - 0.5 * p.root / sqrt(x) if x > 0.0 else -p.root * float("inf"))
     return new, letter, outcome, (slope, 1.0, -p.det, 0.0)
+
+
+def left(state: Any, p: Any) -> Any:
+    """Apply the piece L, whatever the sign of x."""
+    x, y = state
+    return p.lam * x + y + p.mu, -p.det * x
+
+
+def right(state: Any, p: Any, root: Any) -> Any:
+    """Apply the piece R, whatever the sign of the root of x."""
+    x, y = state
+    return p.lam * x + y + p.mu - (p.root * root + p.l), -p.det * x
 
 
 def linearised_map(lam: float, det: float, mu: float, l: float, root: float = 1.0) -> Map:
@@ -89,6 +102,8 @@ def linearised_map(lam: float, det: float, mu: float, l: float, root: float = 1.
         name="linearised map",
         describe=PARAMETERS.__getitem__,
         source=_again,
+        pieces={"L": left, "R": right},
+        border=border,
     )
 
 

@@ -15,6 +15,7 @@ from grazing.copies import ByValue, Code, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner, tangent_runner
 from grazing.kernel.primitives import replaced
+from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import differences_of, extended, stepping, units_of
 from grazing.maps.hits import Hits
@@ -30,6 +31,7 @@ from grazing.parameter import (
     checked_coordinates,
     checked_params,
     parameter_tuple,
+    parameters,
     updated,
     whole,
 )
@@ -62,7 +64,7 @@ class Segment(NamedTuple):
 #: What two equal maps have in common; all else follows from it, or is compiled from it.
 VALUE = (
     "name", "params", "coordinates", "box", "letters", "escape", "exact", "model", "section", "step", "prepare",
-    "tangent", "check",
+    "tangent", "pieces", "border", "check",
 )  # fmt: skip
 #: What may differ from the map that ``source`` makes.
 OWN = ("name", "coordinates", "box", "letters", "escape")
@@ -70,10 +72,11 @@ OWN = ("name", "coordinates", "box", "letters", "escape")
 
 @dataclass(frozen=True, eq=False)
 class Map(ByValue):
-    """A step on a section: ``step(state, c) -> (state, letter, outcome)``.
+    """A step on a section: ``step(state, c) -> (state, letter, outcome)``, or pieces and the border between them.
 
-    A map of your own needs the first five arguments at most. The others are advanced: what makes it faster or says
-    more of it, and what the maps of an oscillator know of the model behind them.
+    A map of your own needs the first five arguments at most, and ``pieces`` with ``border`` in place of ``step``. The
+    others are advanced: what makes it faster or says more of it, and what the maps of an oscillator know of the model
+    behind them.
 
     Parameters
     ----------
@@ -89,6 +92,15 @@ class Map(ByValue):
     letters : str or Hits, optional
         The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period); between two walls,
         the walls that letters name.
+    pieces : mapping of str to callable, optional
+        Instead of ``step``: for each letter, one character, ``f(state, c) -> state``, a formula that holds beyond its
+        border too. So virtual orbits, border collisions and their loci are found from both sides. ``f(state, c,
+        root)``, one of two pieces, gets the square root of its distance from the border: positive on its own side,
+        negative on virtual orbits, which go on smoothly through it.
+    border : callable or sequence of callable, optional
+        ``border(state, c) -> float`` is negative where the first piece holds; the second one holds where it is 0 or
+        positive. For more pieces a tuple, one less than pieces: each but the last holds where its border is the first
+        one that is negative.
 
     Other Parameters
     ----------------
@@ -135,7 +147,7 @@ class Map(ByValue):
     InputError
         For parameters that are not finite numbers, or a box that does not fit the coordinates.
     UserCodeError
-        If the step raises or returns what it must not on a state in the middle of the box.
+        If the step raises or returns what it must not on a state in the middle of the box, or a piece on its side.
 
     Examples
     --------
@@ -148,10 +160,24 @@ class Map(ByValue):
     (array([0.8]), 0)
     >>> P.replace(a=2.0).iterate((0.5,), 2)[:, 0].tolist()
     [0.5, 0.5, 0.5]
+
+    By pieces, the skew tent map and its border collision:
+
+    >>> def left(state, p):
+    ...     return (p.a * state[0] + p.mu,)
+    >>> def right(state, p):
+    ...     return (p.b * state[0] + p.mu,)
+    >>> def border(state, p):
+    ...     return state[0]
+    >>> params = {"a": 0.5, "b": -0.6, "mu": -0.2}
+    >>> T = gz.Map(pieces={"L": left, "R": right}, border=border, params=params, box=((-1.0, 1.0),))
+    >>> (orbit,) = gz.periodic_orbits(T, 1)
+    >>> [(one.type, abs(one.value) < 1e-12) for one in gz.continuation(T, orbit, "mu", (-0.5, 0.5)).special]
+    [('bcb', True)]
     """
 
-    step: Callable[..., Any]
-    params: Mapping[str, float]
+    step: Callable[..., Any] = None  # type: ignore[assignment]  # made of the pieces where there are any
+    params: Mapping[str, float] = field(default_factory=dict)
     coordinates: Sequence[str] = ("x",)
     box: Sequence[tuple[float, float]] = ((0.0, 1.0),)
     letters: str | Hits | None = None
@@ -171,7 +197,10 @@ class Map(ByValue):
     section: str | None = None
     clock: Callable[..., NDArray[np.float64]] | None = None
     boxes: Callable[[Floats], Floats] | None = None
+    pieces: Mapping[str, Callable[..., Any]] | None = None
+    border: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
+    formulas: Formulas | None = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
         params = checked_params(self.params)
@@ -180,9 +209,30 @@ class Map(ByValue):
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "box", box)
         object.__setattr__(self, "coordinates", coordinates)
+        if self.pieces is not None or self.border is not None:
+            self._join_pieces()
+        elif self.step is None:
+            raise InputError("step is missing; give a function step(state, p), or pieces={'L': f, 'R': g} and border")
         object.__setattr__(self, "name", self.name or getattr(self.step, "__name__", "map"))
         if self._full_step is None:
             object.__setattr__(self, "_full_step", self.step if self.source is not None else _normalised(self))
+
+    def _join_pieces(self) -> None:
+        """Make step and letters of the pieces; a map of the library may have a faster step of its own."""
+        letters, given = formulas(self.pieces, self.border)
+        made, name = step_of(given), self.name or f"map of pieces {listed(letters)}"
+        known = getattr(self.step, "formulas", None)
+        if self.step is not None and self.source is None and known != given:
+            raise InputError("step is given with pieces; give one of them: the step is made of pieces and border")
+        if self.letters not in (None, letters):
+            raise InputError(f"letters is {shown(self.letters)} for the pieces {letters}; leave it out")
+        values = {"step": self.step if self.source is not None and self.step is not None else made, "letters": letters,
+                  "name": name, "formulas": given, "pieces": MappingProxyType(dict(self.pieces or {}))}  # fmt: skip
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+        if self.source is None:
+            p = parameters(self.params)
+            tried(given, letters, name, self.box, self.prepare(p) if self.prepare is not None else p)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Map) and all(alike(getattr(self, name), getattr(other, name)) for name in VALUE)
@@ -192,7 +242,9 @@ class Map(ByValue):
     def __reduce__(self) -> Any:
         if self.source is not None:
             return _made_again, (Code(self.source), dict(self.params), {name: getattr(self, name) for name in OWN})
-        return _built_again, ({item.name: packed(getattr(self, item.name)) for item in fields(self) if item.init},)
+        left_out = ("step",) if self.pieces is not None else ()  # made again
+        kept = [item.name for item in fields(self) if item.init and item.name not in left_out]
+        return _built_again, ({name: packed(getattr(self, name)) for name in kept},)
 
     def __repr__(self) -> str:
         values = listed(f"{name}={value:g}" for name, value in self.params.items())
@@ -409,6 +461,10 @@ class Map(ByValue):
         entry = tangent_runner(derived.tangent, derived.prepare, derived.kind, self.dimension)
         call(entry, derived.rows[0], start.reshape(-1, 1).copy(), matrix, who=f"the tangent of {self.name}")
         return matrix
+
+    def images(self) -> Images:
+        """Return what applies the pieces of a map by pieces, beyond their borders too."""
+        return Images(self)
 
     def derivative(self, rows: Floats) -> Derived:
         """Return the derivative of the step at parameter values ``rows`` (columns, parameters), ready to compile.

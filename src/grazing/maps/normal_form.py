@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.maps.gap import gap_map
+from grazing.maps.gap import border, gap_map
 from grazing.maps.map import Map
 from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
 from grazing.oscillator.constants import Constants, constants_of, steady_response
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reset import in_python
-from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm
+from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import checked_name, parameters
 
 
@@ -219,24 +219,28 @@ class NormalForm:
         rho = self.mu(self.graze if value is None else value) * self.scale
         kick = 2.0 * self.acceleration * self.b
         return Map(
-            xy_step,
+            pieces={"L": xy_left, "R": xy_right},
+            border=border,
             params={
                 "lam": self.lam, "det": self.det, "rho": rho,
                 "root": kick * (1.0 + self.r), "jump": kick * self.V,
             },
             coordinates=("x", "y"),
             box=((-self.scale, self.scale), (-self.scale, self.scale)),
-            letters="LR",
             name="(x, y) map",
         )  # fmt: skip
 
 
-def xy_step(state: Any, p: Any) -> Any:
-    """Apply the two-dimensional square-root map once: letter 0 (L) for x < 0, 1 (R) for x >= 0."""
+def xy_left(state: Any, p: Any) -> Any:
+    """Apply the two-dimensional square-root map where no impact is made, or would be."""
     x, y = state
-    hit = p.root * sqrt(max(x, 0.0)) + p.jump
-    outcome = AMBIGUOUS if x == 0.0 else OK
-    return (p.lam * x + y + p.rho - (0.0 if x < 0.0 else hit), -p.det * x), (0 if x < 0.0 else 1), outcome
+    return p.lam * x + y + p.rho, -p.det * x
+
+
+def xy_right(state: Any, p: Any, root: Any) -> Any:
+    """Apply the two-dimensional square-root map with an impact."""
+    x, y = state
+    return p.lam * x + y + p.rho - (p.root * root + p.jump), -p.det * x
 
 
 def normal_form(model: Oscillator, name: str) -> NormalForm:

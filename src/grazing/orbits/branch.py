@@ -15,13 +15,16 @@ from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
 from grazing.orbits.impact_equations import ImpactEquations
-from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, unscaled
+from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, point_at, unscaled
+from grazing.orbits.piece_equations import PieceEquations
+from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Relabelling, Special
 from grazing.orbits.switching import (
+    BARELY,
+    ZERO,
     Seed,
     allowed,
     doubled,
@@ -336,6 +339,27 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     return Seed(equations, seeded(equations, solved, p), both=True)
 
 
+def relabels(equations: Equations, event: Event) -> tuple[Equations, Point] | None:
+    """Return how an orbit goes on that meets a border where its map by pieces is smooth: with another letter."""
+    if event.type != "bcb" or not event.converged or not isinstance(equations, PieceEquations):
+        return None
+    found = equations.across(*unscaled(equations, event.point.z), event.where)
+    if found is None or not found.smooth:
+        return None
+    new, old = found.equations, event.point
+    point = point_at(new, np.concatenate([found.x / new.scale, old.z[len(equations.scale) :]]), old.tangent)
+    if point is None:
+        return None
+    near = ZERO * float(new.scale.max())
+    tests = tuple(  # on the side that the path goes to
+        test._replace(value=BARELY)
+        if (test.type, test.where) == ("bcb", event.where) and abs(test.value) < near
+        else test
+        for test in point.tests
+    )
+    return new, point._replace(tests=tests)
+
+
 class Crossing(NamedTuple):
     """Where a smooth map changes the letters of an orbit: those before and beyond, the value, and where it goes on."""
 
@@ -410,7 +434,16 @@ class _Search:
 
     def _followed(self, seed: Seed, first: Point) -> Path:
         """Return the path from a point of a seed on."""
-        path = follow(seed.equations, first, self.bounds, step=self.step, limit=min(self.limit, max(self.work.left, 2)))
+        limit = min(self.limit, max(self.work.left, 2))
+        pieces = isinstance(seed.equations, PieceEquations)
+        stop = (lambda event: relabels(seed.equations, event) is not None) if pieces else None
+        path = follow(seed.equations, first, self.bounds, step=self.step, limit=limit, stop=stop)
+        if path.ended == "stopped":  # only the word changes: the orbit goes on with another letter
+            _i, event = path.events.pop()
+            there = relabels(seed.equations, event)
+            assert there is not None
+            path.ended = "relabelled"
+            path.beyond.append((there[0], there[1], event.point))
         self.work.spend(len(path.points))
         return path
 
@@ -454,6 +487,17 @@ class _Search:
     def _known(self, seed: Seed) -> bool:
         """Whether a piece that is known already passes through a seed: then a graze lies there with its impacts."""
         x, p = unscaled(seed.equations, seed.point.z)
+        for number, begun_there in enumerate(self.pieces):  # from another point that collides there too
+            there, near = begun_there.equations, abs(begun_there.values[0] - p[-1]) < 1e-6 * seed.equations.spans[-1]
+            if (
+                begun_there.ends[0] in SPECIAL
+                and near
+                and type(there) is type(seed.equations)
+                and there.N == seed.equations.N
+            ):
+                if same_solution(seed.equations, x, there, begun_there.unknowns[0], p):
+                    self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
+                    return True
         for i, one in enumerate(self.special):
             piece = self.pieces[one.piece].equations
             if i == seed.origin or type(piece) is not type(seed.equations) or piece.N != seed.equations.N:
@@ -468,7 +512,7 @@ class _Search:
     def _beyond(self, path: Path, equations: Equations, point: Point, leaves: Point, number: int) -> None:
         """Note that only the word changes where a piece of a map ends, and go on, unless that is known from beyond."""
         old = path.equations
-        assert isinstance(equations, MapEquations) and isinstance(old, MapEquations)
+        assert isinstance(equations, PointEquations) and isinstance(old, PointEquations)
         x, p = unscaled(equations, point.z)
         near = 1e-9 * float(equations.spans[-1])
         for one in self.crossings:

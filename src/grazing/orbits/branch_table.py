@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
 from grazing.parameter import Parameter
 
@@ -64,6 +65,14 @@ def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[st
     }
 
 
+def _depths(orbits: list[Orbit], column: Any) -> dict[str, Any]:
+    """Return how far orbits of a map by pieces lie beyond their borders; nothing for other maps."""
+    if not any(isinstance(orbit, PieceOrbit) for orbit in orbits):
+        return {}
+    depths = [orbit.depth if isinstance(orbit, PieceOrbit) else 0.0 for orbit in orbits]
+    return {"depth": column("point", depths, "how far a virtual orbit lies beyond the border of its letters")}
+
+
 def branch_table(branch: Branch) -> xr.Dataset:
     """Return a branch as a labelled table.
 
@@ -75,7 +84,8 @@ def branch_table(branch: Branch) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimension ``point``, the orbits in order, with ``piece``, the parameter by its name, ``period``, ``word``,
-        ``impacts`` (-1 for a map that counts none), ``stable``, ``admissible``, ``event`` (at a special point),
+        ``impacts`` (-1 for a map that counts none), ``stable``, ``admissible``, for a map by pieces ``depth`` (how far
+        beyond its border a virtual orbit lies), ``event`` (at a special point),
         ``condition``, ``multiplier_real`` and ``multiplier_imag`` (point, multiplier), and the orbit's points by
         coordinate (point, n), filled up with NaN. Dimension ``special``, with ``special_type``, ``special_value``,
         ``special_low``, ``special_high``, ``special_converged``, ``special_admissible``, ``special_piece``,
@@ -115,6 +125,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "impacts": column("point", [o.impacts if isinstance(o, ImpactOrbit) else -1 for o in orbits], "impacts"),
         "stable": column("point", [int(orbit.stable) for orbit in orbits], "whether the orbit is stable"),
         "admissible": column("point", [int(orbit.admissible) for orbit in orbits], "whether the orbit is admissible"),
+        **_depths(orbits, column),
         "event": ("point", events_of(branch), {"long_name": "whether a special point lies there"}),
         "condition": column("point", [orbit.condition for orbit in orbits], "condition number", units="1"),
         "multiplier_real": (("point", "multiplier"), roots.real, {"long_name": "multiplier, real part", "units": "1"}),

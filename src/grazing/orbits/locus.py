@@ -15,6 +15,7 @@ from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Point, closed, follow, joined, linearised, tangent_of
+from grazing.orbits.piece_equations import PieceOrbit, border_units
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO, kick_of
@@ -57,8 +58,8 @@ class LocusEquations(Equations):
         if not places:
             raise InputError(
                 f"this {type} cannot be followed: a map of one's own says on which side of a border a point lies, not "
-                f"how far from it. Follow lp, pd and ns of it, or find the {type} with gz.continuation at several "
-                "values of the second parameter"
+                f"how far from it. Give it by pieces, gz.Map(pieces=..., border=...), follow lp, pd and ns of it, or "
+                f"find the {type} with gz.continuation at several values of the second parameter"
             )
         zero = ZERO * float(base.scale.max())
         self._index = min(places, key=lambda i: (max(abs(tests[i].value), zero), alike.index(tests[i].type)))
@@ -220,6 +221,8 @@ def edge(orbit: Orbit) -> bool:
         return orbit.admissible
     fast, model = getattr(orbit, "incoming", np.empty(0)), orbit.map.model
     height, speed = (1.0, 1.0) if model is None else (model.reach.height, model.reach.speed)  # units of its own
+    if isinstance(orbit, PieceOrbit):
+        height = float(border_units(orbit.map).max())
     return bool(clearance > -1e-9 * height and (fast < 1e-9 * speed).all())
 
 

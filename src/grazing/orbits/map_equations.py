@@ -169,9 +169,9 @@ class MapEquations(PointEquations):
 
     def allowed(self, p: Floats) -> NDArray[np.bool_]:
         """Whether the map allows each of several values (k, names) of its parameters."""
-        if self.P.describe is None:
-            return np.ones(len(p), np.bool_)
-        return np.array([self.in_range(one) for one in p])
+        if self.P.describe is None or (len(p) and self.in_range(p.min(axis=0)) and self.in_range(p.max(axis=0))):
+            return np.ones(len(p), np.bool_)  # ranges are intervals
+        return np.array([self.in_range(one) for one in p], np.bool_)
 
     def in_range(self, p: Floats) -> bool:
         """Whether the map allows these values of its parameters."""

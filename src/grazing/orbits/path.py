@@ -558,7 +558,7 @@ def located(
 
     good = False
     try:
-        if at(0.0) * at(length) < 0.0:
+        if at(0.0) * at(length) <= 0.0:
             brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
             good = True
     except (ArithmeticError, RuntimeError):
@@ -567,10 +567,11 @@ def located(
         return None
     s = min(seen, key=lambda other: abs(seen[other][1]))
     if good:  # at a pole the smallest value lies elsewhere
-        _width, s = min(
+        changes = [
             (t - r, min(r, t, key=lambda other: abs(seen[other][1])))
             for r, t in pairwise(sorted(seen)) if (seen[r][1] > 0.0) != (seen[t][1] > 0.0)
-        )  # fmt: skip
+        ]  # fmt: skip
+        good, s = bool(changes), min(changes)[1] if changes else s
     point, rest = seen[s]
     positive = seen[0.0][1] > 0.0
     sides = [

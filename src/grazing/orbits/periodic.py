@@ -14,6 +14,7 @@ from grazing.orbits.gap_orbits import gap_orbits
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
+from grazing.orbits.search_pieces import piece_orbits, spelled
 from grazing.orbits.search_rest import resting_orbits
 from grazing.orbits.search_section import AIMED, Search, aimed_guesses, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, region, simulated
@@ -109,6 +110,12 @@ class Orbits(tuple[Orbit, ...]):
             f"{said}: found by {_counted(s.attempts, 'Newton attempt')}, of which {s.converged} converged, from "
             f"near-recurrences of {_counted(s.starts, 'random start')} in {_counted(s.steps, 'step')} and other guesses"
         )
+        if self.map.formulas is not None:
+            asked = letters_of(self.word, self.map.letters) if self.word is not None else None
+            solved = [n for n in s.periods if spelled(self.map, n, asked)]
+            which = "the word" if asked else "each word of the length" if len(solved) == len(s.periods) else ""
+            which = which or (f"each word of period {_listed(tuple(solved))}" if solved else "")
+            how += f", with the pieces of {which} beyond the border too" if which else ""
         if self.map.model is not None and self.map.section is not None and s.signatures:
             how += f", with up to {max(n for n, _N in s.signatures)} impacts"
             letters = letters_of(self.word, self.map.letters) if self.word is not None else ()
@@ -137,7 +144,8 @@ def periodic_orbits(
     ----------
     P : Map
         Any map. The stroboscopic and the impact map of an oscillator are searched in the times and velocities of
-        impacts, the gap map by algebra, others by Newton's method on the map.
+        impacts, the gap map by algebra, others by Newton's method on the map; of a map by pieces each word has
+        equations of its own, which find virtual orbits too.
     period : int or iterable of int, optional
         Least periods, in steps of the map; by default the length of ``word``.
     word : str, optional
@@ -206,7 +214,8 @@ def periodic_orbits(
         if asked is not None and not any(orbit.admissible and orbit.word == asked for orbit in found):
             found, met = orbits_of(search, solutions, virtual=True)
     else:
-        found = _mapped(P, periods, starts, seed, threads, tally)
+        found = _mapped(P, periods, starts, seed, threads, tally, letters)
+        met = sum(not orbit.admissible for orbit in found)
     signatures = tuple(sorted(tally.signatures))
     searched = Searched(
         periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, P.step is gap_step, seed
@@ -221,7 +230,10 @@ def _listing(found: list[Orbit], asked: str | None, virtual: bool) -> list[Orbit
     return sorted(fitting if virtual or (asked is not None and not kept) else kept, key=_order)
 
 
-def _mapped(P: Map, periods: tuple[int, ...], starts: int, seed: int, threads: int | None, tally: Tally) -> list[Orbit]:
+def _mapped(
+    P: Map, periods: tuple[int, ...], starts: int, seed: int, threads: int | None, tally: Tally,
+    letters: tuple[int, ...] | None,
+) -> list[Orbit]:  # fmt: skip
     """Return the orbits of a map that is no section of an oscillator."""
     box = np.array(P.box)
     middle, half = box.mean(axis=1, keepdims=True), 0.5 * (box[:, 1:] - box[:, :1])
@@ -234,7 +246,10 @@ def _mapped(P: Map, periods: tuple[int, ...], starts: int, seed: int, threads: i
     for n in periods:
         cycles.add(recurrences(runs, n, starts).points)
         cycles.at_random(n, low, high, GUESSES, seed)
-    return [orbit for n in periods for orbit in cycles.orbits(n)]
+    if P.formulas is None:
+        return [orbit for n in periods for orbit in cycles.orbits(n)]
+    where = low, high
+    return [one for n in periods for one in piece_orbits(P, n, letters, cycles.orbits(n), where, seed, tally)]
 
 
 def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tuple[int, ...]:

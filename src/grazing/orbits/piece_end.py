@@ -152,7 +152,7 @@ def smooth_beyond(
             break
     else:
         return None
-    new = type(equations)(equations.P, equations.names, letters, equations.spans)
+    new = equations.like(letters)
     before, here, _l = equations.along(x, p, dx, dp)
     after, there, _l = new.along(y, q, dx, dp)
     k = len(here) // 2

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.map import Map
 from grazing.orbits.equations import Equations
 
 Floats = NDArray[np.float64]
@@ -13,7 +16,12 @@ Floats = NDArray[np.float64]
 class PointEquations(Equations):
     """Equations whose unknowns are those of N points one after the other; ``letters`` (N,) are those of the points."""
 
+    P: Map
     letters: tuple[int, ...]
+
+    def like(self, letters: tuple[int, ...]) -> Self:
+        """Return the equations of other letters in the same parameters."""
+        return type(self)(self.P, self.names, letters, self.spans)  # type: ignore[call-arg]
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return the solution, begun at another point, that is nearest to another, and its order."""

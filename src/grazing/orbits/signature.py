@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.gap import gap_step
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.orbits.equations import Equations
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.gap_equations import GapEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
+from grazing.orbits.piece_equations import equations_of_pieces
 from grazing.orbits.resting import resting_equations
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import triggered_law
@@ -59,23 +58,10 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
         if P.section == "strobe" and P.params.get("phase") == 0.0 and rests(orbit):
             return resting_equations(P, names, orbit.points, spans), np.zeros(1)
         return equations_of(flown(orbit), names, spans)
+    if P.formulas is not None:
+        return equations_of_pieces(orbit, names, spans)
     letters = tuple(P.orbit(point, 1).letters[0] for point in orbit.points)
-    if P.step is gap_step:
-        if len(letters) != orbit.period:
-            raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
-        gap = GapEquations(P, names, virtual_letters(orbit), spans)
-        return gap, gap.unknowns(orbit.points[:, 0])
     return MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
-
-
-def virtual_letters(orbit: Orbit) -> tuple[int, ...]:
-    """Return the letters of an orbit of the gap map from its images, so that those of a virtual one are right too."""
-    lam, mu, l = (orbit.map.params[name] for name in ("lam", "mu", "l"))
-    x = orbit.points[:, 0]
-    after = np.roll(x, -1)
-    left = np.abs(lam * x + mu - after)
-    right = np.where(x >= 0.0, np.abs((mu - l - after) ** 2 - x), np.inf)
-    return tuple(int(b < a) for a, b in zip(left, right, strict=True))
 
 
 def rests(orbit: Orbit) -> bool:

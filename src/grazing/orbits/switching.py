@@ -12,10 +12,10 @@ from grazing.orbits.closing import DIPS, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.gap_equations import GapEquations
 from grazing.orbits.impact_equations import ImpactEquations
-from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of
+from grazing.orbits.piece_equations import PieceEquations
+from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
 from grazing.oscillator.model import Oscillator
@@ -84,10 +84,8 @@ def doubled(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floa
         n, N = equations.n, equations.N
         twice = ImpactEquations(equations.model, names, 2 * N, equations.pieces * 2, spans)
         return twice, np.concatenate([x[:n], x[:n] + N * equations.period_at(p), x[n:], x[n:]])
-    if isinstance(equations, GapEquations):
-        return GapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
-    if isinstance(equations, MapEquations):
-        return MapEquations(equations.P, names, equations.letters * 2, spans), np.tile(x, 2)
+    if isinstance(equations, PointEquations):
+        return equations.like(equations.letters * 2), np.tile(x, 2)
     raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
 
 
@@ -98,10 +96,8 @@ def halved(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Float
         pieces = equations.pieces[:h]
         half = ImpactEquations(equations.model, equations.names, equations.N // 2, pieces, equations.spans)
         return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
-    assert isinstance(equations, (GapEquations, MapEquations))
-    letters = equations.letters[: equations.N // 2]
-    kind = type(equations)
-    return kind(equations.P, equations.names, letters, equations.spans), 0.5 * (x[: len(x) // 2] + x[len(x) // 2 :])
+    assert isinstance(equations, PointEquations)
+    return equations.like(equations.letters[: equations.N // 2]), 0.5 * (x[: len(x) // 2] + x[len(x) // 2 :])
 
 
 def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
@@ -182,7 +178,11 @@ def on_the_edge(equations: Equations, event: Event) -> bool:
     At a graze of the steady response every period of a longer orbit touches the wall: zeros count as none.
     """
     zero = -ZERO * float(equations.scale.max())
-    others = (test for test in event.point.tests if test[::2] != (event.type, event.where))
+    # a point may have several borders: those that it is not at count
+    others = (
+        test for test in event.point.tests
+        if (test.type, test.where) != (event.type, event.where) or (event.converged and test.value < zero)
+    )  # fmt: skip
     return all(test.value >= zero for test in others if test.type in OF_THE_FLOW)
 
 
@@ -194,7 +194,7 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
     """
     if not event.converged or not on_the_edge(equations, event):
         return []
-    if isinstance(equations, GapEquations):
+    if isinstance(equations, PieceEquations):
         return flipped(equations, event, x, p)
     if not isinstance(equations, (ImpactEquations, FreeEquations)) or kick_of(equations.model_at(p)) != 0.0:
         return []
@@ -239,14 +239,12 @@ def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, 
     return begins(new, np.concatenate([times, after]), p, (k - 1) % (n - 1))
 
 
-def flipped(equations: GapEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
-    """Return the branch of the gap map whose point at the border has the other letter; at l = 0 only."""
-    if equations.values(p)[2] != 0.0:
+def flipped(equations: PieceEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
+    """Return the branch of a map by pieces whose point at the border has the other letter, where it is continuous."""
+    found = equations.across(x, p, event.where)
+    if found is None or not found.close:
         return []
-    j = event.where
-    letters = tuple(1 - letter if i == j else letter for i, letter in enumerate(equations.letters))
-    new = GapEquations(equations.P, equations.names, letters, equations.spans)
-    seed = begins(new, new.unknowns(equations.points(x)), p, j)
+    seed = begins(found.equations, found.x, p, event.where)
     return [] if seed is None else [seed]
 
 
@@ -258,7 +256,7 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     if equations.broken(x, p) or not np.isfinite(equations.defects(x, p)[1]).all():
         return None
     point = seeded(equations, x, p)
-    kind = "bcb" if isinstance(equations, GapEquations) else None
+    kind = "bcb" if isinstance(equations, PieceEquations) else None
     place = [
         i for i, test in enumerate(point.tests)
         if test.where == where and (test.type == kind if kind else test.type in ("v0", "gr"))
@@ -270,9 +268,14 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     sides = []
     for sign in (1.0, -1.0):
         z = point.z + sign * h * point.tangent
-        sides.append(equations.tests(z[:n] * equations.scale, z[n:] * equations.spans)[i].value)
-    tangent = point.tangent if sides[0] > sides[1] else -point.tangent
+        sides.append(equations.tests(z[:n] * equations.scale, z[n:] * equations.spans))
+    ahead, tangent = (sides[0], point.tangent) if sides[0][i].value > sides[1][i].value else (sides[1], -point.tangent)
     tests: list[Test] = list(point.tests)
+    if kind:  # points that collide at once
+        zero = ZERO * float(equations.scale.max())
+        near = [j for j, test in enumerate(tests) if test.type == kind and abs(test.value) < zero]
+        for j in near:
+            tests[j] = tests[j]._replace(value=float(np.copysign(BARELY, ahead[j].value)))
     tests[i] = tests[i]._replace(value=BARELY)
     return Seed(equations, Point(point.z, tangent, tuple(tests)), type="bcb" if kind else "gr")
 
@@ -293,7 +296,7 @@ def turns(equations: Equations, x: Floats, p: Floats) -> int:
             if abs(period - equations.period_at(p)) > 0.1 * equations.period_at(p):
                 continue
             apart = np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]])
-        elif isinstance(equations, (GapEquations, MapEquations)):
+        elif isinstance(equations, PointEquations):
             apart = np.roll(x, -len(x) // k) - x
         else:
             continue
@@ -315,4 +318,8 @@ def same_solution(one: Equations, x: Floats, other: Equations, y: Floats, p: Flo
             if max(np.abs(gap / one.scale[:n]).max(), np.abs((after - x[n:]) / one.scale[n:]).max()) < 1e-5:
                 return True
         return False
+    if isinstance(one, PieceEquations) and isinstance(other, PieceEquations):
+        # words that differ are different orbits where all their points are at one border, too
+        turned = (k for k in range(one.N) if other.letters[k:] + other.letters[:k] == one.letters)
+        return any(np.abs((np.roll(y, -int(other.starts[k])) - x) / one.scale).max() < 1e-5 for k in turned)
     return any(np.abs((np.roll(y, k) - x) / one.scale).max() < 1e-5 for k in range(len(x)))

@@ -1,0 +1,560 @@
+"""The equations of a word of a map by pieces: each point is the image of the one before on the piece of its letter.
+
+Pieces hold beyond their borders, so nothing ends at one: there an orbit is virtual. A piece that is given the root of
+its distance from the border has that root as an unknown of its own, of either sign, and all equations are smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.bordered import Images
+from grazing.maps.map import Map
+from grazing.orbits.equations import Ending, Test
+from grazing.orbits.map_equations import MapEquations, product
+from grazing.orbits.one_sided import EPS, FINER, FIRST, distances, slope
+from grazing.orbits.orbit import Orbit, condition_of
+from grazing.orbits.piece_end import JUMP, POWER, TURN
+from grazing.orbits.point_equations import PointEquations
+from grazing.orbits.search_windows import drawn
+from grazing.orbits.word import word
+from grazing.outcome import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Letters whose images miss the next point by less than this part of its size are equally good.
+EQUAL = 1e-9
+
+#: States of the box from which lines to a border begin, and distances from it, in their length, at which pieces are
+#: looked at.
+LINES, BESIDE = 64, 4.0 ** np.arange(-18.0, -5.0)
+#: Coordinates smaller than this part of the box get finer differences: a formula may have a root there.
+NEAR = 1e-4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PieceOrbit(Orbit):
+    """A periodic orbit of a map by pieces, virtual where a point lies beyond the border of its letter.
+
+    Parameters
+    ----------
+    letters : tuple of int
+        The piece of each point.
+    margins : ndarray, shape (period,)
+        How far each point lies on the side of its letter, in the unit of the border; negative beyond it. Read-only.
+    """
+
+    letters: tuple[int, ...]
+    margins: Floats
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        margins = np.array(self.margins)
+        margins.flags.writeable = False
+        object.__setattr__(self, "margins", margins)
+
+    @property
+    def clearance(self) -> float:
+        """The least margin."""
+        return float(self.margins.min())
+
+    @property
+    def depth(self) -> float:
+        """How far beyond its border the farthest point of a virtual orbit lies; 0 for none."""
+        return max(0.0, -self.clearance)
+
+    def __repr__(self) -> str:
+        said = super().__repr__()
+        return said if self.admissible else f"{said[:-1]} ({self.depth:.3g} beyond the border)>"
+
+
+class Looked(NamedTuple):
+    """Images (N, dim) and borders (N, borders) of the points of an orbit, and how they change.
+
+    The columns of ``J`` (N, dim, dim) are the coordinates, and one more the root if a piece gets it; ``across`` (N, 1,
+    dim) is the derivative of the border then. ``along`` (N, dim or one more, parameters) are the derivatives of both in
+    the parameters, ``error`` is that of J.
+    """
+
+    images: Floats
+    borders: Floats
+    J: Floats
+    across: Floats
+    along: Floats
+    error: Floats
+
+
+class Across(NamedTuple):
+    """The equations and the unknowns of an orbit whose point at a border has the other letter.
+
+    ``close`` says whether the map is continuous there, ``smooth`` whether it has one slope too.
+    """
+
+    equations: PieceEquations
+    x: Floats
+    close: bool
+    smooth: bool
+
+
+class PieceEquations(PointEquations):
+    """Unknowns are the coordinates of each point and, where its piece gets it, the root of its distance.
+
+    Parameters
+    ----------
+    P : Map
+        By pieces.
+    names : tuple of str
+    letters : tuple of int
+        The piece of each point, whether or not the map would choose it there.
+    spans : ndarray, optional
+    """
+
+    pieced = True
+
+    def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
+        assert P.formulas is not None
+        plain = MapEquations(P, names, letters, spans)  # refuses names that it does not have
+        self.P, self.names, self.letters, self.N, self.spans = P, names, letters, len(letters), plain.spans
+        self._plain, self._images = plain, P.images()
+        N, d, m = self.N, P.dimension, len(P.formulas.borders)
+        self.size = np.array([0.5 * (high - low) for low, high in P.box])
+        self.which = np.array(letters, np.int64)
+        self.rooted = np.array([P.formulas.rooted[k] for k in letters])
+        self.some = bool(self.rooted.any())
+        self.side = np.where(self.which == 0, -1.0, 1.0)  # of rooted pieces, which are two
+        #: Where the unknowns of each point begin, and where each coordinate and root is among them.
+        self.starts = np.concatenate([[0], np.cumsum(d + self.rooted)])
+        self.at_points = (self.starts[:N, None] + np.arange(d)).ravel()
+        self.at_roots = self.starts[:N][self.rooted] + d
+        self.units = border_units(P)
+        self.scale = np.empty(int(self.starts[-1]))
+        self.scale[self.at_points] = np.tile(self.size, N)
+        self.scale[self.at_roots] = np.sqrt(self.units[0])
+        #: The borders that a letter has, and its sign there: negative up to its own, positive at those before.
+        self.sides = [
+            [(i, 1.0) for i in range(min(k, m))] + [(i, -1.0) for i in range(k, min(k + 1, m))] for k in letters
+        ]
+        self._apart = distances(2.0, 2.0)[:, None]
+        self._found: dict[str, tuple[tuple[bytes, bytes], Any]] = {}
+
+    def parted(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return points (..., N, dim) and roots (..., N) of unknowns; a piece that gets no root has 0."""
+        roots = np.zeros((*x.shape[:-1], self.N))
+        if self.some:
+            roots[..., self.rooted] = x[..., self.at_roots]
+        return x[..., self.at_points].reshape(*x.shape[:-1], self.N, -1), roots
+
+    def unknowns(self, points: Floats, roots: Floats) -> Floats:
+        """Return the unknowns of points (..., N, dim) with roots (..., N)."""
+        x = np.empty((*points.shape[:-2], int(self.starts[-1])))
+        x[..., self.at_points] = points.reshape(*points.shape[:-2], -1)
+        x[..., self.at_roots] = roots[..., self.rooted]
+        return x
+
+    def begun(self, points: Floats, p: Floats) -> Floats:
+        """Return unknowns of points (..., N, dim) on the sides of their letters: those beyond get the root 0."""
+        flat = points.reshape(-1, self.P.dimension)
+        roots = np.zeros(points.shape[:-1])
+        if self.some:
+            borders = self._images(self._plain.rows(p[None]), 0, flat, np.resize(self.which, len(flat)), 0.0)[1]
+            roots = np.sqrt(np.maximum(self.side * borders[:, 0].reshape(roots.shape), 0.0))
+        return self.unknowns(points, roots)
+
+    def ran(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return images (k, N, dim) and borders (k, N, borders) of unknowns (k, n) at parameters (k, names)."""
+        points, roots = self.parted(x)
+        k, N, d = points.shape
+        given = points.reshape(-1, d), np.tile(self.which, k), roots.ravel()
+        images, borders = self._images(self._plain.rows(p), np.repeat(np.arange(k), N), *given)
+        return images.reshape(k, N, d), borders.reshape(k, N, -1)
+
+    def missed(self, x: Floats, images: Floats, borders: Floats) -> Floats:
+        """Return the defects (k, n) of unknowns (k, n) with these images and borders."""
+        points, roots = self.parted(x)
+        F = np.empty(x.shape)
+        F[:, self.at_points] = (np.roll(images, 1, axis=1) - points).reshape(len(x), -1)
+        if self.some:
+            F[:, self.at_roots] = (self.side * borders[..., 0] - roots**2)[:, self.rooted]
+        return F
+
+    def once(self, make: Callable[[Floats, Floats], Any], x: Floats, p: Floats) -> Any:
+        """Return what a method finds at x and p; defects, tests and slopes ask for the same one after the other."""
+        place = x.tobytes(), p.tobytes()
+        known = self._found.get(make.__name__)
+        if known is None or known[0] != place:
+            known = self._found[make.__name__] = place, make(x, p)
+        return known[1]
+
+    def looked(self, x: Floats, p: Floats) -> Looked:
+        """Return images, borders, and their derivatives in coordinates and root."""
+        found: Looked = self.once(self._looked, x, p)
+        return found
+
+    def _looked(self, x: Floats, p: Floats) -> Looked:
+        N, d, m = self.N, self.P.dimension, len(self.names)
+        points, roots = self.parted(x)
+        state, unit, place = points, self.size, points
+        if self.some:
+            state, unit = np.column_stack([points, roots]), np.append(self.size, np.sqrt(self.units[0]))
+            place = np.column_stack([points, np.full(N, unit[-1])])
+        k = len(unit)
+        n = k + m  # what moves: the numbers of a point, then the parameters
+        if (np.abs(place) < NEAR * unit).any():
+            h = distances(2.0 * unit, place)
+            L = len(h)
+            moves, shifts, which = pattern(N, k, m, L)
+            moves = np.sign(moves) * h[..., None, :]
+        else:
+            L = len(self._apart)
+            moves, shifts, which = pattern(N, k, m, L)
+            moves = moves * (2.0 * unit)
+        here_at = state[:, None, :]
+        states, values = here_at + moves, p + shifts * self.spans
+        off = np.abs(states - here_at).sum(axis=-1)
+        if m:
+            off[..., k:] = np.abs(values[1:] - p).sum(axis=-1).reshape(m, 2, L).transpose(1, 2, 0)[:, :, None]
+        off[off == 0.0] = np.nan
+        off = off[..., None]
+        rows, flat = self._plain.rows(values), states.reshape(-1, k)
+        letters = np.broadcast_to(self.which[:, None], which.shape).ravel()
+        root = (roots, flat[:, d]) if self.some else (0.0, 0.0)
+        here, borders = self._images(rows[:1], 0, points, self.which, root[0])
+        images, ends = self._images(rows, which.ravel(), flat[:, :d], letters, root[1])
+        both, middle = (
+            (np.column_stack([images, ends]), np.column_stack([here, borders])) if self.some else (images, here)
+        )
+        low, high = both.reshape(2, L, N, n, -1)
+        if m and not (right := self._plain.allowed(values)).all():
+            low[~right[which[0]]], high[~right[which[1]]] = np.nan, np.nan
+        found = slope(middle[:, None], low, high, off[0], off[1])
+        value, error = found.value.swapaxes(1, 2), found.error.swapaxes(1, 2)
+        return Looked(here, borders, value[:, :d, :k], value[:, d:, :d], value[:, :, k:], error[:, :d, :k])
+
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """Return dF/dp by differences."""
+        at, d = self.looked(x, p), self.P.dimension
+        columns = np.empty((len(x), len(self.names)))
+        columns[self.at_points] = np.roll(at.along[:, :d], 1, axis=0).reshape(self.N * d, -1)
+        if self.some:
+            columns[self.at_roots] = (self.side[:, None] * at.along[:, d])[self.rooted]
+        return columns
+
+    def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return by how much each point misses the image of the one before, and each root, and the derivative."""
+        n = len(x)
+        if not np.isfinite(x).all():
+            return np.full(n, np.nan), np.full((n, n), np.nan)
+        at = self.looked(x, p)
+        F = self.missed(x[None], at.images[None], at.borders[None])[0]
+        _points, roots = self.parted(x)
+        wide, d = np.zeros((n, n)), self.P.dimension
+        wide[self.at_points, self.at_points] = -1.0
+        for j in range(self.N):
+            own, to = int(self.starts[j]), int(self.starts[(j + 1) % self.N])
+            wide[to : to + d, own : own + d + self.rooted[j]] += at.J[j][:, : d + self.rooted[j]]
+            if self.rooted[j]:
+                side = -1.0 if self.letters[j] == 0 else 1.0
+                wide[own + d, own : own + d] = side * at.across[j, 0]
+                wide[own + d, own + d] = -2.0 * roots[j]
+        return F, wide
+
+    def steps(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the derivatives (N, dim, dim) of all steps times twice their roots, those factors, and the errors."""
+        at, d = self.looked(x, p), self.P.dimension
+        _points, roots = self.parted(x)
+        twice = np.where(self.rooted, 2.0 * roots, 1.0)
+        if not self.some:
+            return at.J, twice, at.error
+        u = np.where(self.rooted[:, None], at.J[:, :, d], 0.0)
+        g = self.side[:, None] * at.across[:, 0]
+        error = np.abs(twice)[:, None, None] * at.error[:, :, :d]
+        error += np.where(self.rooted[:, None], at.error[:, :, d], 0.0)[:, :, None] * np.abs(g)[:, None, :]
+        return twice[:, None, None] * at.J[:, :, :d] + u[:, :, None] * g[:, None, :], twice, error
+
+    def turn(self, x: Floats, p: Floats) -> Floats:
+        """Return the derivative of N steps at the first point; not finite where a root is 0."""
+        steps, twice, _error = self.steps(x, p)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return product(steps / twice[:, None, None])
+
+    def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
+        """Return pd, lp and ns without the poles that they have where a root is 0, and the distances from borders."""
+        steps, twice, error = self.steps(x, p)
+        at, d = self.looked(x, p), self.P.dimension
+        middle, *ends = (self._stability(one, twice) for one in (steps, steps - error, steps + error))
+        with np.errstate(invalid="ignore"):
+            off = np.max(np.abs(np.array(ends) - middle), axis=0)
+        if self.some and d > 1:
+            middle[:2] = self._closing(x, p)
+            if d == 2:
+                middle[2] = self._turning(at, twice)
+        kinds = ("pd", "lp", "ns") if d > 1 else ("pd", "lp")
+        found = [Test(kind, value, -1, miss) for kind, value, miss in zip(kinds, middle, off.tolist(), strict=True)]
+        long, (_points, roots) = float(self.size.max()), self.parted(x)  # all in the unit of the longest coordinate
+        for j in range(self.N):
+            if self.rooted[j]:
+                found.append(Test("bcb", float(roots[j] / np.sqrt(self.units[0]) * long), j))
+                continue
+            found += [Test("bcb", float(s * at.borders[j, i] / self.units[i] * long), j) for i, s in self.sides[j]]
+        return tuple(found)
+
+    def _closing(self, x: Floats, p: Floats) -> list[float]:
+        """Return pd and lp, times the factors of all roots, without dividing by one: the derivative of the equations.
+
+        Its determinant is that of 1 - J; with the last step reversed, that of 1 + J.
+        """
+        wide = -self.defects(x, p)[1]
+        if not np.isfinite(wide).all():
+            return [np.nan, np.nan]
+        lp, d = float(np.linalg.det(wide)), self.P.dimension
+        last = int(self.starts[-2])
+        closing = wide[:d, last:].copy()
+        if self.N == 1:
+            closing[:, :d] -= np.eye(d)  # the point itself is no step
+        wide[:d, last:] -= 2.0 * closing
+        return [float(np.linalg.det(wide)), lp]
+
+    def _turning(self, at: Looked, twice: Floats) -> float:
+        """Return ns of a map of the plane, times the factors of all roots: 1 less the determinant of J."""
+        J, u, g = at.J[:, :, :2], at.J[:, :, 2], self.side[:, None] * at.across[:, 0]
+        plain = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
+        bent = g[:, 0] * (J[:, 1, 1] * u[:, 0] - J[:, 0, 1] * u[:, 1])
+        bent += g[:, 1] * (J[:, 0, 0] * u[:, 1] - J[:, 1, 0] * u[:, 0])
+        return float(np.prod(twice) - np.prod(twice * plain + np.where(self.rooted, bent, 0.0)))
+
+    def _stability(self, steps: Floats, twice: Floats) -> list[float]:
+        """Return pd, lp and ns, times the factors of all roots."""
+        if not np.isfinite(steps).all():
+            return [np.nan] * (3 if self.P.dimension > 1 else 2)
+        poles = float(np.prod(twice))
+        if self.P.dimension == 1:
+            slope_of = float(np.prod(steps[:, 0, 0]))
+            return [poles + slope_of, poles - slope_of]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            J = product(steps / twice[:, None, None])
+        if not np.isfinite(J).all():  # a root is 0: the limit from either side has no pole, see there
+            twice = np.where(twice == 0.0, EPS * self.size.max(), twice)
+            poles, J = float(np.prod(twice)), product(steps / twice[:, None, None])
+        same, roots = np.eye(len(J)), np.linalg.eigvals(J)
+        pairs = np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)])
+        return [
+            poles * float(np.linalg.det(same + J)),
+            poles * float(np.linalg.det(same - J)),
+            poles * float(pairs.real),
+        ]
+
+    def broken(self, x: Floats, p: Floats) -> str:
+        """Say nothing: the equations hold beyond all borders."""
+        return ""
+
+    def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
+        """Whether the pieces have values at orbits (k, n) with parameters (k, names), and the defects are small."""
+        right = np.isfinite(x).all(axis=1) & self._plain.allowed(p)
+        if right.any():
+            images, borders = self.ran(x[right], p[right])
+            apart = np.abs(self.missed(x[right], images, borders)) / self.scale
+            right[right] = np.isfinite(images).all(axis=(1, 2)) & (apart <= defect).all(axis=1)
+        return np.asarray(right)
+
+    def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
+        """Say what is met where a piece has no value any more: as on maps that are not by pieces."""
+        (points, _roots), (ahead, _along) = self.parted(x), self.parted(dx)
+        flat, way = points.ravel(), ahead.ravel()
+        if not self._plain.holds(flat[None], p[None])[0]:
+            return Ending("", -1, 0.0)
+        found = self._plain.ending(flat, p, way, dp, gap)
+        if found.beyond is None:
+            return found
+        other, y, q = found.beyond
+        assert isinstance(other, MapEquations)
+        new = self.like(other.letters)
+        return found._replace(beyond=(new, new.begun(y.reshape(self.N, -1), q), q))
+
+    def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, Ints]:
+        """Return the solution, begun at another point, that is nearest to another, and its order."""
+        orders = [
+            np.roll(np.arange(len(x)), -int(self.starts[k]))
+            for k in range(self.N) if self.letters[k:] + self.letters[:k] == self.letters
+        ]  # fmt: skip
+        order = min(orders, key=lambda one: float(np.abs((x[one] - like) / self.scale).max()))
+        return x[order], order
+
+    def margins(self, x: Floats, p: Floats) -> Floats:
+        """Return how far each point lies on the side of its letter, in the units of borders."""
+        at, (_points, roots) = self.looked(x, p), self.parted(x)
+        known = [min(s * at.borders[j, i] for i, s in self.sides[j]) for j in range(self.N)]
+        return np.where(self.rooted, roots * np.abs(roots), known)
+
+    def orbit(self, x: Floats, p: Floats) -> PieceOrbit:
+        """Return the orbit, admissible if every point lies on the side of its letter."""
+        at, (points, _roots) = self.looked(x, p), self.parted(x)
+        J, margins = self.turn(x, p), self.margins(x, p)
+        finite = np.isfinite(J).all()
+        roots = np.linalg.eigvals(J).astype(np.complex128) if finite else np.full(len(J), np.nan + 0j)
+        if not finite and len(J) == 1:
+            roots = J[0].astype(np.complex128)
+        last = len(self.P.letters or "") - 1  # type: ignore[arg-type]
+        own = (margins > 0.0) | ((margins == 0.0) & (self.which == last))
+        return PieceOrbit(
+            map=self._plain.map_at(p),
+            points=points,
+            word=word(self.letters, self.P.letters),
+            period=self.N,
+            multipliers=roots[np.argsort(-np.abs(roots), kind="stable")],
+            admissible=bool(own.all()),
+            condition=condition_of(J),
+            residual=float(np.abs(np.roll(at.images, 1, axis=0) - points).max()),
+            letters=self.letters,
+            margins=margins,
+        )
+
+    def across(self, x: Floats, p: Floats, where: int) -> Across | None:
+        """Return what lies beyond the border that a point is at; None where that is nothing else."""
+        at, (points, roots) = self.looked(x, p), self.parted(x)
+        i, side = min(self.sides[where], key=lambda one: abs(at.borders[where, one[0]] / self.units[one[0]]))
+        signs = at.borders[where] >= 0.0
+        signs[i] = side < 0.0
+        letter = int(np.argmin(signs)) if not signs.all() else len(signs)
+        if letter == self.letters[where]:
+            return None
+        new = self.like((*self.letters[:where], letter, *self.letters[where + 1 :]))
+        roots[where] = 0.0
+        y = new.unknowns(points, roots)
+        here, there = self.looked(self.unknowns(points, roots), p), new.looked(y, p)
+        a, b = here.images[where] / self.size, there.images[where] / self.size
+        size = np.abs(points[where] / self.size).max() + np.abs(a).max()
+        close = bool((np.abs(a - b) <= JUMP + 64.0 * EPS * (1.0 + size)).all())
+        if self.rooted[where] or new.rooted[where]:
+            return Across(new, y, close, smooth=False)
+        turn, error = np.abs(here.J[where] - there.J[where]), here.error[where] + there.error[where]
+        same = bool((turn <= TURN * (1.0 + np.abs(here.J[where])) + error).all())
+        return Across(new, y, close, smooth=close and same)
+
+
+@lru_cache(maxsize=64)
+def pattern(N: int, k: int, m: int, L: int) -> tuple[Floats, Floats, Ints]:
+    """Return in which parts of sizes the k numbers of N points and m parameters are moved, one after the other.
+
+    Returns
+    -------
+    moves : ndarray, shape (2, L, 1, k + m, k)
+        Of numbers, down and up, from far to near.
+    shifts : ndarray, shape (1 + 2 L m, m)
+        Of parameters; the first row is that of no shift.
+    which : ndarray, shape (2, L, N, k + m)
+        The row of parameters of each.
+    """
+    parts = FIRST * FINER ** -np.arange(float(L))
+    both = np.stack([-parts, parts])
+    moves, shifts = np.zeros((2, L, 1, k + m, k)), np.zeros((1 + 2 * L * m, m))
+    which = np.zeros((2, L, N, k + m), np.int64)
+    for i in range(k):
+        moves[:, :, 0, i, i] = both
+    for j in range(m):
+        first = 1 + 2 * L * j
+        shifts[first : first + 2 * L, j] = both.ravel()
+        which[..., k + j] = (first + np.arange(2 * L)).reshape(2, L, 1)
+    return moves, shifts, which
+
+
+def border_units(P: Map) -> Floats:
+    """Return the size of each border function over the box, 1 where it is nothing."""
+    corners = np.array(np.meshgrid(*P.box)).reshape(P.dimension, -1).T[:64]
+    states = np.vstack([corners, np.array(P.box).mean(axis=1)])
+    borders = np.abs(P.images()(P.packed()[1][None], 0, states, 0, 0.0)[1])
+    size = np.where(np.isfinite(borders), borders, 0.0).max(axis=0)
+    return np.where(size > 0.0, size, 1.0)
+
+
+def one_sided(P: Map) -> tuple[bool, ...]:
+    """Return which pieces have no value beyond a border of theirs, or are infinitely steep at it.
+
+    They are looked at along lines through the box from one side of the border to the other.
+    """
+    assert P.formulas is not None
+    row, images, m = P.packed()[1][None], P.images(), len(P.formulas.borders)
+    states = drawn(0, LINES, np.array(P.box), 0.0).T
+    borders = images(row, 0, states, 0, 0.0)[1]
+    found = [False] * (m + 1)
+    for i in range(m):
+        inside, outside = states[borders[:, i] < 0.0], states[borders[:, i] >= 0.0]
+        count = min(len(inside), len(outside), 4)
+        a, b = inside[:count], outside[:count]
+        for _ in range(60 if count else 0):
+            middle = 0.5 * (a + b)
+            left = (images(row, 0, middle, 0, 0.0)[1][:, i] < 0.0)[:, None]
+            a, b = np.where(left, middle, a), np.where(left, b, middle)
+        way = outside[:count] - inside[:count]
+        for k in (i, i + 1):
+            if count and not P.formulas.rooted[k]:
+                found[k] |= any(_steep(images, row, k, b, side * way) for side in (1.0, -1.0))
+    return tuple(found)
+
+
+def _steep(images: Images, row: Floats, k: int, points: Floats, way: Floats) -> bool:
+    """Whether a piece has no value next to points (n, dim) in directions, or is infinitely steep there."""
+    ahead = points + np.stack([BESIDE, 2.0 * BESIDE])[..., None, None] * way
+    values = images(row, 0, ahead.reshape(-1, points.shape[1]), k, 0.0)[0].reshape(ahead.shape)
+    if not np.isfinite(values).all():
+        return True
+    change, noise = np.abs(values[1] - values[0]).max(axis=-1), 1e3 * EPS * np.abs(values).max(axis=(0, -1))
+    with np.errstate(all="ignore"):
+        power = np.log(change[1:] / change[:-1]) / np.log(BESIDE[1:] / BESIDE[:-1])[:, None]
+    heard = (change > noise)[1:] & (change > noise)[:-1]
+    seen = [one[good][:4] for one, good in zip(power.T, heard.T, strict=True)]
+    return any(len(one) == 4 and bool((one < POWER).all()) for one in seen)
+
+
+def letters_from(P: Map, points: Floats) -> tuple[tuple[int, ...], Floats]:
+    """Return the letters of an orbit's points from their images, so that those of a virtual one are right, and roots.
+
+    Where two letters lead to the next point the map's own one is taken.
+    """
+    assert P.formulas is not None
+    row, images, after = P.packed()[1][None], P.images(), np.roll(points, -1, axis=0)
+    own = [int(P.orbit(point, 1).letters[0]) for point in points]
+    size = 1.0 + np.abs(after).max()
+    best: list[tuple[float, int, float]] = [(np.inf, k, 0.0) for k in own]
+    borders = images(row, 0, points, 0, 0.0)[1]
+    for k, rooted in enumerate(P.formulas.rooted):
+        distance = (
+            np.sqrt(np.maximum((-1.0 if k == 0 else 1.0) * borders[:, 0], 0.0)) if rooted else np.zeros(len(points))
+        )
+        for sign in (1.0, -1.0) if rooted else (1.0,):
+            found = images(row, 0, points, k, sign * distance)[0]
+            off = np.nan_to_num(np.abs(found - after).max(axis=1), nan=np.inf)
+            for j, one in enumerate(off):
+                close = one <= EQUAL * size and (best[j][0] > EQUAL * size or (k == own[j] and best[j][1] != k))
+                if close or (one < best[j][0] and best[j][0] > EQUAL * size):
+                    best[j] = float(one), k, float(sign * distance[j])
+    return tuple(one[1] for one in best), np.array([one[2] for one in best])
+
+
+def equations_of_pieces(
+    orbit: Orbit, names: tuple[str, ...], spans: Any = None
+) -> tuple[PieceEquations | MapEquations, Floats]:
+    """Return the equations that an orbit of a map by pieces solves, and its unknowns.
+
+    Where a piece of its word ends at its border after all, they are those of maps that are not by pieces, which do too.
+    """
+    P = orbit.map
+    if isinstance(orbit, PieceOrbit):
+        letters, roots = orbit.letters, np.sign(orbit.margins) * np.sqrt(np.abs(orbit.margins))
+    else:
+        letters, roots = letters_from(P, orbit.points)
+    if len(letters) != orbit.period:
+        raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
+    ends = one_sided(P)
+    if any(ends[k] for k in letters):
+        plain, x = MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
+        if plain.visited(x, np.array([P.params[name] for name in names]))[1] == letters:
+            return plain, x
+    equations = PieceEquations(P, names, letters, spans)
+    return equations, equations.unknowns(orbit.points, roots)
