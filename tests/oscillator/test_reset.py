@@ -43,6 +43,19 @@ def test_laws_keep_what_they_declare(law, v):
         assert law.slope(v, p) == pytest.approx(difference, abs=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1.0, 2.0**-30, 2.0**-100, 2.0**100])
+def test_slopes_do_not_depend_on_the_unit_of_speed(unit):
+    def kicking(v, p):
+        return cubic(v, p) + p.V
+
+    for V in (0.0, 0.4):
+        law = gz.reset(kicking, e=0.9, c=0.5 / unit, V=V * unit)
+        for v in (-3.0, -0.3, -1e-3, -1e-5):
+            assert law.slope(v * unit, parameters(law)) == pytest.approx(-0.9 / (1.0 - 0.5 * v) ** 2, rel=1e-6)
+    still = gz.reset(cubic, e=0.9, c=0.5)
+    assert still.slope(0.0, parameters(still)) == pytest.approx(-0.9)
+
+
 def test_values():
     assert gz.newton(r=0.25)(-2.0) == 0.5
     assert gz.active(r=0.25, V=1.0)(-2.0) == 1.5

@@ -22,8 +22,8 @@ from grazing.oscillator.taylor import bends, coarse, expand, impulse, rough, val
 from grazing.oscillator.workspace import HIGH, NAN, SOME, WHOSE, WIDTH, W
 
 INFINITY = float("inf")
-#: The least share of a speed that an impact and the force leave. A flight after it is what it changes of the one
-#: before: where that was much faster, its digits would be lost.
+#: The least share of a speed that an impact and the force leave. The flight after it is the one before and a change:
+#: where that one was much faster, its digits would be lost.
 LEAST_LEFT = 1e-3
 
 

@@ -69,7 +69,8 @@ def difference_of(law: Callable[..., float]) -> Callable[..., float]:
     """Return the slope of a law by differences, good to about ten digits; a law is asked for v <= 0 only."""
 
     def slope(v: float, p: Any) -> float:
-        h = 6e-6 * max(abs(v), 1e-3)
+        h = 6e-6 * max(abs(v), 1e-3 * law(v, p))  # in any unit of speed; of a kick differences have few digits
+        h = h if h > 0.0 else 6e-9
         if v + h > 0.0:
             return (3.0 * law(v, p) - 4.0 * law(v - h, p) + law(v - 2.0 * h, p)) / (2.0 * h)
         return (law(v + h, p) - law(v - h, p)) / (2.0 * h)
