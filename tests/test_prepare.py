@@ -48,6 +48,25 @@ gz.basins(P)
 gz.bifurcation_diagram(P, "a", np.linspace(0.2, 0.8, 4))
 gz.continuation(P, gz.periodic_orbits(P, 1)[0], "a", (1.0, 1.3))
 """
+SYSTEM = """
+import grazing as gz
+
+def fall(t, t0, state, p):
+    s = t - t0
+    return state[0] + (state[1] - 0.5 * s) * s, state[1] - s
+
+def gap(t, state, p):
+    return state[0] - p.low, state[1]
+
+def bound(t, w, state, p):
+    return 1.0009765625
+
+floor = gz.Surface("A", gap, bound)
+ball = gz.System(("x",), ("v",), {"low": 0.1, "r": 0.5}, fall, [floor], box=((0.5, 1.0), (-1.0, 1.0)), period=1.0)
+gz.trajectory(ball, (0.5, 0.0), until=1.0)
+P = gz.stroboscopic_map(ball)
+P.jacobian(P((0.5, 0.1))[0])
+"""
 PROGRAM = """
 import json, sys
 sys.path.insert(0, {source!r})
@@ -86,6 +105,11 @@ def test_of_a_map_of_ones_own_nothing_but_the_step_is_compiled(tmp_path):
     assert compiled_by(OWN, tmp_path)
     kept = {file.name.partition("-")[0] for file in tmp_path.iterdir()}
     assert kept == {"block", "derive"}  # a step, and its derivative
+
+
+def test_of_a_system_of_ones_own_nothing_but_the_first_contact_is_compiled(tmp_path):
+    assert compiled_by(SYSTEM, tmp_path)
+    assert [file.name.partition("-")[0] for file in tmp_path.iterdir()] == ["answer"]  # one, strict, for all of it
 
 
 def test_a_family_that_this_processor_does_not_run_is_refused(monkeypatch):

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: The parts of the package that kernels come from.
-SOURCES = ("kernel", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
+SOURCES = ("kernel", "systems", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
 
 #: Seconds after which a file that never got its name is rubbish.
 OLD = 3600.0
@@ -74,6 +74,41 @@ def formulas() -> None:
     for names, step in (("x", in_one), ("xy", in_two)):
         P = gz.Map(step, {"a": 0.5, "b": 0.3}, tuple(names), box=((-1.0, 1.0),) * len(names), escape=10.0)
         _formula(P, "a", np.linspace(0.1, 1.4, 4))  # at the last one chaotic
+
+
+def systems() -> None:
+    """Compile what is needed for systems of one's own, of one and of two positions."""
+    import numpy as np
+
+    import grazing as gz
+
+    def flight(t: float, t0: float, state: Any, p: Any) -> Any:
+        x, v = state
+        s = t - t0
+        return x + (v - 0.5 * s) * s, v - s
+
+    def gap(t: float, state: Any, p: Any) -> Any:
+        return state[0], state[1]
+
+    def two(t: float, t0: float, state: Any, p: Any) -> Any:
+        x, y, v, w = state
+        (x, v), (y, w) = flight(t, t0, (x, v), p), flight(t, t0, (y, w), p)
+        return x, y, v, w
+
+    def lower(t: float, state: Any, p: Any) -> Any:
+        return state[0] + state[1], state[2] + state[3]
+
+    def bound(t: float, w: float, state: Any, p: Any) -> float:
+        return 2.0
+
+    for names, fly, low in ((("x",), flight, gap), (("x", "y"), two, lower)):
+        floor, box = gz.Surface("A", low, bound), ((0.1, 0.5),) * (2 * len(names))
+        ball = gz.System(names, [f"v{x}" for x in names], {"r": 0.8}, fly, [floor], box, period=1.0)
+        gz.trajectory(ball, (0.5,) * len(box), until=2.0)
+        P = gz.stroboscopic_map(ball)
+        P.jacobian((0.5,) * len(box))
+        for arithmetic in ("fast", "strict"):
+            gz.orbit_diagram(P, "r", np.linspace(0.1, 0.8, 4), transient=10, arithmetic=arithmetic)
 
 
 def _formula(P: Map, name: str, values: Floats) -> None:
@@ -120,7 +155,12 @@ def _studies(m: Oscillator, name: str) -> None:
     gz.coexistence(P, name, values[:2], starts=20)
 
 
-PARTS: dict[str, Callable[[], None]] = {"one wave": one_wave, "two waves": two_waves, "formulas": formulas}
+PARTS: dict[str, Callable[[], None]] = {
+    "one wave": one_wave,
+    "two waves": two_waves,
+    "formulas": formulas,
+    "systems": systems,
+}
 
 
 def prepared(family: str = "") -> int:

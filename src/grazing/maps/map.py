@@ -128,8 +128,8 @@ class Map(ByValue):
     explain : callable, optional
         ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
     pointed : callable, optional
-        ``pointed(rows, arithmetic="strict")``: the tangent with its reset law by address, see
-        :mod:`grazing.oscillator.pointed`.
+        ``pointed(rows, arithmetic="strict")``: the tangent with its reset law or its system by address, see
+        :mod:`grazing.oscillator.pointed` and :mod:`grazing.systems.pointed`.
     describe : callable, optional
         ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
     model : Oscillator, optional
@@ -438,16 +438,15 @@ class Map(ByValue):
         kind = parameter_tuple(tuple(self.params))
         if self.block is not None:
             return self.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
-        who = f"the step of {self.name}"
-        if self.pointed is not None:  # compiled once, whatever the law; the same bits as the map's own step
-            given, who = self.pointed(rows, arithmetic), f"the reset law of {self.name}"
-            loop = runner(stepping(given.tangent), given.prepare, given.kind, self.dimension, arithmetic)
-            return step_tasks(loop, given.rows, lanes, transient, found, who, given.source)
+        who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
+        if self.pointed is not None:  # compiled once, whatever the law or system; the same bits as the map's own step
+            tangent, prepare, kind, rows, source, alone = self.pointed(rows, arithmetic)
+            who, step = f"the reset law of {self.name}", alone or stepping(tangent)
         if self._linked:
-            loop = pointed_loop(self._full_step, kind, self.dimension, arithmetic, who)
+            loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
         else:
-            loop = runner(self._full_step, self.prepare, kind, self.dimension, arithmetic)
-        return step_tasks(loop, rows, lanes, transient, found, who)
+            loop = runner(step, prepare, kind, self.dimension, arithmetic)
+        return step_tasks(loop, rows, lanes, transient, found, who, source)
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:
         """Return the Jacobian of one step, shape (dim, dim).
@@ -469,18 +468,21 @@ class Map(ByValue):
     def derivative(self, rows: Floats) -> Derived:
         """Return the derivative of the step at parameter values ``rows`` (columns, parameters), ready to compile.
 
-        That is the map's ``tangent``, compiled once for all reset laws where there is one, else central differences.
+        That is the map's ``tangent``, compiled once for all reset laws or systems where there is one, else central
+        differences.
         """
         if self.pointed is not None:
-            return self.pointed(rows)
-        known = self.tangent
-        if known is None:
-            known = differences_of(self._full_step, self.dimension, units_of(self.box))
-        flat = np.ascontiguousarray(rows)
-        kind, found = self.packed()[0], extended(known)
+            given = self.pointed(rows)
+        else:
+            known = self.tangent
+            if known is None:
+                known = differences_of(self._full_step, self.dimension, units_of(self.box))
+            flat = np.ascontiguousarray(rows)
+            given = Derived(extended(known), self.prepare, self.packed()[0], flat, flat)
         if self._linked:
-            return pointed_derivative(found, kind, self.dimension, flat, f"the step of {self.name}")
-        return Derived(found, self.prepare, kind, flat, flat)
+            who = f"the step of {self.name}"
+            return pointed_derivative(given.tangent, given.kind, self.dimension, given.rows, who)
+        return given
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
         try:
@@ -542,18 +544,18 @@ def _normalised(P: Map) -> Callable[..., Any]:
         def bare(state: Any, c: Any) -> Any:
             return step(state, c), 0, 0
 
-        return _ending(bare, escape)
+        return ending(bare, escape)
     if form == 2:
 
         def lettered(state: Any, c: Any) -> Any:
             new, letter = step(state, c)
             return new, letter, 0
 
-        return _ending(lettered, escape)
-    return _ending(step, escape)
+        return ending(lettered, escape)
+    return ending(step, escape)
 
 
-def _ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
+def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
     """Wrap a step so that an orbit ends, in NaN, beyond ``escape`` or with a fatal outcome."""
 
     def ending(state: Any, c: Any) -> Any:

@@ -11,64 +11,47 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import replaced
 from grazing.maps.hits import MANY, Hits, most_of
-from grazing.maps.map import Map
+from grazing.maps.map import Map, ending
+from grazing.oscillator.pointed import Derived
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, OK, TOO_MANY_IMPACTS
-from grazing.parameter import real
+from grazing.parameter import parameter_tuple, real
+from grazing.systems.contact import Asked, asked_of
 from grazing.systems.contract import System
-from grazing.systems.march import kernels_of, march_of
+from grazing.systems.pointed import Place, pointed_of, system_address
 from grazing.systems.saltation import derivative_of, product_of, saltation_of
-from grazing.systems.trajectory import CHATTER_IMPACTS, CHATTER_SHARE, impact_of
+from grazing.systems.trajectory import CHATTER_IMPACTS, CHATTER_SHARE
 
 #: Impacts in one period after which the step gives up by name.
 MAX_IMPACTS = 10_000
-NAN = float("nan")
+NAN, INFINITY = float("nan"), float("inf")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def constant_period(T: float) -> Callable[..., float]:
-    """Return the period as a kernel that does not depend on the parameters."""
-
-    def period(_p: Any) -> float:
-        return T
-
-    return period
-
-
 @lru_cache(maxsize=256)
-def period_of(widths: tuple[float, ...], with_tangent: bool, T: Any, *parts: Any) -> Callable[..., Any]:
-    """Return ``period(state, p) -> (state, letter, outcome, J)``: from the phase of the section to one period later."""
-    march, impact, flight = march_of(*parts), impact_of(*parts), kernels_of(*parts).flight
-    derivative, saltation = derivative_of(widths, *parts), saltation_of(widths, *parts)
-    n, walls = len(widths), (len(parts) - 3) // 4
-    product, most, base, alone = product_of(n), most_of(walls), walls + 1, walls == 1
-    duration = T if callable(T) else constant_period(T)
+def period_of(asked: Asked, n: int, with_tangent: bool) -> Callable[..., Any]:
+    """Return ``period(state, t, walls, most, widths, p) -> (state, letter, outcome, J)``: one period from t on."""
+    flight, contact, duration = asked.flight, asked.contact, asked.period
+    derivative, saltation, product = derivative_of(flight, n), saltation_of(asked, n), product_of(n)
     same, lost = tuple(float(i == j) for i in range(n) for j in range(n)), (NAN,) * (n * n)
 
-    def period(state: Any, p: Any) -> Any:
-        t, length = p.phase, 1.0 * duration(p)
+    def period(state: Any, t: float, walls: int, most: int, widths: Any, p: Any) -> Any:
+        length = duration(p)
         end, left, impacts, letter, outcome, J, counted = t + length, -1.0, 0, 0, OK, same, t
         while True:
-            j, at, flags, _broken = march(t, state, end, left, p)
-            outcome |= flags
-            if flags & FATAL:
-                break
-            if j < 0:
-                if with_tangent:
-                    J = product(derivative(end, t, state, p), J)
-                state = flight(end, t, state, p)
-                break
-            if with_tangent:
-                J = product(derivative(at, t, state, p), J)
-            before, after, _rate, _away, flags = impact(j, at, t, state, p)
+            j, at, flags, _broken, _rate, _away, before, after = contact(t, state, end, left, p)
             outcome |= flags
             if flags & FATAL:
                 break
             if with_tangent:
-                J = product(saltation(j, at, before, after, p), J)
-            impacts += 1
-            letter = base * letter + j + 1 if impacts <= most else letter
+                J = product(derivative(at, t, state, widths, p), J)
+                if j >= 0:
+                    J = product(saltation(j, at, before, after, widths, p), J)
             t, left, state = at, 1.0 * j, after
+            if j < 0:
+                break
+            impacts += 1
+            letter = (walls + 1) * letter + j + 1 if impacts <= most else letter
             if impacts % CHATTER_IMPACTS == 0:
                 if at - counted < CHATTER_SHARE * length or impacts > MAX_IMPACTS:
                     outcome |= TOO_MANY_IMPACTS
@@ -79,7 +62,7 @@ def period_of(widths: tuple[float, ...], with_tangent: bool, T: Any, *parts: Any
                 state = replaced(state, i, NAN)
         if outcome & (FATAL | GRAZE | AMBIGUOUS):
             J = lost
-        if alone:
+        if walls == 1:
             letter = impacts
         elif impacts > most:
             letter = MANY
@@ -90,11 +73,12 @@ def period_of(widths: tuple[float, ...], with_tangent: bool, T: Any, *parts: Any
 
 @lru_cache(maxsize=256)
 def step_of(widths: tuple[float, ...], T: Any, *parts: Any) -> Callable[..., Any]:
-    """Return the step of the map."""
-    period = period_of(widths, False, T, *parts)
+    """Return the step of the map, as a formula of its own."""
+    period, walls = period_of(asked_of(T, *parts), len(widths), False), (len(parts) - 3) // 4
+    most = most_of(walls)
 
     def step(state: Any, p: Any) -> Any:
-        new, letter, outcome, _J = period(state, p)
+        new, letter, outcome, _J = period(state, p.phase, walls, most, widths, p)
         return new, letter, outcome
 
     step.made_by = step_of, (widths, T, *parts)  # type: ignore[attr-defined]
@@ -103,15 +87,59 @@ def step_of(widths: tuple[float, ...], T: Any, *parts: Any) -> Callable[..., Any
 
 @lru_cache(maxsize=256)
 def tangent_of(widths: tuple[float, ...], T: Any, *parts: Any) -> Callable[..., Any]:
-    """Return the step of the map with its Jacobian."""
-    period = period_of(widths, True, T, *parts)
+    """Return the step of the map with its Jacobian, as a formula of its own."""
+    period, walls = period_of(asked_of(T, *parts), len(widths), True), (len(parts) - 3) // 4
+    most = most_of(walls)
 
     def tangent(state: Any, p: Any) -> Any:
-        new, letter, outcome, J = period(state, p)
-        return new, letter, outcome, J
+        return period(state, p.phase, walls, most, widths, p)
 
     tangent.made_by = tangent_of, (widths, T, *parts)  # type: ignore[attr-defined]
     return tangent
+
+
+#: What the map needs of any system, in front of the widths of its box.
+HEAD = (*Place._fields, "phase", "walls", "most")
+
+
+@lru_cache(maxsize=16)
+def pointed_map(n: int) -> tuple[Callable[..., Any], Callable[..., Any], type]:
+    """Return step and derivative of the map of whatever system lies at a place, and the kind of what they need."""
+    asked, zero = pointed_of(n // 2), (0.0,) * n
+    alone, both = period_of(asked, n, False), period_of(asked, n, True)
+
+    def widths_of(c: Any) -> Any:
+        found = zero
+        for i in range(n):
+            found = replaced(found, i, c[len(HEAD) + i])
+        return found
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J = alone(state, c.phase, int(c.walls), int(c.most), zero, c)
+        return new, letter, outcome
+
+    def derived(state: Any, c: Any) -> Any:
+        new, letter, outcome, J = both(state, c.phase, int(c.walls), int(c.most), widths_of(c), c)
+        return new, letter, outcome, (*J, NAN)
+
+    return ending(step, INFINITY), derived, parameter_tuple((*HEAD, *(f"width{i}" for i in range(n))))
+
+
+def pointed_system(system: System, rows: Floats, arithmetic: str = "strict") -> Derived:
+    """Return the derivative of the map at rows of its parameters, which stand in its table behind what is read."""
+    n, walls = len(system.coordinates), len(system.surfaces)
+    step, derived, kind = pointed_map(n)
+    first = len(HEAD) + n
+    table = np.empty((len(rows), first + rows.shape[1]))
+    table[:, 0], table[:, 2], table[:, 3], table[:, 4] = (
+        system_address(system, arithmetic),
+        rows[:, -1],
+        walls,
+        most_of(walls),
+    )
+    table[:, 1] = table.ctypes.data + table.strides[0] * np.arange(len(rows)) + table.itemsize * first
+    table[:, len(HEAD) : first], table[:, first:] = [high - low for low, high in system.box], rows
+    return Derived(derived, None, kind, table, table, step)
 
 
 def map_of_system(system: System, phase: float) -> Map:
@@ -130,6 +158,7 @@ def map_of_system(system: System, phase: float) -> Map:
         name=f"stroboscopic map of {system.name}",
         check=partial(_outside, system),
         exact=False,
+        pointed=partial(pointed_system, system),
         clock=partial(_passed, system),
     )
 

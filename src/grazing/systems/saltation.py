@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any
 
 from grazing.kernel.primitives import replaced
-from grazing.systems.march import kernels_of
+from grazing.systems.contact import Asked
 
 #: Share of a coordinate's width, and of the time in which a flight turns, over which differences reach.
 SHARE = 1e-3
@@ -46,12 +46,11 @@ def slope(after: float, before: float, far: float, back: float, h: float) -> flo
 
 
 @lru_cache(maxsize=256)
-def derivative_of(widths: tuple[float, ...], *parts: Any) -> Callable[..., Any]:
-    """Return ``derivative(t, t0, state, p)``: that of the flight by the state at t0, row by row."""
-    fly, n = kernels_of(*parts).flight, len(widths)
+def derivative_of(fly: Callable[..., Any], n: int) -> Callable[..., Any]:
+    """Return ``derivative(t, t0, state, widths, p)``: that of the flight by the n numbers at t0, row by row."""
     zero = (0.0,) * (n * n)
 
-    def derivative(t: float, t0: float, state: Any, p: Any) -> Any:
+    def derivative(t: float, t0: float, state: Any, widths: Any, p: Any) -> Any:
         found = zero
         for j in range(n):
             h, x = SHARE * max(widths[j], abs(state[j])), state[j]
@@ -65,10 +64,9 @@ def derivative_of(widths: tuple[float, ...], *parts: Any) -> Callable[..., Any]:
 
 
 @lru_cache(maxsize=256)
-def saltation_of(widths: tuple[float, ...], *parts: Any) -> Callable[..., Any]:
-    """Return ``saltation(j, t, before, after, p)``: of an impact with surface j, row by row; infinite where h' is 0."""
-    kernels, n = kernels_of(*parts), len(widths)
-    fly, gap, bound, law = kernels.flight, kernels.gap, kernels.bound, kernels.law
+def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
+    """Return ``saltation(j, t, before, after, widths, p)``: of an impact with surface j; infinite where h' is 0."""
+    fly, gap, bound, law = asked[:4]
     flat, zero = (0.0,) * (n * n), (0.0,) * n
 
     def flow(t: float, state: Any, s: float, p: Any) -> Any:
@@ -79,7 +77,7 @@ def saltation_of(widths: tuple[float, ...], *parts: Any) -> Callable[..., Any]:
             found = replaced(found, i, slope(a[i], b[i], c[i], d[i], s))
         return found
 
-    def saltation(j: int, t: float, before: Any, after: Any, p: Any) -> Any:
+    def saltation(j: int, t: float, before: Any, after: Any, widths: Any, p: Any) -> Any:
         speed = 0.0
         for i in range(n // 2, n):
             speed += max(widths[i], abs(before[i]))

@@ -27,9 +27,10 @@ from grazing.outcome import (
     UserCodeError,
     shown,
 )
-from grazing.parameter import parameter_tuple, parameters, real
+from grazing.parameter import parameters, real
 from grazing.systems.contract import System
-from grazing.systems.march import BOUND_BROKEN, LAW_BROKEN, kernels_of, march_of
+from grazing.systems.march import LAW_BROKEN
+from grazing.systems.pointed import Place, place_of, pointed_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,57 +51,26 @@ WORDS = (
 )  # fmt: skip
 
 
-@lru_cache(maxsize=256)
-def impact_of(*parts: Any) -> Callable[..., Any]:
-    """Return ``impact(j, t, t0, state, p) -> (before, after, rate before, rate after, flags)``: fly to t, and hit j."""
-    kernels = kernels_of(*parts)
-    flight, gap, law, rounding = kernels.flight, kernels.gap, kernels.law, kernels.rounding
-
-    def impact(j: int, t: float, t0: float, state: Any, p: Any) -> Any:
-        before = flight(t, t0, state, p)
-        h, rate = gap(j, t, before, p)
-        after, flags = law(j, t, before, p), 0
-        for x in after:
-            if not abs(x) < INFINITY:
-                flags = BAD_LAW
-        _h, left = gap(j, t, after, p)
-        _e, d = rounding(t, t0, state, before, h, rate, p)
-        if not left >= -d:
-            flags = BAD_LAW
-        return before, after, rate, left, flags
-
-    return impact
-
-
-@lru_cache(maxsize=64)
-def recorder(kind: type, *parts: Any) -> Callable[..., int]:
-    """Compile ``record(row, now, table, until, short)``: fill a table with flights up to a time, or until it is full.
+@lru_cache(maxsize=16)
+def recorder(positions: int) -> Callable[..., int]:
+    """Compile ``record(place, now, table, until, short)``: fill a table with flights up to a time, or until it is full.
 
     ``now`` holds time, surface just left, impacts, time of the last count of chatter, and the state; it is moved along.
     """
-    march, impact, flight = march_of(*parts), impact_of(*parts), kernels_of(*parts).flight
-    unpack, n = unpacker(kind), 2 * parts[0]
+    contact, unpack, n = pointed_of(positions).contact, unpacker(Place), 2 * positions
     zero = (0.0,) * n
 
-    def record(row: Any, now: Any, table: Any, until: float, short: float) -> int:
-        p, t, left, state, count = unpack(row), now[0], now[1], zero, 0
+    def record(place: Any, now: Any, table: Any, until: float, short: float) -> int:
+        p, t, left, state, count = unpack(place), now[0], now[1], zero, 0
         for i in range(n):
             state = replaced(state, i, now[4 + i])
         going = True
         while going and count < table.shape[0]:
-            j, end, flags, broken = march(t, state, until, left, p)
-            before, after, rate, away = state, state, np.nan, np.nan
-            if flags & FATAL:
-                going = False
-            elif j < 0:
-                before = flight(until, t, state, p)
-                end, after, going = until, before, False
-            else:
-                before, after, rate, away, said = impact(j, end, t, state, p)
+            j, end, flags, broken, rate, away, before, after = contact(t, state, until, left, p)
+            going = j >= 0 and not flags & FATAL
+            if rate < INFINITY:
                 now[2] += 1.0
-                if said:
-                    flags, broken, going = flags | said, BOUND_BROKEN if rate > 0.0 else LAW_BROKEN, False
-                elif int(now[2]) % CHATTER_IMPACTS == 0:
+                if going and int(now[2]) % CHATTER_IMPACTS == 0:
                     if end - now[3] < short:
                         flags, going = flags | TOO_MANY_IMPACTS, False
                     now[3] = end
@@ -118,14 +88,14 @@ def recorder(kind: type, *parts: Any) -> Callable[..., int]:
     return compiled(record)
 
 
-@lru_cache(maxsize=64)
-def sampler(kind: type, *parts: Any) -> Callable[..., None]:
-    """Compile ``sample(row, table, which, times, points)``: states at times, each on the flight of a row of a table."""
-    flight, unpack, n = kernels_of(*parts).flight, unpacker(kind), 2 * parts[0]
+@lru_cache(maxsize=16)
+def sampler(positions: int) -> Callable[..., None]:
+    """Compile ``sample(place, table, which, times, points)``: states at times, each on a flight of a table."""
+    flight, unpack, n = pointed_of(positions).flight, unpacker(Place), 2 * positions
     zero = (0.0,) * n
 
-    def sample(row: Any, table: Any, which: Any, times: Any, points: Any) -> None:
-        p = unpack(row)
+    def sample(place: Any, table: Any, which: Any, times: Any, points: Any) -> None:
+        p = unpack(place)
         for k in range(len(times)):
             one, state = table[which[k]], zero
             for i in range(n):
@@ -140,12 +110,12 @@ def sampler(kind: type, *parts: Any) -> Callable[..., None]:
 def flights_of(system: System, state: tuple[float, ...], start: float, until: float) -> Floats:
     """Return all flights of a trajectory, columns as named at the top of this file; raise for what is broken."""
     n, T = len(state), until - start if system.period is None else system.period_at(system.params)
-    kind, row = parameter_tuple(tuple(system.params)), np.array(list(system.params.values()) or [0.0])
-    record, now = recorder(kind, *system.parts), np.array([start, -1.0, 0.0, start, *state])
+    place, _source = place_of(system)
+    record, now = recorder(n // 2), np.array([start, -1.0, 0.0, start, *state])
     tables: list[Floats] = []
     while True:
         table = np.zeros((CAPACITY, HEAD + 3 * n))
-        count = call(record, row, now, table, until, CHATTER_SHARE * T, who=f"{system.name}")
+        count = call(record, place, now, table, until, CHATTER_SHARE * T, who=f"{system.name}")
         tables.append(table[:count])
         last = table[count - 1]
         flags = int(last[FLAGS])
@@ -197,8 +167,8 @@ def system_trajectory(system: System, state: ArrayLike, start: float, until: flo
         which.append(np.full(len(times[-1]), k))
     t, number = np.concatenate(times), np.concatenate(which)
     path = np.empty((len(names), len(t)))
-    kind, row = parameter_tuple(tuple(system.params)), np.array(list(system.params.values()) or [0.0])
-    call(sampler(kind, *system.parts), row, flights, number, t, path, who=f"{system.name}")
+    place, _source = place_of(system)
+    call(sampler(len(names) // 2), place, flights, number, t, path, who=f"{system.name}")
     hits = ~np.isnan(flights[:, BEFORE])
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     sure = Trust.certified if system.rounding is not None else Trust.numerical
