@@ -253,6 +253,13 @@ def test_a_number_of_threads_with_which_numba_cannot_be_imported(monkeypatch):
     assert main(["--version"]) == 0 and "NUMBA_NUM_THREADS" not in os.environ
 
 
+def test_a_full_disk_under_the_standard_output_is_named(report, capsys):
+    report.raises = OSError(28, "No space left on device")
+    assert main(["paper"]) == 1
+    said = "error: cannot write to the standard output: No space left on device; send it elsewhere.\n"
+    assert capsys.readouterr().err.endswith(said)
+
+
 def test_a_folder_that_is_gone_is_named(report, monkeypatch, capsys):
     def gone():
         raise FileNotFoundError(2, "No such file or directory")

@@ -184,6 +184,8 @@ def _guarded(tokens: list[str]) -> int:
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
+        if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EIO):  # writers name their file
+            return _fail(f"cannot write to the standard output: {error.strerror}; send it elsewhere.", FAILED)
         return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
     except MemoryError:
         return _fail(
