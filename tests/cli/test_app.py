@@ -248,9 +248,10 @@ def test_a_terminal_that_says_how_narrow_it_is(monkeypatch):
     assert main(["--version"]) == 0 and os.environ["COLUMNS"] == "20"
 
 
-def test_a_number_of_threads_with_which_numba_cannot_be_imported(monkeypatch):
-    monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
-    assert main(["--version"]) == 0 and "NUMBA_NUM_THREADS" not in os.environ
+@pytest.mark.parametrize("name", ["NUMBA_NUM_THREADS", "ZARR_ARRAY__ORDER", "ZARR_THREADING__MAX_WORKERS"])
+def test_a_setting_with_which_another_package_cannot_work_is_not_passed_on(name, monkeypatch):
+    monkeypatch.setenv(name, "0")
+    assert main(["--version"]) == 0 and name not in os.environ
 
 
 def test_a_full_disk_under_the_standard_output_is_named(report, capsys):

@@ -211,7 +211,9 @@ def _prepare_environment() -> None:
     stamp = os.environ.get("SOURCE_DATE_EPOCH", "0")
     if not (stamp.isascii() and stamp.isdigit() and len(stamp) < 12):
         raise InputError(f"SOURCE_DATE_EPOCH = {shown(stamp)}; give a whole number of seconds, or unset it")
-    os.environ.pop("NUMBA_NUM_THREADS", None)  # with 0 it cannot be imported, and none of its threads are used
+    # With 0 threads numba cannot be imported, and none are used. A store is the same whatever is preferred of others.
+    for name in [name for name in os.environ if name == "NUMBA_NUM_THREADS" or name.startswith("ZARR_")]:
+        del os.environ[name]
     wide = _columns()
     if wide and not NARROW <= wide <= WIDE:
         os.environ["COLUMNS"] = str(min(max(wide, NARROW), WIDE))
