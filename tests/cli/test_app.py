@@ -288,5 +288,5 @@ def test_a_configuration_of_somebody_else_is_blamed_on_it(report, capsys):
 
 
 def test_a_warning_with_a_traceback_in_it_is_one_line(capsys):
-    _once()("Environment variable 'NUMBA_OPT' could not be parsed.\nTraceback (most recent call last):\n  File")
+    _once()("Environment variable 'NUMBA_OPT'\ncould not be parsed.\nTraceback (most recent call last):\n  File")
     assert capsys.readouterr().err == "warning: Environment variable 'NUMBA_OPT' could not be parsed.\n"

@@ -283,7 +283,7 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
 def _once() -> Callable[..., None]:
     """Return what writes a warning as one line; of those that differ in their numbers alone, the first of a command.
 
-    Of a library's with a traceback in it the first line says what there is to say.
+    A library's may have a traceback in it: what comes before says what there is to say.
     """
     told: set[str] = set()
 
@@ -291,6 +291,7 @@ def _once() -> Callable[..., None]:
         kind = _NUMBER.sub("", str(message))
         if kind not in told:
             told.add(kind)
-            print(f"warning: {streams.printable(in_one_line(message))}", file=sys.stderr)
+            said = " ".join(str(message).partition("\nTraceback")[0].splitlines())
+            print(f"warning: {streams.printable(said)}", file=sys.stderr)
 
     return show
