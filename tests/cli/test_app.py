@@ -248,9 +248,17 @@ def test_a_terminal_that_says_how_narrow_it_is(monkeypatch):
     assert main(["--version"]) == 0 and os.environ["COLUMNS"] == "20"
 
 
-def test_a_number_of_threads_with_which_numba_cannot_be_imported(monkeypatch):
-    monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
-    assert main(["--version"]) == 0 and "NUMBA_NUM_THREADS" not in os.environ
+@pytest.mark.parametrize("name", ["NUMBA_NUM_THREADS", "ZARR_ARRAY__ORDER", "ZARR_THREADING__MAX_WORKERS"])
+def test_a_setting_with_which_another_package_cannot_work_is_not_passed_on(name, monkeypatch):
+    monkeypatch.setenv(name, "0")
+    assert main(["--version"]) == 0 and name not in os.environ
+
+
+def test_a_full_disk_under_the_standard_output_is_named(report, capsys):
+    report.raises = OSError(28, "No space left on device")
+    assert main(["paper"]) == 1
+    said = "error: cannot write to the standard output: No space left on device; send it elsewhere.\n"
+    assert capsys.readouterr().err.endswith(said)
 
 
 def test_a_folder_that_is_gone_is_named(report, monkeypatch, capsys):
@@ -280,5 +288,5 @@ def test_a_configuration_of_somebody_else_is_blamed_on_it(report, capsys):
 
 
 def test_a_warning_with_a_traceback_in_it_is_one_line(capsys):
-    _once()("Environment variable 'NUMBA_OPT' could not be parsed.\nTraceback (most recent call last):\n  File")
+    _once()("Environment variable 'NUMBA_OPT'\ncould not be parsed.\nTraceback (most recent call last):\n  File")
     assert capsys.readouterr().err == "warning: Environment variable 'NUMBA_OPT' could not be parsed.\n"

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 import grazing as gz
+from grazing.cli import main, streams
 
 #: What may be refused, and what must work, also all of it at once.
 REFUSED = {"SOURCE_DATE_EPOCH": ("abc", "-1", "1" * 30), "MPLBACKEND": ("nonsense", "module://theirs")}
@@ -56,3 +57,30 @@ def test_no_file_takes_the_place_of_a_closed_stream(tmp_path):
     command = f"exec {sys.executable} {tmp_path}/say.py {tmp_path}/said <&- >&- 2>&-"
     subprocess.run(["sh", "-c", command], timeout=60, check=False)
     assert (tmp_path / "said").read_text() == f"{['/dev/null'] * 3}\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a Linux device")
+@pytest.mark.parametrize("there", ["/dev/full", "a pipe that nobody reads"])
+def test_what_is_said_beside_the_result_may_be_lost(there, monkeypatch):
+    """Progress on a full disk ended a computation with exit code 1, and to a reader that left with 0."""
+    if there == "/dev/full":
+        number = os.open(there, os.O_WRONLY)
+    else:
+        reader, number = os.pipe()
+        os.close(reader)
+    with open(number, "w", encoding="utf-8", buffering=1) as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        monkeypatch.setattr(sys, "__stderr__", stream)
+        with streams.prepared():
+            print("progress", file=sys.stderr, flush=True)
+            assert (sys.stderr.fileno(), sys.stderr.isatty(), sys.stderr.encoding) == (number, False, "utf-8")
+        assert sys.stderr is stream
+        assert main(["info", "none"]) == 2
+
+
+def test_what_is_said_arrives(tmp_path, monkeypatch):
+    with open(tmp_path / "said", "w", encoding="ascii") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        monkeypatch.setattr(sys, "__stderr__", stream)
+        assert main(["info", "\u03bb"]) == 2
+    assert (tmp_path / "said").read_text() == "error: there is no file \\u03bb\n"

@@ -184,6 +184,8 @@ def _guarded(tokens: list[str]) -> int:
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
+        if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EIO):  # writers name their file
+            return _fail(f"cannot write to the standard output: {error.strerror}; send it elsewhere.", FAILED)
         return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
     except MemoryError:
         return _fail(
@@ -209,7 +211,9 @@ def _prepare_environment() -> None:
     stamp = os.environ.get("SOURCE_DATE_EPOCH", "0")
     if not (stamp.isascii() and stamp.isdigit() and len(stamp) < 12):
         raise InputError(f"SOURCE_DATE_EPOCH = {shown(stamp)}; give a whole number of seconds, or unset it")
-    os.environ.pop("NUMBA_NUM_THREADS", None)  # with 0 it cannot be imported, and none of its threads are used
+    # With 0 threads numba cannot be imported, and none are used. A store is the same whatever is preferred of others.
+    for name in [name for name in os.environ if name == "NUMBA_NUM_THREADS" or name.startswith("ZARR_")]:
+        del os.environ[name]
     wide = _columns()
     if wide and not NARROW <= wide <= WIDE:
         os.environ["COLUMNS"] = str(min(max(wide, NARROW), WIDE))
@@ -279,7 +283,7 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
 def _once() -> Callable[..., None]:
     """Return what writes a warning as one line; of those that differ in their numbers alone, the first of a command.
 
-    Of a library's with a traceback in it the first line says what there is to say.
+    A library's may have a traceback in it: what comes before says what there is to say.
     """
     told: set[str] = set()
 
@@ -287,6 +291,7 @@ def _once() -> Callable[..., None]:
         kind = _NUMBER.sub("", str(message))
         if kind not in told:
             told.add(kind)
-            print(f"warning: {streams.printable(in_one_line(message))}", file=sys.stderr)
+            said = " ".join(str(message).partition("\nTraceback")[0].splitlines())
+            print(f"warning: {streams.printable(said)}", file=sys.stderr)
 
     return show

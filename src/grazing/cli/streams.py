@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TextIO
+from contextlib import contextmanager, suppress
+from typing import Any, TextIO
 
 
 @contextmanager
@@ -26,12 +27,44 @@ def prepared() -> Iterator[None]:
             setattr(sys, name, stream)
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+            if stream is sys.__stderr__ and isinstance(stream, io.TextIOWrapper):
+                stream.flush()
+                sys.stderr = io.TextIOWrapper(
+                    _Said(stream.fileno()), stream.encoding, "backslashreplace", write_through=True
+                )
     try:
         yield
     finally:
         sys.stdout, sys.stderr = before
         for stream in opened:
             stream.close()
+
+
+class _Said(io.RawIOBase):
+    """What a command says beside its result: on a full disk, or to a reader that left, it is lost, and no more."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def write(self, content: Any) -> int:
+        """Write all that can be written."""
+        left = memoryview(content)
+        with suppress(OSError):
+            while left:
+                left = left[os.write(self._number, left) :]
+        return len(content)
+
+    def writable(self) -> bool:
+        """Say that it can be written to."""
+        return True
+
+    def fileno(self) -> int:
+        """Return the number of the stream."""
+        return self._number
+
+    def isatty(self) -> bool:
+        """Say whether it is a terminal."""
+        return os.isatty(self._number)
 
 
 def printable(text: str, newlines: bool = True) -> str:
