@@ -109,3 +109,31 @@ def test_a_step_of_no_module_is_compiled():
         0.3,
         3.2 * 0.3 * (1.0 - 0.3),
     ]
+
+
+def test_what_is_raised_on_the_way_ends_the_work_with_its_line(capfd):
+    """A step and a law are called by address: what they raised was printed, and their place taken by nothing."""
+
+    def step(state, p):
+        (x,) = state
+        if x > 0.9:
+            raise ValueError("too far")
+        return (p.a * x * (1.0 - x),)
+
+    def law(v, p):
+        if -3.3 < v < -3.0:
+            raise ValueError("too fast")
+        return -0.5 * v
+
+    P = gz.Map(step, params={"a": 3.99}, coordinates=("x",), box=((0.05, 0.6),))
+    ball = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(2.8), reset=gz.reset(law))
+    for ask, line in (
+        (lambda: P.orbit((0.3,), 20), "ValueError: too far, in line"),
+        (lambda: gz.lyapunov(P, "a", [3.99]), "ValueError: too far, in line"),
+        (lambda: gz.periodic_orbits(P, 2), "ValueError: too far, in line"),
+        (lambda: gz.trajectory(ball, (0.001, -3.1), until=1.0), "ValueError: too fast, in line"),
+        (lambda: gz.stroboscopic_map(ball).orbit((0.001, -3.1), 1), "ValueError: too fast, in line"),
+    ):
+        with pytest.raises(gz.UserCodeError, match=line):
+            ask()
+    assert capfd.readouterr() == ("", "")

@@ -20,9 +20,9 @@ from typing import Any
 from grazing.kernel.content import Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
-from grazing.kernel.primitives import pointed
+from grazing.kernel.primitives import pointed, signatures
 from grazing.kernel.wide import forms, plain
-from grazing.outcome import InputError, UserCodeError
+from grazing.outcome import GrazingError, InputError, UserCodeError, told
 
 #: strict: no contraction, so the same bits everywhere. fast: a*b + c may become one fused operation.
 FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
@@ -104,22 +104,12 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     if jit_disabled():
         pointed.append(function)
         return float(len(pointed) - 1)
-    from numba import types
-
-    number, count, numbers = types.float64, types.int64, types.CPointer(types.float64)
-    integers = types.CPointer(count)
-    kinds = {
-        "value": (number, numbers),
-        "sweep": (numbers, numbers, count, integers, count),
-        "block": (numbers, integers, count, count),
-        "derivative": (numbers, numbers, numbers, integers),
-    }
-    wanted = kinds[signature]
+    wanted = signatures()[signature].args
     entry: Any = compiled(function, arithmetic)
     with _lock:
         call(entry.compile, wanted, who=who)
         code = entry.overloads[wanted]
-    return float(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+    return float(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
 
 @contextmanager
@@ -135,14 +125,16 @@ def compiler_time() -> Iterator[Callable[[], float]]:
 
 
 def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
-    """Call a compiled kernel; a compilation error becomes one sentence that names the construct."""
+    """Call a compiled kernel; an error of the compiler, or of a user's function, becomes one sentence."""
     if jit_disabled():
         return entry(*args)
     try:
         return entry(*args)
+    except (GrazingError, MemoryError):
+        raise
     except Exception as error:
         if not type(error).__module__.startswith("numba."):
-            raise
+            raise UserCodeError(f"{who} raised {told(error)}; let it return nan where it has no value") from error
         raise UserCodeError(f"{who} does not compile: {_first_sentence(error)}") from None
 
 
@@ -164,9 +156,9 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
     # kernels must never share a name, whatever process compiled them.
     resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
+    # no C ever calls a kernel, and none but an entry Python: skipping the wrappers halves the compile time
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
-    if role != "entry":  # no Python ever calls it: skipping the wrappers halves the compile time
-        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": role != "entry"}
     if getattr(function, "inlined", False):
         options["forceinline"] = True
     way: dict[str, Any] = {}

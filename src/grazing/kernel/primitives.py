@@ -117,6 +117,20 @@ def compiled_form(primitive: Callable[..., Any]) -> Callable[[Callable[..., Any]
     return register
 
 
+def signatures() -> dict[str, Any]:
+    """Return the types of functions that are called by address, see :func:`grazing.kernel.compile.address`."""
+    from numba import types
+
+    number, count, numbers = types.float64, types.int64, types.CPointer(types.float64)
+    integers = types.CPointer(count)
+    return {
+        "value": number(number, numbers),
+        "sweep": types.none(numbers, numbers, count, integers, count),
+        "block": types.none(numbers, integers, count, count),
+        "derivative": types.none(numbers, numbers, numbers, integers),
+    }
+
+
 def register() -> None:
     """Write down the compiled form of each primitive; numba is imported for it."""
     from llvmlite import ir
@@ -152,21 +166,29 @@ def register() -> None:
     def code_at(builder: Any, address: Any, kind: Any) -> Any:
         return builder.inttoptr(builder.fptosi(address, ir.IntType(64)), kind)
 
-    number, pointer, count = ir.DoubleType(), ir.DoubleType().as_pointer(), ir.IntType(64)
+    def at_address(context: Any, builder: Any, where: Any, signature: Any, args: Any) -> Any:
+        """Call a compiled function by its address; what it raises, the caller raises too."""
+        way = context.call_conv
+        function = code_at(builder, where, way.get_function_type(signature.return_type, signature.args).as_pointer())
+        status, found = way.call_function(builder, function, signature.return_type, signature.args, args)
+        with builder.if_then(status.is_error, likely=False):
+            way.return_status_propagate(builder, status)
+        return found
+
+    pointer = ir.DoubleType().as_pointer()
+    takes = signatures()
 
     @compiled_form(called)
     def call_one(_context: Any, function: Any, v: Any, row: Any) -> Any:
-        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(number, [number, pointer]).as_pointer()
-            return builder.call(code_at(builder, args[0], kind), [args[1], code_at(builder, args[2], pointer)])
+        def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            return at_address(ctx, builder, args[0], takes["value"], [args[1], code_at(builder, args[2], pointer)])
 
         return types.float64(types.float64, types.float64, types.float64), code
 
     @compiled_form(called_for_all)
     def call_all(_context: Any, function: Any, work: Any, tables: Any, room: Any, runs: Any, many: Any) -> Any:
         def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, count, count.as_pointer(), count]).as_pointer()
-            builder.call(code_at(builder, args[0], kind), args[1:])
+            at_address(ctx, builder, args[0], takes["sweep"], args[1:])
             return ctx.get_dummy_value()
 
         return types.void(types.float64, work, tables, types.int64, runs, types.int64), code
@@ -174,8 +196,7 @@ def register() -> None:
     @compiled_form(advanced_at)
     def call_block(_context: Any, function: Any, x: Any, said: Any, width: Any, steps: Any) -> Any:
         def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            kind = ir.FunctionType(ir.VoidType(), [pointer, count.as_pointer(), count, count]).as_pointer()
-            builder.call(code_at(builder, args[0], kind), args[1:])
+            at_address(ctx, builder, args[0], takes["block"], args[1:])
             return ctx.get_dummy_value()
 
         return types.void(types.float64, x, said, types.int64, types.int64), code
@@ -185,14 +206,14 @@ def register() -> None:
         pair = types.UniTuple(types.int64, 2)
 
         def code(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-            void = ir.FunctionType(ir.VoidType(), [pointer, pointer, pointer, count.as_pointer()])
+            number, count = ir.DoubleType(), ir.IntType(64)
             kinds = ir.ArrayType(number, state.count), ir.ArrayType(number, blank.count), ir.ArrayType(count, 2)
             with builder.goto_entry_block():
                 before, found, said = (builder.alloca(kind) for kind in kinds)
             builder.store(args[1], before)
             heads = [builder.bitcast(each, pointer) for each in (before, found)]
             given = heads[0], code_at(builder, args[2], pointer), heads[1], builder.bitcast(said, count.as_pointer())
-            builder.call(code_at(builder, args[0], void.as_pointer()), given)
+            at_address(ctx, builder, args[0], takes["derivative"], given)
             return ctx.make_tuple(builder, signature.return_type, [builder.load(found), builder.load(said)])
 
         return types.Tuple((blank, pair))(types.float64, state, types.float64, blank), code

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from itertools import product
 from math import sqrt
@@ -359,7 +360,8 @@ class Images:
         table, first = np.ascontiguousarray(rows, np.float64), 0
         while first < n:
             at = slice(first, n)
-            call(compiled(_at_once), self._code, work[at], table, runs[at], who=f"a piece of {self.P.name}")
+            with suppress(UserCodeError):
+                call(compiled(_at_once), self._code, work[at], table, runs[at], who=f"a piece of {self.P.name}")
             if runs[-1] == DONE:
                 break
             first += int(np.argmax(runs[at] != DONE))  # here one has raised: it has no value

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import compiled, width
+from grazing.kernel.compile import call, compiled, width
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import behind, called_for_all, inlined, numbers
 from grazing.kernel.vectors import combined, made_whole, repeated
@@ -428,7 +428,7 @@ def ensemble_tasks(
                     *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
                 )  # fmt: skip
                 before = perf_counter()
-                entry(flat, strike, job, *space, lanes, *found)
+                call(entry, flat, strike, job, *space, lanes, *found, who=f"the reset law {law.name}")
                 spent = perf_counter() - before
                 yield
             pace[0] = paced(blocks, spent)
