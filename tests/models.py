@@ -10,6 +10,9 @@ def cubic(v, p):
 
 
 THREE = gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25))
+#: Kernels are compiled for a number of harmonics; those for two are prepared.
+TWO = gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, -0.3), sin=(0.1, 0.25))
+TWO_HARMONICS = gz.Oscillator(alpha=0.5, k=1.3, forcing=TWO, sigma=-0.3, reset=gz.newton(r=0.7))
 
 MODELS = {
     "standard": gz.pinball(),

@@ -31,6 +31,10 @@ orbits = gz.periodic_orbits(P, range(1, 5))
 gz.continuation(P, orbits[0], "d", (0.0, 0.16))
 gz.trajectory(m, (0.1, 0.0))
 gz.impact_map(m).orbit((0.0, 0.5), 50)
+walls = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.7))
+two = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=walls)
+gz.trajectory(two, (0.1, 0.0))
+gz.orbit_diagram(gz.stroboscopic_map(two), "offset", [0.0, 0.1], starts=2, transient=10)
 """
 OWN = """
 import numpy as np

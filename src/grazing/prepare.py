@@ -58,6 +58,24 @@ def two_waves() -> None:
     _studies(gz.Oscillator(alpha=3, k=1, forcing=forcing, reset=gz.newton(0.8)), "offset")
 
 
+def walls() -> None:
+    """Compile for two walls and a force of one harmonic."""
+    import numpy as np
+
+    import grazing as gz
+
+    pair = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.7))
+    m: Oscillator = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=pair)  # type: ignore[call-arg]
+    gz.trajectory(m, (0.1, 0.0))
+    P = gz.stroboscopic_map(m)
+    P.orbit((0.1, 0.0), 60)
+    for arithmetic in ("fast", "strict"):
+        gz.orbit_diagram(P, "offset", np.linspace(0.0, 0.1, 3), starts=4, transient=10, arithmetic=arithmetic)
+    gz.lyapunov(P, transient=20)
+    orbits = gz.periodic_orbits(P, 1, starts=20)
+    gz.continuation(P, orbits[0], "offset", (0.0, 0.01))
+
+
 def formulas() -> None:
     """Compile what is needed for maps that are formulas: the gap map of the paper, and maps of one's own."""
     import numpy as np
@@ -158,6 +176,7 @@ def _studies(m: Oscillator, name: str) -> None:
 PARTS: dict[str, Callable[[], None]] = {
     "one wave": one_wave,
     "two waves": two_waves,
+    "walls": walls,
     "formulas": formulas,
     "systems": systems,
 }

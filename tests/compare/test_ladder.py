@@ -12,17 +12,17 @@ from grazing.outcome import InputError, OutsideForm
 from tests.models import packed
 
 S = gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4)
-THREE = gz.Forcing(omega=1.9, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25))
+TWO = gz.Forcing(omega=1.9, t0=0.4, offset=0.2, cos=(1.0, -0.2), sin=(0.1, 0.1))
 CASES = {
     "standard": (S, "d", range(2, 9)),
     "passive": (S.replace(V=0.0), "d", range(2, 8)),
     "omega": (gz.pinball(V=0.4, sigma=0.05, d=0.17, t0=0.3), "omega", range(4, 9)),
-    "three harmonics": (
-        gz.Oscillator(2.5, 1.1, THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)),
+    "two harmonics": (
+        gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)),
         "offset",
         range(2, 6),
     ),
-    "three, passive": (gz.Oscillator(2.5, 1.1, THREE, sigma=-0.3, reset=gz.newton(r=0.7)), "offset", range(2, 6)),
+    "two, passive": (gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.newton(r=0.7)), "offset", range(2, 6)),
 }
 KNOWN = {}
 
@@ -95,7 +95,7 @@ def multiplier(P, N, state):
     return np.linalg.eigvals(J), letters, np.array(state)
 
 
-@pytest.mark.parametrize("name", ["standard", "passive", "three harmonics"])
+@pytest.mark.parametrize("name", ["standard", "passive", "two harmonics"])
 @pytest.mark.parametrize("rung", ["linearised", "lowest", "full", "corrected"])
 def test_edges_are_those_of_the_map(name, rung):
     """Settled orbits of the map inside the window: at one end the multiplier is -1, at the other a point is at 0."""

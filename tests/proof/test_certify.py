@@ -11,7 +11,7 @@ from grazing.orbits.signature import flown
 from grazing.orbits.windows import windows
 from grazing.proof.certify import certify
 from grazing.proof.check import check_certificate
-from tests.models import MODELS, THREE, cubic
+from tests.models import MODELS, THREE, TWO_HARMONICS, cubic
 from tests.proof.orbits import attractor, closed, doubled, without_impacts
 
 PINBALL = gz.pinball(V=0.4)
@@ -76,7 +76,7 @@ OWN = gz.Oscillator(
         (MODELS["passive"], 2, 1, None),
         (MODELS["critical"], 1, 1, None),
         (MODELS["under-damped"], 2, 4, None),
-        (MODELS["three harmonics"], 1, 1, None),
+        (TWO_HARMONICS, 1, 1, None),
         (MODELS["stick"], 2, 1, None),  # leaves the wall at rest, lifted by the force
         (MODELS["trigger"], 2, 3, None),
         (K0, 2, 1, None),

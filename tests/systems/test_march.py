@@ -8,10 +8,9 @@ import grazing as gz
 from grazing.outcome import AMBIGUOUS, BAD_LAW
 from grazing.parameter import parameters
 from grazing.systems.precise import balls, digits, in_balls, middle
-from tests.systems.balls import billiard, bouncing, parabola, table, table_bound
+from tests.systems.balls import billiard, bouncing, parabola, table, table_bound, turn
 from tests.systems.models import oscillator, period
 
-NAN = float("nan")
 DEPTHS = [10.0**-k for k in (4, 6, 8, 10, 11, 12)]
 KINDS = {
     "under": {},
@@ -93,59 +92,52 @@ def test_a_law_is_not_asked_while_the_surface_is_left():
             assert (flown.v_minus.values < 0.0).all() and flown.u.values.min() > -0.2 - 1e-12
 
 
-def test_nothing_is_lost_where_the_bound_is_a_thousand_times_too_large():
-    def wide(t, w, state, p):
-        return 1000.0 * table_bound(t, w, state, p)
+def promised(t, w, state, p):
+    """A bound whose promise the parameters spoil: too large, too small, or none below some velocity."""
+    if state[1] > p.until:
+        return p.much * table_bound(t, w, state, p) + p.more
+    return p.lost + (p.huge * p.huge - p.huge * p.huge)  # no number where infinity is taken from infinity
 
-    usual = bouncing(A=0.3, r=0.6)
-    wide_one = gz.System(("x",), ("v",), usual.params, parabola, [gz.Surface("A", table, wide)], usual.box, turn_of)
+
+def errors(t, t0, state, p):
+    """Errors that are no longer any after some time."""
+    if t < t0 + 0.1:
+        return 1e-15, 1e-15
+    return p.lost, 1e-15 + (p.huge * p.huge - p.huge * p.huge)
+
+
+KEPT = {"much": 1.0, "more": 0.0, "until": -9.0, "lost": 0.0, "huge": 0.0}
+SPOILT = {
+    name: gz.System(
+        ("x",), ("v",), bouncing().params | KEPT, parabola,
+        [gz.Surface("A", table, bound)], bouncing().box, turn, rounding,
+    )
+    for name, bound, rounding in (("bound", promised, None), ("errors", table_bound, errors))
+}  # fmt: skip
+
+
+def test_nothing_is_lost_where_the_bound_is_a_thousand_times_too_large():
+    usual, wide = bouncing(A=0.3, r=0.6), SPOILT["bound"].replace(A=0.3, r=0.6, much=1000.0)
     for start in ((0.5, 0.0), (0.4, 1.0), (0.31, -0.2)):
-        a, b = (gz.trajectory(one, start, until=6.0, samples=2).impact_time.values for one in (usual, wide_one))
+        a, b = (gz.trajectory(one, start, until=6.0, samples=2).impact_time.values for one in (usual, wide))
         np.testing.assert_allclose(a, b, atol=1e-12)
 
 
-def turn_of(p):
-    return 6.283185307179586 / p.omega
-
-
 def test_a_bound_that_is_too_small_is_noticed_where_it_is_contradicted():
-    def small(t, w, state, p):
-        return 1e-3
-
-    wrong = gz.System(
-        ("x",), ("v",), bouncing().params, parabola, [gz.Surface("A", table, small)], ((0.2, 0.4), (-0.5, 0.5))
-    )
+    wrong = SPOILT["bound"].replace(much=0.0, more=1e-3)
     for start, until in (((0.3, 0.5), 1.7), ((0.3, -0.1), 4.0)):
         with pytest.raises(gz.UserCodeError, match="the bound of surface A is too small or negative, or its gap"):
             gz.trajectory(wrong, start, until=until)
 
 
-def negative(t, w, state, p):
-    return table_bound(t, w, state, p) if state[1] > -0.2 else -1.0
-
-
-def no_number(t, w, state, p):
-    return table_bound(t, w, state, p) if state[1] > -0.2 else NAN
-
-
-def less_than_nothing(t, t0, state, p):
-    return (1e-15 if t < t0 + 0.1 else -1e-9), 1e-15
-
-
-def nothing_sensible(t, t0, state, p):
-    return 1e-15, (1e-15 if t < t0 + 0.1 else NAN)
-
-
 @pytest.mark.parametrize(
-    ("bound", "rounding"),
-    [(negative, None), (no_number, None), (table_bound, less_than_nothing), (table_bound, nothing_sensible)],
+    ("what", "lost", "huge"),
+    [("bound", -1.0, 0.0), ("bound", 0.0, 1e200), ("errors", -1e-9, 0.0), ("errors", 1e-15, 1e200)],
+    ids=["negative bound", "bound that is no number", "negative error", "error that is no number"],
 )
-def test_promises_that_become_none_on_the_way_prove_nothing(bound, rounding):
+def test_promises_that_become_none_on_the_way_prove_nothing(what, lost, huge):
     """Where a system is made they are what they should be, and are asked once."""
-    usual = bouncing()
-    wrong = gz.System(
-        ("x",), ("v",), usual.params, parabola, [gz.Surface("A", table, bound)], usual.box, turn_of, rounding
-    )
+    wrong = SPOILT[what].replace(until=-0.2, lost=lost, huge=huge)
     with pytest.raises(
         gz.UserCodeError, match="the bound of surface A is too small or negative, or its gap, the round"
     ):
