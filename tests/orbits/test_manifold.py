@@ -477,6 +477,8 @@ def test_what_is_no_saddle_is_refused():
         manifolds(P)
     with pytest.raises(gz.InputError, match="allowed are 'unstable' and 'stable'"):
         manifolds(stable, "both")
+    with pytest.raises(gz.InputError, match="allowed are 'unstable' and 'stable'"):
+        manifolds(stable, np.array([None, 1.0]))
     with pytest.raises(gz.InputError, match="allowed is a number > 0"):
         manifolds(stable, length=0.0)
     with pytest.raises(gz.InputError, match="spacing"):

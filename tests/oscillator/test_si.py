@@ -202,3 +202,19 @@ def test_a_result_of_a_shaken_rig_is_made_again_by_its_command():
     assert "--base moves=both,displacement=-0.0003" in command_of(recipe)
     again = result_of(recipe)
     assert (again.u.values == found.u.values).all() and again.attrs["base"] == found.attrs["base"]
+
+
+def test_what_is_no_parameter_of_the_model_is_said_before_its_units():
+    rig = gz.Oscillator.from_si(**RIG)  # its stop is above
+    for changes, said in (
+        ({"gap": "1 mm"}, "That is sigma = -gap here"),
+        ({"frequency": "16 Hz"}, "That is omega, in rad/s or with units, such as '14 Hz', here"),
+        (
+            {"k": "3.2 kN/m"},
+            r"a quantity such as '1 rad/s'. That is the natural frequency sqrt\(k/m\), and no stiffness",
+        ),
+    ):
+        with pytest.raises(gz.InputError, match=said):
+            rig.replace(**changes)
+    with pytest.raises(gz.InputError, match=r"u = -0\.002, sigma = -0\.0012; start with u >= sigma; here u is -x"):
+        gz.trajectory(rig, (-0.002, 0.0))

@@ -264,7 +264,11 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     if states:
         missing = [name for name in coordinates if name not in states]
         if missing:
-            problems.append(Problem((), f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}"))
+            turned = (
+                "; of a rig u is x, and -x where the stop is above" if "si" in given.mapping and "u" in missing else ""
+            )
+            said = f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}{turned}"
+            problems.append(Problem((), said))
         put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
     return problems
 

@@ -87,7 +87,7 @@ def checked_saddle(orbit: Any, side: str) -> Saddle:
     """Return one side of a saddle, or refuse what is none."""
     if not isinstance(orbit, Orbit):
         raise InputError(f"orbit is {shown(orbit)}; give a gz.Orbit, such as gz.one_impact_orbits(model, N) returns")
-    if side not in SIDES:
+    if not isinstance(side, str) or side not in SIDES:
         raise InputError(f"side is {shown(side)}; allowed are 'unstable' and 'stable'")
     P = orbit.map
     if P.dimension != 2:

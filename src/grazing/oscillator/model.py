@@ -290,7 +290,8 @@ class Oscillator:
         **changes : float or pint.Quantity
             Names of :attr:`params`.
         """
-        given = {name: magnitude(value, self.describe(name).units, name) for name, value in changes.items()}
+        updated(self.params, dict.fromkeys(changes, 0.0), "the model")  # names before units, which others have not
+        given = {name: self._number(name, value) for name, value in changes.items()}
         new = updated(self.params, given, "the model")
         if self.base is not None:
             refuse_out_of_range(new["omega"])  # before forces are divided by its square
@@ -310,6 +311,15 @@ class Oscillator:
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
         kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base", "stop")}
         return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
+
+    def _number(self, name: str, value: Any) -> Any:
+        """Return what a parameter is changed to, in its units."""
+        try:
+            return magnitude(value, self.describe(name).units, name)
+        except InputError as error:
+            if name == "k" and self.stop is not None:
+                raise InputError(f"{error}. That is the natural frequency sqrt(k/m), and no stiffness, here") from None
+            raise
 
     def __repr__(self) -> str:
         values = listed(f"{name}={value:g}" for name, value in self._flight_params().items())

@@ -207,7 +207,10 @@ def two_numbers(state: ArrayLike) -> tuple[float, float]:
 def refuse_inside(u: float, model: Oscillator) -> None:
     """Raise InputError for a ball inside the wall."""
     if u < model.sigma:
-        raise InputError(f"the ball starts inside the wall: u = {u:g}, sigma = {model.sigma:g}; start with u >= sigma")
+        above = "; here u is -x, as the stop is above" if model.stop == "above" else ""
+        raise InputError(
+            f"the ball starts inside the wall: u = {u:g}, sigma = {model.sigma:g}; start with u >= sigma{above}"
+        )
 
 
 def _instants(leg: Floats, start: float, period: float) -> tuple[float, float]:
