@@ -441,7 +441,7 @@ class Map(ByValue):
         who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
         if self.pointed is not None:  # compiled once, whatever the law or system; the same bits as the map's own step
             tangent, prepare, kind, rows, source, alone = self.pointed(rows, arithmetic)
-            who, step = f"the reset law of {self.name}", alone or stepping(tangent)
+            who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
         if self._linked:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
         else:
