@@ -29,6 +29,7 @@ def test_the_velocity_is_broken_at_every_impact_and_nowhere_else(which, request)
     assert (t[gaps - 1] <= result.impact_time).all() and (t[gaps + 1] >= result.impact_time).all()
     np.testing.assert_array_equal(np.delete(v, gaps), result.v)
     before, after = drawn["impacts"]
+    assert [text.get_text() for text in drawn["legend"].get_texts()] == ["before an impact", "after it"]
     np.testing.assert_array_equal(before.get_ydata(), result.v_minus)
     np.testing.assert_array_equal(after.get_ydata(), result.v_plus)
 
@@ -38,6 +39,8 @@ def test_the_position_is_drawn_above_its_wall_with_every_impact_in_sight(flown):
     t, u = drawn["motion"].get_data()
     np.testing.assert_array_equal(u, flown.u[1000:3000])
     (impacts,) = drawn["impacts"]
+    assert [text.get_text() for text in drawn["legend"].get_texts()] == ["impact"]
+    assert gz.plot.history(flown.isel(t=slice(0, 2)))["legend"] is None
     hits = flown.impact_time.values
     np.testing.assert_array_equal(impacts.get_xdata(), hits[(hits >= t[0]) & (hits <= t[-1])])
     assert drawn["figure"].axes[0].get_ylabel() == "position $u$"

@@ -37,7 +37,8 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
     -------
     dict
         ``motion`` (a line, for the velocity broken at each impact), ``impacts`` (one line of marks: full before the
-        impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``figure``.
+        impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``legend`` (None
+        without impacts), ``figure``.
     """
     expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)})
     of = str(result.attrs.get("history_of", "u")) if of is None else of
@@ -73,7 +74,18 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
         ax.set_xlim(t[0], t[-1])
         ax.set_xlabel(quantity(result["t"]))
         ax.set_ylabel(quantity(result[of]))
-    return {"figure": root(ax), "motion": motion, "impacts": impacts[::-1], "wall": wall}
+        impacts = impacts[::-1]
+        legend = None
+        if hits.size:  # above the motion, which may be anywhere
+            for marks, text in zip(
+                impacts, ("impact",) if of == "u" else ("before an impact", "after it"), strict=True
+            ):
+                marks.set_label(text)
+            above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+            legend = ax.legend(
+                handles=impacts, ncols=2, frameon=False, handletextpad=0.2, markerscale=MARK[0] / size, **above
+            )
+    return {"figure": root(ax), "motion": motion, "impacts": impacts, "wall": wall, "legend": legend}
 
 
 def _fine(ax: Axes, count: int, look: tuple[float, float, float]) -> float:
