@@ -187,7 +187,7 @@ def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variab
     attrs |= {end: attrs[end] * factor for end in ENDS if end in attrs}
     if "/kg" in old:
         attrs["long_name"] = str(attrs.get("long_name", "")).removesuffix(", per unit of mass")
-        attrs = {key: text for key, text in attrs.items() if key != "symbol"}
+        attrs |= {"symbol": f"m{attrs['symbol']}"} if "symbol" in attrs and "/kg" not in unit else {}
     elif "symbol" in attrs:  # an angular frequency in turns and back
         symbol = str(attrs["symbol"]).removesuffix(TURN)
         angular = old == "rad/s" or symbol != attrs["symbol"]
