@@ -1,5 +1,6 @@
 """Units: quantities in, results in the units that somebody reads."""
 
+import json
 import pickle
 import sys
 
@@ -267,6 +268,22 @@ def test_what_was_searched_has_the_units_of_what_was_found(rig):
     branch = gz.continuation(gz.stroboscopic_map(rig), orbit, "omega", (85.0, 90.0))
     assert in_units(branch, "mm").attrs["bounds"] == [85.0, 90.0]
     np.testing.assert_allclose(in_units(branch, "Hz").attrs["bounds"], np.array([85.0, 90.0]) / (2 * np.pi), rtol=1e-15)
+
+
+def test_a_locus_is_converted_with_its_bounds(rig, tmp_path):
+    orbit = gz.one_impact_orbits(rig, 1)[0]
+    bounds = ((80.0, 100.0), (2.0, 4.0))
+    places = np.array([[85.0, 3.0], [90.0, 3.5]])
+    made = gz.Locus("gr", ("omega", "cos1"), bounds, places, (orbit, orbit), (), ("bounds", "bounds"))
+    save(made.dataset, tmp_path / "locus.nc")
+    for one in (made, load(tmp_path / "locus.nc")):
+        found = in_units(one, "Hz", "N")
+        np.testing.assert_allclose(found.omega, places[:, 0] / (2 * np.pi), rtol=1e-15)
+        np.testing.assert_allclose(found.cos1, 0.8 * places[:, 1], rtol=1e-15)
+        hertz, newtons = json.loads(found.attrs["bounds"])
+        np.testing.assert_allclose(hertz, np.array(bounds[0]) / (2 * np.pi), rtol=1e-15)
+        np.testing.assert_allclose(newtons, 0.8 * np.array(bounds[1]), rtol=1e-15)
+        assert json.loads(in_units(one, "N").attrs["bounds"])[0] == [80.0, 100.0]
 
 
 @pytest.mark.parametrize(

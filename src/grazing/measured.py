@@ -16,7 +16,8 @@ SIGNED = ("u", "v", "v_minus", "v_plus", "mean", "wall")
 #: Symbols in x, and in x - z where the stop moves with a base.
 SYMBOLS = {"u": "x", "v": r"\dot{x}", "v^-": r"\dot{x}^-", "v^+": r"\dot{x}^+"}
 RELATIVE = {"u": "x-z", "v": r"\dot{x}-\dot{z}", "v^-": r"(\dot{x}-\dot{z})^-", "v^+": r"(\dot{x}-\dot{z})^+"}
-_FORCE = re.compile(r"d|c_\{(\d+)\}")
+#: Those of a force per unit of mass, or times the mass.
+_FORCE = re.compile(r"(m?)(?:d|c_\{(\d+)\})")
 
 
 def measured(result: Any) -> Any:
@@ -103,7 +104,7 @@ def _said(name: str, variable: Any, above: bool, relative: bool) -> Any:
         attrs["symbol"] = r"\sigma=-\mathrm{gap}"
     elif symbol is not None and (force := _FORCE.fullmatch(symbol)) and "N" in str(variable.attrs.get("units")):
         sign = "-" if above else ""
-        attrs["symbol"] = f"{symbol}={sign}F_{{{force[1] or 0}}}/m"
+        attrs["symbol"] = f"{symbol}={sign}F_{{{force[2] or 0}}}{'' if force[1] else '/m'}"
     if name == "coordinate":
         table = RELATIVE if relative else SYMBOLS
         names = {"v_plus": "v^+", "v_minus": "v^-"}

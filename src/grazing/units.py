@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from math import pi
 from typing import TYPE_CHECKING, Any
@@ -123,10 +124,23 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
             for name, parts in factors.items()
         }
     )
+    return converted.assign_attrs(_searched(found, {name: parts[0][1] for name, parts in factors.items()}))
+
+
+def _searched(found: xr.Dataset, factors: dict[Any, float]) -> dict[str, Any]:
+    """Return the ends of what was searched in other units: of one parameter, or as JSON those of each of a locus."""
+    ends: dict[str, Any] = {}
     along = found.attrs.get("parameter") if found.attrs.get("parameter") in found else "low"
-    ((_unit, factor),) = factors.get(along, [("", 1.0)])
-    ends = {key: [float(end) * factor for end in found.attrs[key]] for key in SEARCHED if key in found.attrs}
-    return converted.assign_attrs(ends if factor != 1.0 else {})
+    for key in SEARCHED:
+        given = found.attrs.get(key)
+        if isinstance(given, str):
+            names, bounds = json.loads(found.attrs["parameters"]), json.loads(given)
+            if any(name in factors for name in names):
+                scales = [factors.get(name, 1.0) for name in names]
+                ends[key] = json.dumps([[end * x for end in one] for one, x in zip(bounds, scales, strict=True)])
+        elif given is not None and along in factors:
+            ends[key] = [float(end) * factors[along] for end in given]
+    return ends
 
 
 def _units_of(variable: xr.Variable) -> list[str]:
@@ -173,7 +187,7 @@ def _scaled(variable: xr.Variable, factors: list[float], unit: str) -> xr.Variab
     attrs |= {end: attrs[end] * factor for end in ENDS if end in attrs}
     if "/kg" in old:
         attrs["long_name"] = str(attrs.get("long_name", "")).removesuffix(", per unit of mass")
-        attrs = {key: text for key, text in attrs.items() if key != "symbol"}
+        attrs |= {"symbol": f"m{attrs['symbol']}"} if "symbol" in attrs and "/kg" not in unit else {}
     elif "symbol" in attrs:  # an angular frequency in turns and back
         symbol = str(attrs["symbol"]).removesuffix(TURN)
         angular = old == "rad/s" or symbol != attrs["symbol"]

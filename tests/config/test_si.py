@@ -72,6 +72,37 @@ def test_a_frequency_that_varies_is_omega_in_turns(rig):
     assert listed["vary"]["omega"] == [10 * math.pi, 12 * math.pi]
 
 
+def test_what_varies_of_a_rig_is_in_its_own_units():
+    rig = {"study": "chart", "si": SI, "parameters": {"r": 0.7}}
+    recipe = checked(rig | {"vary": {"force": "2:4:5", "gap": "1 mm:2 mm:3"}})
+    assert recipe["vary"] == {"cos1": "-2.5:-5.0:5", "sigma": "-0.001:-0.002:3"}
+    recipe = checked(rig | {"vary": {"frequency": "5 Hz:300 rpm:1", "cos1": "-4 N:-2 N:5"}})
+    assert recipe["vary"] == {"omega": f"{10 * math.pi!r}:{10 * math.pi!r}:1", "cos1": "-5.0:-2.5:5"}
+    assert checked(rig | {"vary": {"gap": "1:4:3:log", "load": "1,2"}})["vary"]["sigma"] == [-1.0, -2.0, -4.0]
+    below = rig | {"si": SI | {"side": "below"}, "vary": {"force": "2:4:5", "omega": "1:2:3"}}
+    assert checked(below)["vary"]["cos1"] == "2.5:5.0:5"
+    for vary, said in [
+        ({"gap": "1 N:2 N:3"}, "gap = '1 N'; its units do not match"),
+        ({"force": "1:2:3", "cos1": "1:2:3"}, "force and cos1 both vary"),
+    ]:
+        with pytest.raises(InputError, match=said):
+            checked(rig | {"vary": vary})
+    with pytest.raises(InputError, match="unknown parameter"):  # the base makes the force: nothing of it is left
+        checked(rig | {"si": SI | {"base": 1e-3}, "vary": {"force": "2:4:5", "gap": "1:2:3"}})
+
+
+def test_a_branch_is_looked_at_in_the_units_of_what_varies():
+    branch = {"study": "branch", "si": SI, "parameters": {"r": 0.7}, "vary": {"frequency": "5:25"}}
+    for at in (20, "20", "20 Hz", [20.0], "1200 rpm"):
+        found = checked(branch | {"settings": {"word": "0", "at": at, "locus": "force=2:4"}})["settings"]
+        assert found["at"] == [pytest.approx(40 * math.pi, rel=1e-14)], at
+        assert found["locus"] == {"cos1": [-5.0, -2.5]}
+    bounds = checked(branch | {"vary": {"gap": "1:2"}, "settings": {"word": "0", "at": "1500 mm"}})
+    assert (bounds["vary"], bounds["settings"]["at"]) == ({"sigma": "-2.0:-1.0"}, [-1.5])
+    with pytest.raises(InputError, match=r"at: frequency = '2 m'; its units do not match"):
+        checked(branch | {"settings": {"word": "0", "at": "2 m"}})
+
+
 def test_recipes_files_and_commands_lead_back(tmp_path):
     recipe = checked(RIG)
     (tmp_path / "a.toml").write_text(toml_of(RIG))

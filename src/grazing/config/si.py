@@ -7,9 +7,13 @@ from math import pi
 from typing import Any
 
 from grazing.config import values
-from grazing.oscillator.si import AMPLITUDES, SI, SIDES, faults_of, si_numbers
+from grazing.config.settings import STUDIES
+from grazing.config.values import DEFAULT
+from grazing.oscillator.parameters import describe_parameter
+from grazing.oscillator.si import AMPLITUDES, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
+from grazing.units import magnitude
 
 #: The law of a stop, where nothing else is named.
 LAW = "newton"
@@ -50,7 +54,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     ----------
     raw : mapping
         ``si`` is a table as :meth:`grazing.Oscillator.from_si` takes it, or text: ``m=0.8,c=2.4,gap=1.2 mm``. With it
-        ``frequency``, in Hz, may vary in place of ``omega``.
+        ``frequency``, in Hz, ``force``, ``load`` and ``gap`` may vary, and any parameter in units that it has.
 
     Returns
     -------
@@ -62,15 +66,6 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     found = {name: value for name, value in raw.items() if name != "si"}
     table, faults = _table(raw["si"])
     vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
-    if "frequency" in vary:
-        found["vary"] = {"omega" if name == "frequency" else name: item for name, item in vary.items()}
-        if "omega" in vary:
-            faults.append("frequency and omega both vary; give one of them")
-        try:
-            found["vary"]["omega"] = _turned(vary["frequency"])
-        except InputError as error:
-            faults.append(str(error))
-            found["vary"]["omega"] = ":".join("122"[: str(vary["frequency"]).count(":") + 1]) or [1.0, 2.0]
     given_frequency = {"frequency", "omega"} & {*table}
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not given_frequency
     wrong = faults_of(table)
@@ -101,6 +96,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     found["mass"], found["stop"] = made.mass, table.get("side", usual["side"])
     if made.base is not None:
         found["base"] = made.base.alone.text
+    faults += _renamed(found, _sides(made, found["stop"]), made.mass)
     found.setdefault("law", LAW)
     return found, faults
 
@@ -126,10 +122,97 @@ def _number(text: str) -> Any:
         return text
 
 
-def _turned(written: Any) -> Any:
-    """Return a range or bounds of a frequency, in Hz, as those of omega, in rad/s."""
-    if isinstance(written, str) and ":" in written:
-        low, high, *rest = written.split(":")
-        ends = [repr(2.0 * pi * values.number(end, "frequency")) for end in (low, high)]
-        return ":".join([*ends, *rest])
-    return [2.0 * pi * value for value in values.numbers(written, "frequency")]
+def _sides(made: Numbers, side: Any) -> dict[str, tuple[str, float]]:
+    """Return what of the rig may vary: the parameter of the model that it is, and the factor to it."""
+    sign = SIDES.get(side, 1.0) / made.mass
+    of_base = {} if made.base is not None else {"force": ("cos1", sign)}
+    return {"frequency": ("omega", 2.0 * pi), "gap": ("sigma", -1.0), "load": ("d", sign), **of_base}
+
+
+def _renamed(found: dict[str, Any], names: Mapping[str, tuple[str, float]], mass: float) -> list[str]:
+    """Put what varies, and where and in what a branch is followed, in parameters of the model; return what is wrong."""
+    faults: list[str] = []
+
+    def converted(written: Any, name: str, bounded: bool) -> Any:
+        try:
+            return _in_model(written, name, names.get(name, (name, 1.0))[1], mass, bounded)
+        except InputError as error:
+            faults.append(str(error))
+            return ":".join("122"[: str(written).count(":") + 1]) or [1.0, 2.0]
+
+    def named(table: Mapping[str, Any], bounded: bool) -> dict[str, Any]:
+        for name, (own, _factor) in names.items():
+            if name in table and own in table:
+                faults.append(f"{name} and {own} both vary; give one of them")
+        return {names.get(name, (name,))[0]: converted(item, name, bounded) for name, item in table.items()}
+
+    study = STUDIES.get(str(found.get("study")))
+    if isinstance(found.get("vary"), Mapping):
+        varied = [*found["vary"]]
+        found["vary"] = named(found["vary"], study is not None and study.form == "bounds")
+    else:
+        varied = []
+    settings = found.get("settings")
+    if isinstance(settings, Mapping) and len(varied) == 1 and settings.get("at") is not None:
+        at = settings["at"]
+        items = at.split(",") if isinstance(at, str) else at if isinstance(at, (list, tuple)) else [at]
+        try:
+            factor = names.get(varied[0], ("", 1.0))[1]
+            found["settings"] = {**settings, "at": [_one(item, varied[0], factor, mass) for item in items]}
+        except InputError as error:
+            faults.append(f"at: {error}")
+            found["settings"] = {key: value for key, value in settings.items() if key != "at"}
+    settings = found.get("settings")
+    if isinstance(settings, Mapping) and settings.get("locus") is not None:
+        locus = settings["locus"]
+        if isinstance(locus, str):
+            name, equals, text = locus.partition("=")
+            locus = {name.strip(): text} if equals else locus
+        if isinstance(locus, Mapping):
+            found["settings"] = {**settings, "locus": named(locus, True)}
+    return faults
+
+
+def _in_model(written: Any, name: str, factor: float, mass: float, bounded: bool) -> Any:
+    """Return a range or bounds of a quantity of the rig as those of the parameter of the model that it is."""
+    if written == DEFAULT or (factor == 1.0 and not _has_units(written)):
+        return written
+    if not (isinstance(written, str) and ":" in written):
+        items = written.split(",") if isinstance(written, str) else written
+        if not isinstance(items, (list, tuple)):
+            items = [items]
+        found = [_one(item, name, factor, mass) for item in items]
+        return found[::-1] if bounded and factor < 0.0 else found
+    low, high, *rest = written.split(":")
+    ends = [_one(end, name, factor, mass) for end in (low, high)]
+    if rest[1:] == ["log"] and factor < 0.0:  # the logarithm is of the quantity itself
+        return [float(value) for value in factor * values.values_of(values.range_of(_plain_range(written, name), name))]
+    if not rest and factor < 0.0:
+        ends.reverse()
+    return ":".join([*map(repr, ends), *rest])
+
+
+def _plain_range(written: str, name: str) -> str:
+    """Return a range of a quantity of the rig without its units."""
+    low, high, *rest = written.split(":")
+    return ":".join([*(repr(_one(end, name, 1.0, 1.0)) for end in (low, high)), *rest])
+
+
+def _has_units(written: Any) -> bool:
+    texts = written if isinstance(written, (list, tuple)) else str(written).split(":")[:2]
+    return any(
+        isinstance(_number(part.strip()), str) for one in texts if isinstance(one, str) for part in one.split(",")
+    )
+
+
+def _one(value: Any, name: str, factor: float, mass: float) -> float:
+    """Return one value of a quantity of the rig, with or without its units, as that of the parameter that it is."""
+    plain = _number(value.strip()) if isinstance(value, str) else value
+    if isinstance(plain, str) and any(letter.isdigit() for letter in plain):
+        units = {**{one: known.units for one, known in SI.items()}, **AMPLITUDES}.get(name)
+        units = describe_parameter(name).units if units is None else units
+        if units == "N/kg" and not plain.endswith("/kg"):
+            plain = magnitude(plain, "N", name) / mass
+        else:
+            plain = magnitude(plain, units, name)
+    return factor * values.number(plain, name)
