@@ -81,10 +81,10 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
                 impacts, ("impact",) if of == "u" else ("before an impact", "after it"), strict=True
             ):
                 marks.set_label(text)
-            above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
             legend = ax.legend(
-                handles=impacts, ncols=2, frameon=False, handletextpad=0.2, markerscale=MARK[0] / size, **above
-            )
+                handles=impacts, ncols=2, frameon=False, handletextpad=0.2, markerscale=MARK[0] / size,
+                loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2,
+            )  # fmt: skip
     return {"figure": root(ax), "motion": motion, "impacts": impacts, "wall": wall, "legend": legend}
 
 
