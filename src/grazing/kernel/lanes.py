@@ -236,35 +236,5 @@ def noted(said: Any, which: Any, lane: Any, width: int, record: int, outcomes: A
         said[1, j] = 0
 
 
-@lru_cache(maxsize=256)
-def tangent_runner(
-    tangent: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int
-) -> Callable[..., int]:
-    """Compile one application of ``tangent(state, c) -> (state, letter, outcome, J)``.
-
-    Returns
-    -------
-    callable
-        ``run(row, lanes, matrix) -> outcome``; matrix (dimension, dimension) is filled with J.
-    """
-    unpack = unpacker(kind)
-    zero = (0.0,) * dimension
-    constants = prepare if prepare is not None else _same
-
-    def run(row: Any, lanes: Any, matrix: Any) -> int:
-        state, _letter, outcome, slopes = tangent(column(lanes, 0, zero), constants(unpack(row)))
-        put(lanes, 0, state)
-        for i in range(len(zero)):
-            for j in range(len(zero)):
-                matrix[i, j] = slopes[i * len(zero) + j]
-        return int(outcome)
-
-    return compiled(run, "strict")
-
-
-def _same(p: Any) -> Any:
-    return p
-
-
 def _shared(c: Any, x: Any, j: int) -> Any:
     return c

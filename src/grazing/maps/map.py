@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.copies import ByValue, Code, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
-from grazing.kernel.lanes import runner, tangent_runner
+from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
-from grazing.maps.derivative import differences_of, extended, stepping, units_of
+from grazing.maps.derivative import differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Hits
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
