@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 #: Samples in a period of the forcing, where no rate is given.
 USUAL = 128
+#: A sample nearer than this to the end, in steps, is the end.
+WHOLE = 1e-6
 
 
 def history(
@@ -57,5 +59,9 @@ def spectrum_of(
     of: str = "u",
     window: str = "hann",
 ) -> xr.Dataset:
-    """Return the spectrum of :func:`sampled`."""
-    return spectrum(sampled(model, state, start, until, since, rate), of, window)
+    """Return the spectrum of :func:`sampled`, without the end of a record of whole cycles: it is their beginning."""
+    recorded = sampled(model, state, start, until, since, rate)
+    last = recorded["t"].values[-1]
+    if abs(last - until) * recorded.attrs["sample_rate"] < WHOLE:
+        recorded = recorded.isel(t=slice(None, -1))
+    return spectrum(recorded, of, window)
