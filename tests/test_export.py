@@ -189,3 +189,14 @@ def test_a_frame_is_the_table_of_the_file_and_refuses_what_is_no_dimension(resul
 def read_head(result):
     dims, names = tables(result)[0]
     return [*dims, *names]
+
+
+def test_a_column_has_the_units_of_its_own_coordinate(tmp_path):
+    """Those of names along a dimension are given together, where they differ."""
+    both = xr.Dataset(
+        {"state": (("n", "coordinate"), np.zeros((2, 2)), {"units": "mm, mm/s"}),
+         "same": (("n", "coordinate"), np.ones((2, 2)), {"units": "s"})},
+        coords={"coordinate": ["u", "v"]},
+    )  # fmt: skip
+    (file,) = gz.to_csv(both, tmp_path / "a.csv")
+    assert file.read_text().splitlines()[0] == "n,state_u (mm),state_v (mm/s),same_u (s),same_v (s)"

@@ -162,6 +162,10 @@ def test_a_spectrum_keeps_its_height_and_knows_its_rig(motion):
 def test_a_stop_that_moves_with_a_base_is_where_x_is_counted_from(moves, symbol):
     shaken = gz.Oscillator.from_si(**NUMBERS | {"force": 0.0}, base=1e-3, moves=moves)
     assert labels(gz.plot.history(gz.trajectory(shaken, (0.0, 0.0), until=0.1)))[1] == symbol
+    found = measured(gz.response(gz.stroboscopic_map(shaken), "omega", [88.0, 90.0], starts=1, transient=5, keep=2))
+    relative = "relative " if moves != "spring" else ""
+    assert found.amplitude.attrs["long_name"] == f"{relative}amplitude, half of peak to peak"
+    assert found.peak_velocity.attrs["long_name"] == f"greatest {relative}speed"
 
 
 def test_a_graph_of_relative_states_has_brackets_and_units():

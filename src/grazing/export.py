@@ -207,8 +207,11 @@ def _spread_names(result: xr.Dataset) -> xr.Dataset:
     """Return a result with a variable ``point_u`` for each name along a dimension of names, such as coordinates."""
     for dim in [str(dim) for dim in result.sizes if dim in result.coords and result[dim].dtype.kind in "OU"]:
         for name in [str(name) for name in result.data_vars if dim in result[name].dims]:
+            units = str(result[name].attrs.get("units", "1")).split(", ")  # of each, where they differ
+            units *= result.sizes[dim] if len(units) == 1 else 1
             parts = {
-                f"{name}_{label}": result[name].isel({dim: i}, drop=True) for i, label in enumerate(result[dim].values)
+                f"{name}_{label}": result[name].isel({dim: i}, drop=True).assign_attrs(units=units[i])
+                for i, label in enumerate(result[dim].values)
             }
             result = result.drop_vars(name).assign(parts)
         result = result.drop_vars(dim)

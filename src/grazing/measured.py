@@ -98,8 +98,10 @@ def _said(name: str, variable: Any, above: bool, relative: bool) -> Any:
     attrs: dict[str, Any] = {}
     if symbol in SYMBOLS:
         attrs["symbol"] = (RELATIVE if relative else SYMBOLS)[symbol]
-    if relative and (symbol in SYMBOLS or (_signed(name) and name != "wall")):
-        attrs["long_name"] = words.replace("position", "relative position").replace("velocity", "relative velocity")
+    of_motion = symbol in SYMBOLS or name.endswith(("amplitude", "velocity")) or (_signed(name) and name != "wall")
+    if relative and of_motion:
+        of = "position|velocity|speed" if re.search("position|velocity|speed", words) else "^amplitude"
+        attrs["long_name"] = re.sub(of, r"relative \g<0>", words)
     if symbol == r"\sigma" and name != "wall":
         attrs["symbol"] = r"\sigma=-\mathrm{gap}"
     elif symbol is not None and (force := _FORCE.fullmatch(symbol)) and "N" in str(variable.attrs.get("units")):
