@@ -221,6 +221,8 @@ def _unit(text: str) -> Any:
 def _read(text: str, said: str) -> tuple[float, Any]:
     """Return the number and the unit of a text, or raise InputError."""
     parts = _QUANTITY.fullmatch(text) if len(text) < 200 else None
+    if re.match(r"\s*[-+]?\d+,\d", text):
+        raise InputError(f"{said} has a comma; write a decimal point")
     if parts is None:
         raise InputError(f"{said} is no quantity; give a number and its units, such as '1.2 mm'")
     return float(parts[1]), _unit(parts[2]) if parts[2] else _pint(said).Unit("")

@@ -199,3 +199,10 @@ def test_what_a_wrong_call_is_told():
         response(P, "omega", [80.0, 81.0], period=0)
     with pytest.raises(gz.InputError, match="omega"):
         response(P, "omega", [-1.0, 81.0])
+
+
+def test_a_rig_that_nothing_shakes_is_warned_about():
+    still = gz.Oscillator(alpha=0.3, k=1.0, forcing=gz.Forcing(2.0, cos=(0.0,)), reset=gz.newton(0.7), sigma=-1.0)
+    with pytest.warns(UserWarning, match="nothing shakes the ball: all amplitudes of the force are 0"):
+        gz.response(gz.stroboscopic_map(still), "omega", [2.0, 2.1], starts=1, transient=5, keep=2)
+    gz.response(gz.stroboscopic_map(still), "cos1", [0.0, 0.1], starts=1, transient=5, keep=2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -120,6 +121,9 @@ def response(
     grid, longest = checked_values(name, values, P), whole(period, "period", 1)
     if len(np.unique(grid)) < 2:
         raise InputError(f"values of {name} are {np.unique(grid).tolist()}; give at least 2 different ones")
+    waves = [wave for wave in model_of(P).params if wave.startswith(("cos", "sin")) and wave[3:].isdigit()]
+    if name not in waves and not any(P.params[wave] for wave in waves):
+        warnings.warn("nothing shakes the ball: all amplitudes of the force are 0", UserWarning, stacklevel=2)
 
     def scanned(number: int, begin: int | ArrayLike, box: Any, sweep: str | None) -> xr.Dataset:
         def told(done: int, total: int) -> None:
