@@ -132,6 +132,14 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
     return np.concatenate(tables)
 
 
+def rests_in(begins: Floats, ends: Floats, lies: NDArray[np.bool_]) -> Floats:
+    """Return from when until when the ball lies, shape (rests, 2); legs end at strobes, a rest need not."""
+    on = np.flatnonzero(lies & (ends > begins))
+    goes_on = np.diff(on, prepend=-2) == 1
+    first, last = on[~goes_on], on[~np.append(goes_on, False)[1:]]
+    return np.column_stack([begins[first], ends[last]])
+
+
 def walled_trajectory(
     model: Walled, state: tuple[float, float], start: float, until: float, samples: int
 ) -> xr.Dataset:
@@ -188,6 +196,16 @@ def walled_trajectory(
             "v_minus": ("impact", before, about["v_minus"]),
             "v_plus": ("impact", after, about["v_plus"]),
             "impact_wall": ("impact", np.array(names)[struck], {"long_name": "wall that is hit"}),
+            "impact_speed": (
+                "impact",
+                -legs[hits, V_MINUS],
+                {"long_name": "speed of approach to the wall", "units": "1"},
+            ),
+            "rest_time": (
+                ("rest", "end"),
+                rests_in(begins, np.minimum(ends, until), legs[:, LEG] != 0.0),
+                about["t"] | {"long_name": "when the ball lies on a wall: from, until"},
+            ),
             "wall_position": (
                 ("wall", "t"),
                 model.places_at(t)[0],

@@ -63,7 +63,7 @@ def letter_attributes(P: Map) -> Attributes:
         meanings = " ".join(P.letters.special[code] for code in codes.tolist())
         digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(P.letters.names, start=1))
         said = f"letter of the step: the walls that are hit, in order, as digits to base {P.letters.base}: {digits}"
-        return {"long_name": said, "flag_values": codes, "flag_meanings": meanings}
+        return {"long_name": said, "flag_values": codes, "flag_meanings": meanings, "surfaces": P.letters.names}
     codes = np.arange(len(P.letters), dtype=np.int32)
     return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(P.letters)}
 
