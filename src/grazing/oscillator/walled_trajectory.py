@@ -134,10 +134,10 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
 
 def rests_in(begins: Floats, ends: Floats, lies: NDArray[np.bool_]) -> Floats:
     """Return from when until when the ball lies, shape (rests, 2); legs end at strobes, a rest need not."""
-    on = np.flatnonzero(lies & (ends > begins))
-    goes_on = np.diff(on, prepend=-2) == 1
-    first, last = on[~goes_on], on[~np.append(goes_on, False)[1:]]
-    return np.column_stack([begins[first], ends[last]])
+    on = lies & (ends > begins)
+    first, last = begins[on], ends[on]
+    new = np.append(True, first[1:] != last[:-1])[: len(first)]
+    return np.column_stack([first[new], last[np.append(new, True)[1:]]])
 
 
 def walled_trajectory(
