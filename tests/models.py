@@ -1,7 +1,18 @@
 """Models that the tests vary: every damping, one to three harmonics, shifted walls, every kind of law."""
 
+import dataclasses
+from copy import copy
+
 import grazing as gz
 from grazing.parameter import parameter_tuple
+
+
+def changed_origin(P, **changes):
+    """A map with an origin that knows something else: its ``settle``, its ``section``."""
+    origin = copy(P.origin)
+    for name, value in changes.items():
+        setattr(origin, name, value)
+    return dataclasses.replace(P, origin=origin)
 
 
 def cubic(v, p):

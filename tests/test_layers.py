@@ -59,6 +59,15 @@ OWNERS = {
 }
 # The command line parses, calls and saves: no mathematics.
 FORBIDDEN = {"cli": {"numpy", "scipy"}}
+# What serves every system names none: it asks the origin of a map.
+SYSTEMS = ("grazing.oscillator", "grazing.systems")
+NAME_NO_SYSTEM = {
+    "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
+    "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
+    "grazing.studies", "grazing.sweep", "grazing.plot", "grazing.cli",
+}  # fmt: skip
+# These still do: what they need is not asked of an origin yet.
+STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}
 # Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
 # hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
 BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "maps"}
@@ -107,6 +116,8 @@ def complaint(importer: str, target: str, binds_module: bool) -> str | None:
         if part not in OWNERS.get(top, {part}):
             return f"only {' and '.join(sorted(OWNERS[top]))} may import {top}"
         return f"{part} may not import {top}" if top in FORBIDDEN.get(part, ()) else None
+    if target.startswith(SYSTEMS) and serves_all(importer):
+        return f"{importer} serves every system: ask the origin of the map, not {target}"
     other = part_of(target)
     if other not in RANK:
         return NO_LAYER.format(other)
@@ -119,6 +130,12 @@ def complaint(importer: str, target: str, binds_module: bool) -> str | None:
     if other not in ALLOWED_ONLY.get(part, {other}):
         return f"{part} may import {' and '.join(sorted(ALLOWED_ONLY[part]))} only"
     return None
+
+
+def serves_all(importer: str) -> bool:
+    """Whether a module must not know which systems there are."""
+    above = {importer, ".".join(importer.split(".")[:2])}
+    return bool(above & NAME_NO_SYSTEM) and importer not in STILL_NAME_ONE
 
 
 def study_complaint(importer: str, target: str) -> str | None:
@@ -200,6 +217,8 @@ def plant(source, texts):
         ("io", "from grazing.testing import check_map", "io may not import testing"),
         ("cli/main", "import numpy as np", "cli may not import numpy"),
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
+        ("maps/map", "from grazing.oscillator.model import O", "grazing.maps.map serves every system: ask the origin"),
+        ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),
         ("novelty", "", "novelty has no layer yet"),
     ],
 )

@@ -74,7 +74,7 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
         _check_jacobian(P, start)
     if P.formulas is not None:
         _check_pieces(P, starts)
-    if P.block is not None:
+    if P.origin.block is not None:
         _check_block(P, starts, steps)
 
 

@@ -1,6 +1,5 @@
 """What doubles cannot decide is decided in ball arithmetic, and the orbit goes on from there."""
 
-import dataclasses
 import functools
 
 import numpy as np
@@ -13,7 +12,7 @@ from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import steady_response
 from grazing.oscillator.exact import exact_period
 from grazing.outcome import AMBIGUOUS, CHATTER, GRAZE
-from tests.models import packed
+from tests.models import changed_origin, packed
 
 #: Models whose orbit without impacts grazes once in every period at the force that ``normal_form`` names.
 GRAZING = {
@@ -42,7 +41,7 @@ def grazing_map(name, side, phase=0.0):
 def flown(P, start, n, *, transient=0, records=None, way=("scalar", "strict"), settle="map"):
     """Run one orbit; return what was found and its last state."""
     if settle != "map":
-        P = dataclasses.replace(P, settle=settle)
+        P = changed_origin(P, settle=settle)
     lanes = np.array(start).reshape(1, 2, 1)
     rows = [list(P.params.values())]
     found = P.run_columns(
@@ -110,14 +109,14 @@ def test_only_orbits_with_a_doubt_are_gone_through_again():
 
     def noting(row, state):
         asked.append((row, state))
-        return P.settle(row, state)
+        return P.origin.settle(row, state)
 
     n = 5
     starts = np.array([[start[0], start[0] + 0.01, start[0]], [start[1], 0.1, start[1]]])
     rows = np.array([list(P.params.values())] * 2)
     rows[1, list(P.params).index("d")] = 0.2
-    R = dataclasses.replace(P, settle=noting)
-    plain = dataclasses.replace(P, settle=None)
+    R = changed_origin(P, settle=noting)
+    plain = changed_origin(P, settle=None)
     for arithmetic in ("strict", "fast"):
         asked.clear()
         lanes, bare = (np.stack([starts, starts]) for _ in range(2))
@@ -140,10 +139,10 @@ def test_the_limit_of_an_orbit_is_kept(monkeypatch, limit):
 
     def noting(row, state):
         asked.append(state)
-        return P.settle(row, state)
+        return P.origin.settle(row, state)
 
     n = 4
-    R = dataclasses.replace(P, settle=noting)
+    R = changed_origin(P, settle=noting)
     lanes = np.tile(np.array(start).reshape(1, 2, 1), (1, 1, 2))
     found = R.run_columns([list(P.params.values())], lanes, 0, n, records=n, algorithm="scalar", threads=1)
     settled = n if limit > 0 else 0  # it comes back to the same state: one answer holds for ever

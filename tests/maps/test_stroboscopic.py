@@ -1,6 +1,5 @@
 """The stroboscopic map against the arbitrary-precision reference, and each rare branch, compiled and plain."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -20,7 +19,7 @@ from grazing.outcome import (
     TOO_MANY_IMPACTS,
     TOO_MANY_SWINGS,
 )
-from tests.models import MODELS, model_of, packed
+from tests.models import MODELS, changed_origin, model_of, packed
 from tests.reference import PROBLEMS, Problem, active, advance, load_dips, load_orbits, trigger
 
 ORBITS, DIPS = load_orbits(), load_dips()
@@ -259,7 +258,7 @@ def test_zeros_of_high_order_do_not_hide_others():
 
 def unsettled(P):
     """The map without ball arithmetic."""
-    return dataclasses.replace(P, settle=None)
+    return changed_origin(P, settle=None)
 
 
 def assert_settled(P, start):
@@ -273,7 +272,7 @@ def assert_settled(P, start):
         lanes = np.array(start).reshape(1, 2, 1)
         found = P.run_columns([list(P.params.values())], lanes, 0, 1, algorithm=algorithm)
         assert (found.outcomes[0, 0, 0], found.undecided[0, 0]) == (0, 0)
-        proven = P.settle(list(P.params.values()), start)
+        proven = P.origin.settle(list(P.params.values()), start)
         assert tuple(found.points[0, 0, :, 0]) == tuple(lanes[0, :, 0]) == proven.state
         assert found.letters[0, 0, 0] == proven.letter
     sure = P.orbit(start, 1)

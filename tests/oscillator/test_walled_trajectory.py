@@ -42,6 +42,7 @@ def test_impacts_are_at_their_walls_and_obey_their_laws(side):
         wall = m.walls[j]
         arrives = wall.sign * (float(tr.v_minus[i]) - speed[j, i])
         leaves = wall.sign * (float(tr.v_plus[i]) - speed[j, i])
+        assert float(tr.impact_speed[i]) == pytest.approx(-arrives, abs=1e-14)
         assert arrives < 0 and leaves == pytest.approx(wall.law(arrives), abs=1e-14)
         at_impact = tr.u.values[tr.t.values == t[i]]
         np.testing.assert_allclose(at_impact, at[j, i], atol=2e-15)
@@ -80,6 +81,20 @@ def test_samples_of_a_ball_that_rides_a_wall_move_with_it():
     taken = gz.sample(gz.trajectory(m, (0.1, 0.0), until=20.0, samples=3), rate=30.0)
     late = taken.t.values > 2 * m.period
     np.testing.assert_allclose(taken.u.values[late], -1 + 0.1 * np.cos(taken.t.values[late]), atol=1e-15)
+
+
+def test_a_rest_lasts_as_long_as_the_ball_rides_the_wall():
+    """A table that shakes with 2 sin t under a ball that stops dead: it leaves where 2 sin t = 1, with g = 1."""
+    table = gz.wall(0.0, gz.newton(0.0), motion=gz.Forcing(omega=1.0, sin=(2.0,), cos=()))
+    m = gz.Oscillator(alpha=0, k=0, forcing=gz.Forcing(omega=1.0, offset=-1.0, cos=()), walls=[table])
+    tr = gz.trajectory(m, (3.0, 0.0), until=40.0)
+    assert tr.sizes["rest"] > 2
+    for begin, end in tr.rest_time.values:
+        assert begin in tr.impact_time.values and begin < end
+        if end < 40.0:
+            assert 2.0 * np.sin(end) == pytest.approx(1.0, abs=1e-12)
+        here = (tr.t.values >= begin) & (tr.t.values <= end)
+        np.testing.assert_allclose(tr.u.values[here], tr.wall_position.values[0, here], atol=1e-14)
 
 
 @pytest.mark.parametrize("side", [None, "below", "above"])

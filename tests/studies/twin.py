@@ -16,7 +16,7 @@ def classified(P, points, letters, outcomes, rtol=1e-9):
     """Period, word and trust of orbits: points (keep, dim, n), letters (keep, n), outcomes (n,)."""
     periods = [period_of(P, points[:, :, j], letters[:, j], int(outcomes[j]), rtol) for j in range(letters.shape[1])]
     words = [word(letters[-N:, j].tolist(), P.letters) if N > 0 else "" for j, N in enumerate(periods)]
-    exact = 0 if P.tangent is not None and P.exact else 1
+    exact = 0 if P.tangent is not None and P.origin.exact else 1
     return periods, words, [2 if outcome & AMBIGUOUS else exact for outcome in outcomes.tolist()]
 
 

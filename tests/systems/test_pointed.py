@@ -76,7 +76,7 @@ def test_one_code_serves_all_values_and_the_map_as_well():
     assert place[0] == other[0] and place[1] == source.ctypes.data != other[1] and not np.array_equal(source, moved)
     Q = gz.stroboscopic_map(SYSTEM, phase=0.3)
     rows = np.array([Q.packed()[1], Q.replace(**{"A.r": 0.5}).packed()[1]])
-    table = Q.pointed(rows).rows
+    table = Q.origin.derivative(rows).rows
     assert table[0, 0] == place[0] and np.array_equal(table[:, -rows.shape[1] :], rows)
     whole = Q.run_columns(rows, np.array([[[0.1], [0.3]]] * 2), 0, 20, arithmetic="strict")
     one, two = (Q.replace(**{"A.r": r}).iterate((0.1, 0.3), 20)[1:] for r in (0.8, 0.5))

@@ -176,7 +176,8 @@ def trajectory_words(found: Found) -> list[str]:
     if found["rests"]:
         spans = ", ".join(between(span) for span in found["rests"][:RANGES])
         said.append(f"rests on the wall {len(found['rests'])} times, t = {spans}".replace(" 1 times", " once"))
-    return [*said, f"u {between(found['u'])} at the instants of the table"]
+    of = found["coordinate"]
+    return [*said, f"{of} {between(found[of])} at the instants of the table"]
 
 
 def sample_words(found: Found) -> list[str]:

@@ -24,6 +24,7 @@ from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
 from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
 from grazing.config.values import DEFAULT
+from grazing.config.walls import flat, last_of
 from grazing.outcome import GrazingError
 
 MAP = Group("Map and model", sort_key=1)
@@ -39,7 +40,12 @@ RUN = Group("Run and output", sort_key=4)
 Recipe = dict[str, Any]
 Place = tuple[str, ...]
 #: What stands for a value in the help.
-METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...", "units": "LIST"}
+METAVARS = {
+    "walls": "NAME=LAW,...", "curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...",
+    "units": "LIST",
+}  # fmt: skip
+#: Keys that a study of the oscillator itself has.
+OF_MODEL = ("model", "law", "walls", "mass", "base", "stop", "si", "units")
 #: Options whose values are files, and those for which completion offers words though others are allowed.
 FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
@@ -87,7 +93,7 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
     fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
     for key, usual in KEYS.items():
-        if key not in fields or (of_model and key not in ("model", "law", "mass", "base", "stop", "si", "units")):
+        if key not in fields or (of_model and key not in OF_MODEL):
             continue
         choices = _choices(fields[key])
         group = RUN if key == "units" else STUDY if key in DRAWN.get(study, ()) else MAP
@@ -188,6 +194,7 @@ def recipe_from(
         With every error that there is.
     """
     mapping = read_toml(file) if file else {}
+    mapping |= {key: flat(mapping[key]) for key in ("parameters", "vary") if key in mapping}
     for key in CODE:  # a file's own files lie beside it, those of the command line where we stand
         if file and isinstance(mapping.get(key), str) and is_own(mapping[key]):
             mapping[key] = located(mapping[key], os.path.dirname(file))
@@ -296,14 +303,14 @@ def _coordinates_vary(mapping: Mapping[str, Any]) -> bool:
 
 def _is_range(token: str) -> bool:
     name, _, text = token.partition("=")
-    return ":" in text or ("," in text and name not in AMPLITUDES)
+    return ":" in text or ("," in text and last_of(name) not in AMPLITUDES)
 
 
 def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
     if mapping.get("study") not in SINGLE and not _coordinates_vary(mapping):
         return []
-    if mapping.get("study") in FLOWN:
+    if mapping.get("study") in FLOWN and not isinstance(mapping.get("model"), Named):
         return ["u", "v"]
     asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
     if not is_own(asked.setdefault("map", "stroboscopic")) and asked["map"] not in MAPS:

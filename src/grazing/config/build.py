@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
+from grazing.config.parameters import described
 from grazing.config.schema import ALONE
 from grazing.config.settings import FLOWN, STUDIES, WHOLE, function_of
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.studies.cobweb import cobweb
 from grazing.studies.graph import graph
@@ -167,11 +166,11 @@ def followed(recipe: Recipe, threads: int | None, progress: Progress | None) -> 
     return function(P, name, values, threads=threads, progress=progress, **settings)  # type: ignore[no-any-return]
 
 
-def model_near(recipe: Recipe, name: str, ends: tuple[float, ...] | None) -> Oscillator:
+def model_near(recipe: Recipe, name: str, ends: tuple[float, ...] | None) -> Any:
     """Return the model of a recipe; a parameter that varies and has no value is in the middle of its range."""
     given = dict(recipe["parameters"])
     if name not in given and parameter_defaults(recipe).get(name, 0.0) is None:
-        known = describe_parameter(name)
+        known = described(name)
         if ends is None and known.high < inf:  # all of its values are searched, whichever it has
             ends = known.low, known.high
         if ends is None:

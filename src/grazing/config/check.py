@@ -10,15 +10,15 @@ from pydantic import ValidationError
 
 from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import AMPLITUDES, defaults_of
+from grazing.config.parameters import AMPLITUDES, defaults_of, described
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import FLOWN, STUDIES
 from grazing.config.si import from_table
-from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
+from grazing.config.values import DEFAULT, bounds_of, extremes, number, numbers, range_of
+from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.parameters import describe_parameter
+from grazing.maps.map import Map
 from grazing.outcome import GrazingError, InputError, shown
 
 Recipe = dict[str, Any]
@@ -26,8 +26,8 @@ Recipe = dict[str, Any]
 DEEPEST = 8
 #: Of the keys in a recipe.
 ORDER = (
-    "study", "map", "order", "unfold", "model", "law", "mass", "base", "stop", "parameters", "vary", "settings",
-    "curves", "coordinate", "units",
+    "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
+    "settings", "curves", "coordinate", "units",
 )  # fmt: skip
 
 
@@ -75,6 +75,7 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(_plain(mapping, source), code)
+    raw |= {key: flat(raw[key]) for key in ("parameters", "vary") if key in raw}
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
@@ -210,7 +211,7 @@ def _order(config: Recipe) -> None:
 
 def _adopt(config: Recipe) -> None:
     """Take a map that is an oscillator in a user's file for the stroboscopic map of that oscillator."""
-    if is_own(config["map"]) and isinstance(own_object(config["map"]), Oscillator):
+    if is_own(config["map"]) and not isinstance(own_object(config["map"]), Map):
         if config.get("model"):
             raise InputError("map and model both name an oscillator; give one of them, and the map by its name")
         config |= {"model": config["map"], "map": "stroboscopic"}
@@ -225,6 +226,12 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if config.get("law") and (config.get("model") or not oscillator):
         brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
         yield Problem(("law",), f"{brings}; leave the law out")
+    brought = "the walls bring their own laws" if oscillator else f"the map {kind} has no wall"
+    for key in ("law", "model", "mass", "base", "stop") if config.get("walls") and oscillator else ():
+        if key in config:
+            yield Problem((key,), f"{brought}; leave the {key} out")
+    if config.get("walls") and not oscillator:
+        yield Problem(("walls",), f"{brought}; leave them out")
     if "mass" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
         yield Problem(("mass",), f"{brings}; leave the mass out")
@@ -250,7 +257,7 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
         config.setdefault("order", defaults_of(discontinuity_map)["order"])
     if kind == "normal-form":
         config.setdefault("unfold", UNFOLD)
-    if oscillator and not config.get("model"):
+    if oscillator and not config.get("model") and not config.get("walls"):
         config.setdefault("law", LAW)
 
 
@@ -324,7 +331,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
         ):
             for value in extremes(ranges[name]):
                 try:
-                    describe_parameter(name).check(value)
+                    described(name).check(value)
                 except InputError as error:
                     yield Problem(("vary", name), str(error))
                     break
@@ -397,11 +404,19 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
         name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
     }
     if sound and config["map"] != "normal-form":
-        filled = {name: 0.5 if value is None else value for name, value in complete.items()}
+        filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}
         try:
             map_of({**config, "parameters": filled})
         except GrazingError as error:
             yield Problem(("parameters",), str(error))
+
+
+def _first(config: Recipe, name: str) -> float:
+    """Return a value of a parameter that varies; what is wrong with its range is said elsewhere."""
+    try:
+        return float(extremes(range_of(config["vary"][name], name))[0])
+    except (InputError, KeyError):
+        return 0.5
 
 
 def _numbers(given: Recipe, known: Iterable[str] | None = None) -> Iterator[Problem]:
@@ -409,7 +424,8 @@ def _numbers(given: Recipe, known: Iterable[str] | None = None) -> Iterator[Prob
     for name in [*given] if known is None else [name for name in given if name in known]:
         if name not in AMPLITUDES:
             try:
-                given[name] = number(given[name], name)
+                several = last_of(name) in AMPLITUDES  # of a wall's motion
+                given[name] = numbers(given[name], name, 0) if several else number(given[name], name)
             except InputError as error:
                 yield Problem(("parameters", name), str(error))
 

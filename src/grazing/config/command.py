@@ -22,6 +22,7 @@ KEYS = {
     "unfold": UNFOLD,
     "model": None,
     "law": LAW,
+    "walls": None,
     "mass": None,
     "base": None,
     "stop": None,

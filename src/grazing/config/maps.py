@@ -9,6 +9,7 @@ from typing import Any
 from grazing.config.own import is_own, own_object
 from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, defaults_of, law_names
 from grazing.config.schema import MAPS
+from grazing.config.walls import parameters_of, walled_defaults, walled_of
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.maps.gap import gap_map
 from grazing.maps.impact import impact_map
@@ -46,6 +47,8 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
         return dict.fromkeys(GAP)
     phase = defaults_of(stroboscopic_map)
     section = {"phase": phase["phase"]} if kind in PHASED else {}
+    if config.get("walls"):
+        return {**walled_defaults(config["walls"], config.get("vary", {})), **section}
     if config.get("model"):
         return {**own_model(config["model"]).params, **section}
     paper = defaults_of(pinball)
@@ -91,10 +94,10 @@ def _without_zeros(value: Any) -> Any:
     return value
 
 
-def own_model(text: str) -> Oscillator:
+def own_model(text: str) -> Any:
     """Return the oscillator that ``file.py:name`` names."""
     found = own_object(text, "model")
-    if not isinstance(found, Oscillator):
+    if isinstance(found, Map):
         raise InputError(f"{text} is a gz.Map; give it as the map, and leave the model out")
     return found
 
@@ -109,6 +112,10 @@ def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     if config.get("model"):
         P = section_of(own_model(config["model"]), {**config, "parameters": {}})
         return list(P.params), list(P.coordinates)
+    if config.get("walls"):
+        phase = ["phase"] if kind in PHASED else []
+        given, varied = config.get("parameters", {}), config.get("vary", {})
+        return [*parameters_of(config["walls"], given, varied), *phase], ["u", "v"]
     waves = {name: config.get("parameters", {}).get(name) for name in AMPLITUDES}
     return _names(kind, config.get("law") or LAW, *(len(waves[name] or ()) for name in AMPLITUDES))
 
@@ -149,7 +156,7 @@ def map_of(config: Mapping[str, Any]) -> Map:
     return section_of(model_of(config), config)
 
 
-def section_of(model: Oscillator, config: Mapping[str, Any]) -> Map:
+def section_of(model: Any, config: Mapping[str, Any]) -> Map:
     """Return the map that a configuration makes of an oscillator."""
     kind = config["map"]
     phase = config.get("parameters", {}).get("phase")
@@ -170,16 +177,19 @@ def section_of(model: Oscillator, config: Mapping[str, Any]) -> Map:
 def has_beside(config: Mapping[str, Any]) -> bool:
     """Say whether a configuration is the graph of a stroboscopic map, which a discontinuity map can stand beside."""
     if config.get("study") != "graph" or not is_own(config["map"]):
-        return config.get("study") == "graph" and config["map"] == "stroboscopic"
+        return config.get("study") == "graph" and config["map"] == "stroboscopic" and not config.get("walls")
     found = own_object(config["map"])
     return isinstance(found, Map) and found.model is not None and found.section == "strobe"
 
 
-def model_of(config: Mapping[str, Any]) -> Oscillator:
+def model_of(config: Mapping[str, Any]) -> Any:
     """Return the oscillator of a checked configuration: the paper's, where nothing else is said."""
     given = {name: value for name, value in config.get("parameters", {}).items() if name != "phase"}
     if config.get("model"):
         return own_model(config["model"]).replace(**given)
+    if config.get("walls"):
+        known = {**parameter_defaults({**config, "map": "impact"}), **given}
+        return walled_of(config["walls"], known)
     law = config.get("law") or LAW
     known = {**parameter_defaults({**config, "map": "impact", "law": law}), **given}
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])

@@ -20,8 +20,13 @@ from typing import Any
 from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.walled import Walled
 from grazing.outcome import GrazingError, InputError, UserCodeError, shown
+from grazing.systems.contract import System
 
+#: What a model of one's own may be.
+Model = Oscillator | Walled | System
+MODELS = (Oscillator, Walled, System)
 #: The keys of a configuration that can name code.
 KEYS = ("map", "model")
 TRUST = "trust"
@@ -101,8 +106,8 @@ def _cut(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
-def own_object(text: str, key: str = "map") -> Map | Oscillator:
-    """Return the map or the oscillator that ``file.py:name`` names. Nothing else executes a file.
+def own_object(text: str, key: str = "map") -> Map | Model:
+    """Return the map, the oscillator or the system that ``file.py:name`` names. Nothing else executes a file.
 
     Parameters
     ----------
@@ -135,12 +140,13 @@ def own_object(text: str, key: str = "map") -> Map | Oscillator:
         raise InputError(f"there is no file {path}; give file.py:name")
     names = vars(_module(path))
     if name not in names:
-        known = sorted(key for key, value in names.items() if isinstance(value, (Map, Oscillator)))
-        hint = f"; it has {', '.join(known)}" if known else "; it has neither a gz.Map nor a gz.Oscillator"
+        known = sorted(key for key, value in names.items() if isinstance(value, (Map, *MODELS)))
+        hint = f"; it has {', '.join(known)}" if known else "; it has no gz.Map, gz.Oscillator or gz.System"
         raise InputError(f"{path} has no name {name!r}{hint}")
     found = names[name]
-    if not isinstance(found, (Map, Oscillator)):
-        raise InputError(f"{name} in {path} is a {type(found).__name__}; allowed are a gz.Map and a gz.Oscillator")
+    if not isinstance(found, (Map, *MODELS)):
+        kind = type(found).__name__
+        raise InputError(f"{name} in {path} is a {kind}; allowed are a gz.Map, a gz.Oscillator and a gz.System")
     return found
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from typing import Annotated, Any
 
@@ -44,8 +45,9 @@ def checked_by(parameter: Parameter) -> Callable[[Any], float | None]:
 
 
 def described(name: str) -> Parameter:
-    """Return what is known of a parameter of any of our maps."""
-    return GAP_MAP[name] if name in GAP_MAP else describe_parameter(name)
+    """Return what is known of a parameter of any of our maps; of ``A.r`` as of r."""
+    known = GAP_MAP[name] if name in GAP_MAP else describe_parameter(name.rpartition(".")[2])
+    return replace(known, name=name) if "." in name else known
 
 
 def law_names(law: str) -> list[str]:

@@ -11,6 +11,7 @@ from grazing.config import values
 from grazing.config.parameters import LAWS, Parameters, Table
 from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
 from grazing.config.si import SCHEMA
+from grazing.config.walls import SAYS, Walls
 from grazing.maps.discontinuity import ORDERS
 from grazing.oscillator.parameters import MASS
 from grazing.oscillator.si import SIDES, base_of
@@ -102,8 +103,9 @@ class Config(Table):
     )
     order: Literal[ORDERS] | None = Field(default=None, description="terms of the discontinuity map")  # type: ignore[valid-type]
     unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
-    model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator of your own")
+    model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator or gz.System of your own")
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
+    walls: Walls = Field(default=None, description=SAYS)
     mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")
     base: Moved = Field(
         default=None,

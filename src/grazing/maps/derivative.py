@@ -5,18 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import frexp, ldexp
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
 from grazing.kernel.primitives import replaced
 
 NAN = float("nan")
+Floats = NDArray[np.float64]
 
 #: Cube root of the rounding error: it balances rounding against curvature, and leaves about ten digits.
 STEP = 6e-6
 #: A state near 0 is told from its neighbours in units of 1 in a box from 1 to so many times as wide.
 WIDE = 1000.0
+
+
+class Derived(NamedTuple):
+    """The derivative of a map's step in the form in which it is compiled.
+
+    ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
+    is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
+    ``source`` are the rows that these may point to: they must live as long as they are used. ``step`` is the step alone
+    where more is to be left out for it than what a compiler leaves out by itself.
+    """
+
+    tangent: Callable[..., Any]
+    prepare: Callable[..., Any] | None
+    kind: type
+    rows: Floats
+    source: Floats
+    step: Callable[..., Any] | None = None
 
 
 def units_of(box: Sequence[tuple[float, float]]) -> tuple[float, ...]:

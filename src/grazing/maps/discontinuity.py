@@ -6,26 +6,29 @@ a correction of the state in zero time, after which the whole period is flown as
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.derivative import extended
 from grazing.maps.map import Map
+from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
 from grazing.maps.period import periods_passed, product
-from grazing.maps.starting import boxes_at, local_box
-from grazing.maps.stroboscopic import above_wall
+from grazing.maps.starting import local_box
 from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
-from grazing.oscillator.pointed import pointed_derivative, pointed_law, pointed_slope
+from grazing.oscillator.pointed import pointed_law, pointed_slope
 from grazing.oscillator.trajectory import checked_state
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm, shown
-from grazing.parameter import parameter_tuple, parameters
+from grazing.parameter import parameters
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ORDERS = ("lowest", "full", "corrected")
 
@@ -172,39 +175,56 @@ def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
         raise InputError(
             f"order is {shown(order)}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'"
         )
-    law, prepare = model.reset, constants_of(model.harmonics, section_phase)
+    law = model.reset
     step, tangent = local_map_of(law.law, law.slope, order, flown)
-    _step, by_address = local_map_of(pointed_law, pointed_slope, order, flown)
-
     return Map(
         step,
         params={**model.params, "phase": checked_phase(model, phase)},
         coordinates=("u", "v"),
         box=local_box(model.reach, model.paper),
-        boxes=partial(boxes_at, model, local_box),
-        prepare=prepare,
+        prepare=constants_of(model.harmonics, section_phase),
         tangent=tangent,
-        pointed=partial(
-            pointed_derivative,
-            model.harmonics,
-            law,
-            extended(by_address),
-            prepare,
-            parameter_tuple((*model.params, "phase")),
-        ),
         name=f"{'discontinuity map' if flown else 'zero-time map'}, {order} order",
-        check=above_wall if not flown else None,
-        exact=law.exact_slope,
-        source=partial(_again, model, order, flown),
-        describe=partial(Oscillator.describe, model),
-        model=model,
-        clock=partial(periods_passed, list(model.params).index("omega")) if flown else None,
+        origin=Flown(model, order) if flown else Local(model, order),
     )
 
 
-def _again(model: Oscillator, order: str, flown: bool, values: dict[str, Any]) -> Map:
-    own = {name: value for name, value in values.items() if name != "phase"}
-    return _local_map(model.replace(**own), order, values["phase"], flown)
+class Local(OfOscillator):
+    """The origin of a zero-time map: the oscillator that it comes near, and the order of its terms."""
+
+    flown: ClassVar[bool] = False
+    form = staticmethod(local_box)
+
+    def __init__(self, model: Oscillator, order: str) -> None:
+        super().__init__(model)
+        self.order = order
+
+    def replace(self, params: Mapping[str, float]) -> Map:
+        """Make the map at other values, from a model that checks their ranges."""
+        own, phase = apart(params)
+        return _local_map(self.model.replace(**own), self.order, phase, self.flown)
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a start inside the wall."""
+        above_wall(state, params)
+
+    def compiled(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Return the tangent and what prepares its numbers."""
+        _step, tangent = local_map_of(pointed_law, pointed_slope, self.order, self.flown)
+        return extended(tangent), constants_of(self.model.harmonics, section_phase)
+
+
+class Flown(Local):
+    """The origin of a discontinuity map with the period that follows; it may start where it ends, inside the wall."""
+
+    flown = True
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Allow every start."""
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time that orbits took for so many steps, each of a period."""
+        return periods_passed(list(self.model.params).index("omega"), rows, first, last, letters, steps)
 
 
 class ZeroTime(NamedTuple):

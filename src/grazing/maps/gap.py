@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import sqrt
 from typing import Any
 
 from grazing.maps.map import Map
+from grazing.maps.origin import Formula
 from grazing.outcome import AMBIGUOUS, OK
 from grazing.parameter import Parameter
+from grazing.theory import WordOrbit, word_orbits
 
 PARAMETERS = {
     parameter.name: parameter
@@ -54,6 +57,14 @@ def border(state: Any, _p: Any) -> Any:
 PIECES: dict[str, Any] = {"pieces": {"L": left, "R": right}, "border": border}
 
 
+class Words(Formula):
+    """The origin of a gap map: its orbits are solved word by word."""
+
+    def orbits(self, word: str, params: Mapping[str, float]) -> Sequence[WordOrbit]:
+        """Return all orbits of a word, admissible or virtual."""
+        return word_orbits(word, params["lam"], params["mu"], params["l"])
+
+
 def gap_map(lam: float, mu: float, l: float) -> Map:
     """Return the piecewise linear/square-root map with a gap, equation (2.6).
 
@@ -92,11 +103,6 @@ def gap_map(lam: float, mu: float, l: float) -> Map:
         letters="LR",
         tangent=gap_tangent,
         name="gap map",
-        describe=PARAMETERS.__getitem__,
-        source=_again,
+        origin=Words(gap_map, PARAMETERS),
         **PIECES,
     )
-
-
-def _again(values: dict[str, float]) -> Map:
-    return gap_map(**values)

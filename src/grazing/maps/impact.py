@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from math import nan, sqrt
 from typing import Any, NamedTuple
 
@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from grazing.kernel.elementary import length
 from grazing.maps.map import Map
+from grazing.maps.of_oscillator import OfOscillator
 from grazing.maps.period import log_size
-from grazing.maps.starting import boxes_at, impact_box
+from grazing.maps.starting import impact_box
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import (
     FLIES,
@@ -27,9 +28,8 @@ from grazing.oscillator.contact import (
 )
 from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, checked_model
-from grazing.oscillator.pointed import POINTED, pointed_derivative
+from grazing.oscillator.pointed import POINTED
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
-from grazing.parameter import parameter_tuple
 
 #: Periods without an impact after which the step gives up by name.
 MAX_PERIODS = 1000
@@ -166,15 +166,32 @@ def return_step_of(
     return step
 
 
-def leaves_wall(state: Any, params: Any) -> None:
-    """Raise InputError for a velocity into the wall."""
-    if state[1] < 0.0:
-        raise InputError(f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0")
+class Struck(OfOscillator):
+    """The origin of an impact map: the oscillator that it shows after each impact."""
 
+    section = "impact"
+    phased = False
+    form = staticmethod(impact_box)
 
-def time_passed(omega: int, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
-    """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""
-    return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / rows[:, omega, None])
+    def replace(self, params: Mapping[str, float]) -> Map:
+        """Make the map at other values, from a model that checks their ranges."""
+        return impact_map(self.model.replace(**params))
+
+    def compiled(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Return the tangent and what prepares its numbers."""
+        return return_of(*POINTED), constants_of(self.model.harmonics)
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a velocity into the wall."""
+        if state[1] < 0.0:
+            raise InputError(
+                f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0"
+            )
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""
+        omega = rows[:, list(self.model.params).index("omega"), None]
+        return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / omega)
 
 
 def impact_map(model: Oscillator) -> Map:
@@ -206,27 +223,8 @@ def impact_map(model: Oscillator) -> Map:
         params=model.params,
         coordinates=("tau", "v_plus"),
         box=impact_box(model.reach, model.paper),
-        boxes=partial(boxes_at, model, impact_box),
         prepare=constants_of(model.harmonics),
         tangent=return_tangent_of(law.law, law.slope, law.contraction),
         name="impact map",
-        check=leaves_wall,
-        exact=law.exact_slope,
-        source=partial(_again, model),
-        pointed=partial(
-            pointed_derivative,
-            model.harmonics,
-            law,
-            return_of(*POINTED),
-            constants_of(model.harmonics),
-            parameter_tuple(tuple(model.params)),
-        ),
-        describe=partial(Oscillator.describe, model),
-        model=model,
-        section="impact",
-        clock=partial(time_passed, list(model.params).index("omega")),
+        origin=Struck(model),
     )
-
-
-def _again(model: Oscillator, values: dict[str, Any]) -> Map:
-    return impact_map(model.replace(**values))

@@ -9,6 +9,7 @@ from grazing.maps.gap import PARAMETERS as GAP
 from grazing.maps.gap import border
 from grazing.maps.map import Map
 from grazing.maps.normal_form import NormalForm
+from grazing.maps.origin import Formula
 from grazing.outcome import AMBIGUOUS, OK, InputError, shown
 from grazing.parameter import Parameter, real
 
@@ -100,15 +101,10 @@ def linearised_map(lam: float, det: float, mu: float, l: float, root: float = 1.
         letters="LR",
         tangent=linearised_tangent,
         name="linearised map",
-        describe=PARAMETERS.__getitem__,
-        source=_again,
+        origin=Formula(linearised_map, PARAMETERS),
         pieces={"L": left, "R": right},
         border=border,
     )
-
-
-def _again(values: dict[str, float]) -> Map:
-    return linearised_map(**values)
 
 
 def linearised_of(form: NormalForm, value: float | None = None) -> Map:

@@ -6,24 +6,23 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.copies import ByValue, Code, alike, packed, plain
+from grazing.copies import ByValue, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
-from grazing.maps.derivative import differences_of, extended, stepping, tangent_runner, units_of
+from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Hits
+from grazing.maps.origin import NO_ORIGIN, Origin
 from grazing.maps.pointed import pointed_derivative, pointed_loop
-from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
+from grazing.maps.settle import settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import Derived
 from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
@@ -37,9 +36,13 @@ from grazing.parameter import (
 )
 from grazing.pool import Progress, Task
 
+if TYPE_CHECKING:
+    from grazing.oscillator.model import Oscillator
+
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
 STUCK_LETTER = -2
+GREEK = ("alpha", "beta", "gamma", "delta", "lambda", "mu", "nu", "omega", "phi", "rho", "sigma", "tau", "theta")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 NAN = float("nan")
@@ -63,10 +66,10 @@ class Segment(NamedTuple):
 
 #: What two equal maps have in common; all else follows from it, or is compiled from it.
 VALUE = (
-    "name", "params", "coordinates", "box", "letters", "escape", "exact", "model", "section", "step", "prepare",
-    "tangent", "pieces", "border", "check",
+    "name", "params", "coordinates", "box", "letters", "escape", "origin", "step", "prepare", "tangent", "pieces",
+    "border",
 )  # fmt: skip
-#: What may differ from the map that ``source`` makes.
+#: What may differ from the map that its origin makes.
 OWN = ("name", "coordinates", "box", "letters", "escape")
 
 
@@ -75,8 +78,7 @@ class Map(ByValue):
     """A step on a section: ``step(state, c) -> (state, letter, outcome)``, or pieces and the border between them.
 
     A map of your own needs the first five arguments at most, and ``pieces`` with ``border`` in place of ``step``. The
-    others are advanced: what makes it faster or says more of it, and what the maps of an oscillator know of the model
-    behind them.
+    others are advanced: what makes it faster or says more of it.
 
     Parameters
     ----------
@@ -109,38 +111,12 @@ class Map(ByValue):
     tangent : callable, optional
         ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row as a flat tuple. Without it
         :meth:`jacobian` uses central differences.
-    block : callable, optional
-        A faster twin of many steps, ``block(kind, rows, lanes, transient, found, arithmetic, block) -> tasks`` as in
-        :func:`grazing.maps.ensemble.ensemble_tasks`; held to ``step`` by :func:`grazing.testing.check_map`.
     name : str, optional
         Shown in messages and figures.
     escape : float
         A coordinate beyond it ends the orbit with outcome *diverged*.
-    check : callable, optional
-        ``check(state, params)`` raises InputError for a start that is not allowed.
-    exact : bool
-        Whether ``tangent`` is exact; False, as for a reset law whose slope is a difference, marks what rests on it
-        *numerical*.
-    source : callable, optional
-        ``source(params) -> Map`` makes the map again from the model behind it, which checks ranges.
-    settle : callable, optional
-        Decides a step that double precision could not decide, see :mod:`grazing.maps.settle`.
-    explain : callable, optional
-        ``explain(row, state)`` says in words what a user's law did wrong in the step from a state.
-    pointed : callable, optional
-        ``pointed(rows, arithmetic="strict")``: the tangent with its reset law or its system by address, see
-        :mod:`grazing.oscillator.pointed` and :mod:`grazing.systems.pointed`.
-    describe : callable, optional
-        ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
-    model : Oscillator, optional
-        The oscillator behind the map.
-    section : {"strobe", "impact"}, optional
-        Where the map sees that oscillator, exactly; None for a map that only comes near it.
-    clock : callable, optional
-        ``clock(rows, first, last, letters, steps)``: the time, shape (columns, n), that orbits took for so many steps
-        from the first states to the last ones (columns, dim, n), ``letters`` (columns, n) being their sum.
-    boxes : callable, optional
-        ``boxes(rows)``: the box at each row of parameters, shape (columns, dim, 2), where it moves with them.
+    origin : Origin, optional
+        What the map is made of, which knows more of it, see :mod:`grazing.maps.origin`. Maps of the library have one.
 
     Raises
     ------
@@ -183,22 +159,11 @@ class Map(ByValue):
     letters: str | Hits | None = None
     prepare: Callable[..., Any] | None = None
     tangent: Callable[..., Any] | None = None
-    block: Callable[..., Any] | None = None
-    name: str | None = None
-    escape: float = math.inf
-    check: Callable[..., None] | None = None
-    exact: bool = True
-    source: Callable[..., Map] | None = None
-    settle: Settle | None = None
-    explain: Explain | None = None
-    pointed: Callable[..., Derived] | None = None
-    describe: Callable[[str], Parameter] | None = None
-    model: Oscillator | None = None
-    section: str | None = None
-    clock: Callable[..., NDArray[np.float64]] | None = None
-    boxes: Callable[[Floats], Floats] | None = None
     pieces: Mapping[str, Callable[..., Any]] | None = None
     border: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None
+    name: str | None = None
+    escape: float = math.inf
+    origin: Origin = NO_ORIGIN
     _full_step: Callable[..., Any] = field(init=False, repr=False, default=None)  # type: ignore[assignment]
     formulas: Formulas | None = field(init=False, repr=False, compare=False, default=None)
 
@@ -209,28 +174,31 @@ class Map(ByValue):
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "box", box)
         object.__setattr__(self, "coordinates", coordinates)
+        if not isinstance(self.origin, Origin):
+            raise InputError(f"origin is {shown(self.origin)}; leave it out: maps of the library have one")
         if self.pieces is not None or self.border is not None:
             self._join_pieces()
         elif self.step is None:
             raise InputError("step is missing; give a function step(state, p), or pieces={'L': f, 'R': g} and border")
         object.__setattr__(self, "name", self.name or getattr(self.step, "__name__", "map"))
         if self._full_step is None:
-            object.__setattr__(self, "_full_step", self.step if self.source is not None else _normalised(self))
+            object.__setattr__(self, "_full_step", self.step if self.origin.replace is not None else _normalised(self))
 
     def _join_pieces(self) -> None:
         """Make step and letters of the pieces; a map of the library may have a faster step of its own."""
         letters, given = formulas(self.pieces, self.border)
         made, name = step_of(given), self.name or f"map of pieces {listed(letters)}"
         known = getattr(self.step, "formulas", None)
-        if self.step is not None and self.source is None and known != given:
+        own = self.origin.replace is None
+        if self.step is not None and own and known != given:
             raise InputError("step is given with pieces; give one of them: the step is made of pieces and border")
         if self.letters not in (None, letters):
             raise InputError(f"letters is {shown(self.letters)} for the pieces {letters}; leave it out")
-        values = {"step": self.step if self.source is not None and self.step is not None else made, "letters": letters,
+        values = {"step": made if own or self.step is None else self.step, "letters": letters,
                   "name": name, "formulas": given, "pieces": MappingProxyType(dict(self.pieces or {}))}  # fmt: skip
         for key, value in values.items():
             object.__setattr__(self, key, value)
-        if self.source is None:
+        if own:
             p = parameters(self.params)
             tried(given, letters, name, self.box, self.prepare(p) if self.prepare is not None else p)
 
@@ -240,8 +208,8 @@ class Map(ByValue):
     __hash__ = ByValue.__hash__
 
     def __reduce__(self) -> Any:
-        if self.source is not None:
-            return _made_again, (Code(self.source), dict(self.params), {name: getattr(self, name) for name in OWN})
+        if self.origin.replace is not None:
+            return _made_again, (self.origin, dict(self.params), {name: getattr(self, name) for name in OWN})
         left_out = ("step",) if self.pieces is not None else ()  # made again
         kept = [item.name for item in fields(self) if item.init and item.name not in left_out]
         return _built_again, ({name: packed(getattr(self, name)) for name in kept},)
@@ -253,7 +221,17 @@ class Map(ByValue):
     @property
     def _linked(self) -> bool:
         """Whether kernels get the step by its address: of a map of one's own no more is compiled."""
-        return self.source is None and self.prepare is None
+        return self.origin.replace is None and self.prepare is None
+
+    @property
+    def model(self) -> Oscillator | None:
+        """The oscillator over one wall that the map shows, exactly or nearly; None for any other map."""
+        return self.origin.model  # type: ignore[no-any-return]
+
+    @property
+    def section(self) -> str | None:
+        """Where the map shows its model exactly: "strobe" or "impact"; None for any other map."""
+        return self.origin.section
 
     @property
     def dimension(self) -> int:
@@ -269,8 +247,8 @@ class Map(ByValue):
             Names of :attr:`params`.
         """
         values = updated(self.params, changes, self.name or "map")
-        if self.source is not None:  # the model behind the map checks the ranges
-            return self.source(values)
+        if self.origin.replace is not None:  # it checks the ranges
+            return self.origin.replace(values)
         new = replace(self, params=values)
         object.__setattr__(new, "_full_step", self._full_step)
         return new
@@ -412,7 +390,7 @@ class Map(ByValue):
         )
         block = algorithm == "block" or (algorithm is None and arithmetic == "fast")
         whole_lanes = np.ascontiguousarray(lanes, np.float64)
-        starts = None if self.settle is None else whole_lanes.copy()
+        starts = None if self.origin.settle is None else whole_lanes.copy()
 
         def again(row: Floats, state: Floats, n: int) -> Columns:
             one, lane = empty_columns(1, self.dimension, 1, n, n), state.reshape(1, -1, 1).copy()
@@ -424,10 +402,10 @@ class Map(ByValue):
             return found
         tasks = self._tasks(table, whole_lanes, transient, found, arithmetic, block)
         run_columns(tasks, whole_lanes, found, threads, progress)
-        if self.settle is not None and starts is not None and found.undecided.any():
-            settle_orbits(table, starts, whole_lanes, transient, found, self.settle, again)
-        if starts is not None and self.explain is not None and (found.outcomes & BAD_LAW).any():
-            warn_of_bad_law(table, starts, transient + keep, found, self.explain, again)
+        if self.origin.settle is not None and starts is not None and found.undecided.any():
+            settle_orbits(table, starts, whole_lanes, transient, found, self.origin.settle, again)
+        if starts is not None and self.origin.explain is not None and (found.outcomes & BAD_LAW).any():
+            warn_of_bad_law(table, starts, transient + keep, found, self.origin.explain, again)
         if whole_lanes is not lanes:
             lanes[...] = whole_lanes
         return found
@@ -436,11 +414,12 @@ class Map(ByValue):
         self, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
     ) -> list[Task]:
         kind = parameter_tuple(tuple(self.params))
-        if self.block is not None:
-            return self.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
+        known = self.origin
+        if known.block is not None:
+            return known.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
         who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
-        if self.pointed is not None:  # compiled once, whatever the law or system; the same bits as the map's own step
-            tangent, prepare, kind, rows, source, alone = self.pointed(rows, arithmetic)
+        if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
+            tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
         if self._linked:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
@@ -471,8 +450,8 @@ class Map(ByValue):
         That is the map's ``tangent``, compiled once for all reset laws or systems where there is one, else central
         differences.
         """
-        if self.pointed is not None:
-            given = self.pointed(rows)
+        if self.origin.derivative is not None:
+            given = self.origin.derivative(rows)
         else:
             known = self.tangent
             if known is None:
@@ -499,18 +478,26 @@ class Map(ByValue):
             )
         if not np.isfinite(start).all():
             raise InputError(f"state {start.tolist()} is not finite; give finite {', '.join(self.coordinates)}")
-        if self.check is not None:
-            self.check(start, self.params)
+        self.origin.check(start.tolist(), self.params)
         return start
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or coordinate: symbol, meaning, range, units."""
+        known = self.origin.describe(name)
+        if known is not None:
+            return known
+        full = "lambda" if name == "lam" else name
+        kind = "parameter" if name in self.params else "coordinate"
+        return Parameter(name, f"\\{full}" if full in GREEK else name, f"{kind} {name}")
 
     def packed(self) -> tuple[type, NDArray[np.float64]]:
         """Return the type of the parameters' named tuple and their values: how a kernel gets them."""
         return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()) or [0.0], dtype=np.float64)
 
 
-def _made_again(source: Any, params: dict[str, float], own: dict[str, Any]) -> Map:
-    """Return a map as its source makes it, with what was changed since."""
-    made: Map = plain(source)(params)
+def _made_again(origin: Any, params: dict[str, float], own: dict[str, Any]) -> Map:
+    """Return a map as its origin makes it, with what was changed since."""
+    made: Map = origin.replace(params)
     for name, value in own.items():
         object.__setattr__(made, name, value)
     return made

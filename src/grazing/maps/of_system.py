@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.primitives import replaced
+from grazing.maps.derivative import Derived
 from grazing.maps.hits import MANY, Hits, most_of
 from grazing.maps.map import Map, ending
-from grazing.oscillator.pointed import Derived
+from grazing.maps.origin import Origin
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, OK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple, real
 from grazing.systems.contact import Asked, asked_of
@@ -125,21 +126,40 @@ def pointed_map(n: int) -> tuple[Callable[..., Any], Callable[..., Any], type]:
     return ending(step, INFINITY), derived, parameter_tuple((*HEAD, *(f"width{i}" for i in range(n))))
 
 
-def pointed_system(system: System, rows: Floats, arithmetic: str = "strict") -> Derived:
-    """Return the derivative of the map at rows of its parameters, which stand in its table behind what is read."""
-    n, walls = len(system.coordinates), len(system.surfaces)
-    step, derived, kind = pointed_map(n)
-    first = len(HEAD) + n
-    table = np.empty((len(rows), first + rows.shape[1]))
-    table[:, 0], table[:, 2], table[:, 3], table[:, 4] = (
-        system_address(system, arithmetic),
-        rows[:, -1],
-        walls,
-        most_of(walls),
-    )
-    table[:, 1] = table.ctypes.data + table.strides[0] * np.arange(len(rows)) + table.itemsize * first
-    table[:, len(HEAD) : first], table[:, first:] = [high - low for low, high in system.box], rows
-    return Derived(derived, None, kind, table, table, step)
+class OfSystem(Origin):
+    """The origin of the stroboscopic map of a system of one's own."""
+
+    exact = False
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+
+    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
+        """Return the derivative of the map at rows of its parameters, which stand in its table behind what is read."""
+        system = self.system
+        n, walls = len(system.coordinates), len(system.surfaces)
+        step, derived, kind = pointed_map(n)
+        first = len(HEAD) + n
+        table = np.empty((len(rows), first + rows.shape[1]))
+        table[:, 0], table[:, 2], table[:, 3], table[:, 4] = (
+            system_address(system, arithmetic),
+            rows[:, -1],
+            walls,
+            most_of(walls),
+        )
+        table[:, 1] = table.ctypes.data + table.strides[0] * np.arange(len(rows)) + table.itemsize * first
+        table[:, len(HEAD) : first], table[:, first:] = [high - low for low, high in system.box], rows
+        return Derived(derived, None, kind, table, table, step)
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a start inside a surface."""
+        self.system.refuse_inside(params["phase"], tuple(float(x) for x in state), params)
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time that orbits took for so many steps, each of a period."""
+        names = [*self.system.params, "phase"]
+        each = [self.system.period_at(dict(zip(names, row, strict=True))) for row in rows.tolist()]
+        return np.broadcast_to(steps * np.array(each)[:, None], letters.shape)
 
 
 def map_of_system(system: System, phase: float) -> Map:
@@ -156,19 +176,5 @@ def map_of_system(system: System, phase: float) -> Map:
         letters=Hits(surfaces) if len(surfaces) > 1 else None,
         tangent=tangent_of(widths, system.period, *system.parts),
         name=f"stroboscopic map of {system.name}",
-        check=partial(_outside, system),
-        exact=False,
-        pointed=partial(pointed_system, system),
-        clock=partial(_passed, system),
+        origin=OfSystem(system),
     )
-
-
-def _outside(system: System, state: Any, params: Any) -> None:
-    """Raise InputError for a start inside a surface."""
-    system.refuse_inside(params["phase"], tuple(float(x) for x in state), params)
-
-
-def _passed(system: System, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
-    names = [*system.params, "phase"]
-    each = [system.period_at(dict(zip(names, row, strict=True))) for row in rows.tolist()]
-    return np.broadcast_to(steps * np.array(each)[:, None], letters.shape)

@@ -53,13 +53,13 @@ def pieces(
 
 def steps_of_piece(P: Map, orbits: int) -> int:
     """Return how many steps a piece of so many orbits has."""
-    cut = CUT if P.block is not None else 1
+    cut = CUT if P.origin.block is not None else 1
     return cut * max(1, steps_of(P) // (cut * max(1, orbits)))
 
 
 def steps_of(P: Map) -> int:
     """Return how many steps of a map, over all orbits, a piece of work should have."""
-    return BLOCK if P.block is not None else (FORMULA if P.prepare is None else FLIGHT)
+    return BLOCK if P.origin.block is not None else (FORMULA if P.prepare is None else FLIGHT)
 
 
 def joined(parts: list[Columns]) -> Columns:
@@ -82,7 +82,7 @@ def let_go(P: Map, found: Columns) -> Columns:
     kept, from impact to impact. The numbers would take thousands of periods more to overflow.
     """
     keep = found.points.shape[1]
-    if P.model is None or keep < LEAST:
+    if not P.origin.sized or keep < LEAST:
         return found
     size = np.array([high - low for low, high in P.box])[:, None]
     with np.errstate(invalid="ignore", over="ignore"):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import address
 from grazing.kernel.lanes import advancer, runner_at, unpacker
 from grazing.kernel.primitives import derived_at, replaced
-from grazing.oscillator.pointed import Derived
+from grazing.maps.derivative import Derived
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class Place(NamedTuple):
 def pointed_tangent(dimension: int) -> Callable[..., Any]:
     """Return ``tangent(state, place) -> (state, letter, outcome, J)``, which calls what lies at a place.
 
-    J is as :class:`grazing.oscillator.pointed.Derived` says.
+    J is as :class:`grazing.maps.derivative.Derived` says.
     """
     blank, zero = (0.0,) * (dimension + dimension * dimension + 1), (0.0,) * dimension
     slopes = blank[dimension:]
@@ -83,7 +83,7 @@ def pointed_derivative(tangent: Callable[..., Any], kind: type, dimension: int, 
     Parameters
     ----------
     tangent : callable
-        ``tangent(state, p) -> (state, letter, outcome, J)``, J as :class:`grazing.oscillator.pointed.Derived` says.
+        ``tangent(state, p) -> (state, letter, outcome, J)``, J as :class:`grazing.maps.derivative.Derived` says.
     kind : type
         The named tuple of the parameters p.
     dimension : int

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.columns import Columns
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
+from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
 from grazing.maps.of_system import map_of_system
 from grazing.maps.period import period_of, periods_passed
 from grazing.maps.settle import Settled
-from grazing.maps.starting import boxes_at, strobe_box
+from grazing.maps.starting import strobe_box
 from grazing.maps.walled import walled_map
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
-from grazing.oscillator.pointed import POINTED, pointed_derivative
+from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
-from grazing.outcome import CHATTER, InputError, told
-from grazing.parameter import parameter_tuple, parameters
+from grazing.outcome import CHATTER, told
+from grazing.parameter import parameters
+from grazing.pool import Task
 from grazing.systems.contract import System
 
 INFINITY = float("inf")
@@ -73,12 +76,65 @@ def derived_of(
     return derived
 
 
-def above_wall(state: Any, params: Any) -> None:
-    """Raise InputError for a ball inside the wall."""
-    if state[0] < params["sigma"]:
-        raise InputError(
-            f"the ball starts inside the wall: u = {state[0]:g}, sigma = {params['sigma']:g}; start with u >= sigma"
-        )
+class Strobed(OfOscillator):
+    """The origin of a stroboscopic map: the oscillator that it shows once a period."""
+
+    section = "strobe"
+    form = staticmethod(strobe_box)
+    check = staticmethod(above_wall)
+
+    def replace(self, params: Mapping[str, float]) -> Map:
+        """Make the map at other values, from a model that checks their ranges."""
+        own, phase = apart(params)
+        return stroboscopic_map(self.model.replace(**own), phase)
+
+    def compiled(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Return the tangent and what prepares its numbers."""
+        return derived_of(*POINTED), constants_of(self.model.harmonics, section_phase)
+
+    def block(
+        self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
+    ) -> list[Task]:
+        """Return tasks that fly many orbits as blocks, see :func:`grazing.maps.ensemble.ensemble_tasks`."""
+        model = self.model
+        return ensemble_tasks(model.harmonics, model.reset, kind, rows, lanes, transient, found, arithmetic, block)
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time that orbits took for so many steps, each of a period."""
+        return periods_passed(list(self.model.params).index("omega"), rows, first, last, letters, steps)
+
+    def settle(self, row: Sequence[float], state: tuple[float, ...]) -> Settled | None:
+        """Decide a step in ball arithmetic; None where no precision decides."""
+        values = dict(zip(self.model.params, row, strict=False))  # the phase comes last
+        proven = exact_period(self.model.replace(**values), (state[0], state[1]), row[-1])
+        if proven is None:
+            return None
+        letter = CHATTER_LETTER if proven.outcome & CHATTER else (STUCK_LETTER if proven.lay else proven.impacts)
+        return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
+
+    def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
+        """Say what the reset law did wrong in the step from a state."""
+        names = *self.model.params, "phase"
+        params = self.replace(dict(zip(names, row, strict=True))).params
+        said: list[str] = []
+        law = self.model.reset
+
+        def watched(v: float, p: Any) -> float:
+            try:
+                w: float = law.law(v, p)
+            except Exception as error:
+                said.append(f"the reset law {law.name} raised {told(error)} for v_minus = {v:g}")
+                raise
+            if not 0.0 <= w < INFINITY:
+                said.append(
+                    f"the reset law {law.name} returned {w:g} for v_minus = {v:g}; allowed is a finite v_plus >= 0"
+                )
+            return w
+
+        period = period_of(watched, law.slope, law.contraction, False)
+        with suppress(Exception):  # the law's own error has been noted, any other is one of plain Python alone
+            period(state, constants_of(self.model.harmonics, section_phase)(parameters(params)))
+        return said[0] if said else f"the reset law {law.name} returned what it must not"
 
 
 def stroboscopic_map(model: Oscillator | System, phase: float = 0.0) -> Map:
@@ -113,66 +169,13 @@ def stroboscopic_map(model: Oscillator | System, phase: float = 0.0) -> Map:
     checked_model(model)
     law = model.reset
 
-    def settle(row: list[float], state: tuple[float, ...]) -> Settled | None:
-        values = dict(zip(model.params, row, strict=False))  # the phase comes last
-        proven = exact_period(model.replace(**values), (state[0], state[1]), row[-1])
-        if proven is None:
-            return None
-        letter = CHATTER_LETTER if proven.outcome & CHATTER else (STUCK_LETTER if proven.lay else proven.impacts)
-        return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
-
-    def explain(row: list[float], state: tuple[float, ...]) -> str:
-        P = _again(model, dict(zip([*model.params, "phase"], row, strict=True)))
-        said = []
-
-        def watched(v: float, p: Any) -> float:
-            try:
-                w = law.law(v, p)
-            except Exception as error:
-                said.append(f"the reset law {law.name} raised {told(error)} for v_minus = {v:g}")
-                raise
-            if not 0.0 <= w < INFINITY:
-                said.append(
-                    f"the reset law {law.name} returned {w:g} for v_minus = {v:g}; allowed is a finite v_plus >= 0"
-                )
-            return w
-
-        p = parameters(P.params)
-        period = period_of(watched, law.slope, law.contraction, False)
-        with suppress(Exception):  # the law's own error has been noted, any other is one of plain Python alone
-            period(state, constants_of(model.harmonics, section_phase)(p))
-        return said[0] if said else f"the reset law {law.name} returned what it must not"
-
     return Map(
         step_of(law.law, law.slope, law.contraction),
         params={**model.params, "phase": checked_phase(model, phase)},
         coordinates=("u", "v"),
         box=strobe_box(model.reach, model.paper),
-        boxes=partial(boxes_at, model, strobe_box),
         prepare=constants_of(model.harmonics, section_phase),
         tangent=tangent_of(law.law, law.slope, law.contraction),
-        block=partial(ensemble_tasks, model.harmonics, law),
         name="stroboscopic map",
-        check=above_wall,
-        exact=law.exact_slope,
-        source=partial(_again, model),
-        settle=settle,
-        explain=explain,
-        pointed=partial(
-            pointed_derivative,
-            model.harmonics,
-            law,
-            derived_of(*POINTED),
-            constants_of(model.harmonics, section_phase),
-            parameter_tuple((*model.params, "phase")),
-        ),
-        describe=partial(Oscillator.describe, model),
-        model=model,
-        section="strobe",
-        clock=partial(periods_passed, list(model.params).index("omega")),
+        origin=Strobed(model),
     )
-
-
-def _again(model: Oscillator, values: dict[str, Any]) -> Map:
-    """Make the map at other values, from a model that checks their ranges."""
-    return stroboscopic_map(model.replace(**{n: x for n, x in values.items() if n != "phase"}), values["phase"])

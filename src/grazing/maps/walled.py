@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
 from typing import Any
 
@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
+from grazing.maps.derivative import Derived
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
+from grazing.maps.of_oscillator import apart
+from grazing.maps.origin import Origin
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.flight import modes
@@ -27,7 +30,7 @@ from grazing.oscillator.frames import (
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
-from grazing.oscillator.pointed import POINTED, Derived
+from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
     AMBIGUOUS,
@@ -42,10 +45,12 @@ from grazing.outcome import (
 from grazing.outcome import (
     CHATTER as CHATTERED,
 )
+from grazing.parameter import Parameter
 
 INFINITY = float("inf")
 NAN = float("nan")
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Law = tuple[Callable[..., float], Callable[..., float], Callable[..., Any]]
 
 
@@ -159,6 +164,41 @@ def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
     return step
 
 
+class Strobed(Origin):
+    """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
+
+    def __init__(self, walled: Walled) -> None:
+        self.walled = walled
+        self.exact = all(wall.law.exact_slope for wall in walled.walls)
+
+    def replace(self, params: Mapping[str, float]) -> Map:
+        """Make the map at other values, from a model that checks their ranges."""
+        own, phase = apart(params)
+        return walled_map(self.walled.replace(**own), phase)
+
+    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
+        """Return the derivative of the step with the laws by address: compiled once for all."""
+        numbers, source = frames_rows(self.walled, np.ascontiguousarray(rows), arithmetic)
+        H = self.walled.harmonics
+        return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or coordinate."""
+        return self.walled.describe(name)
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a ball inside a wall."""
+        self.walled.refuse_inside(float(state[0]), params["phase"])
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time that orbits took for so many steps, each of a period."""
+        return periods_passed(list(self.walled.params).index("omega"), rows, first, last, letters, steps)
+
+    def boxes(self, rows: Floats) -> Floats:
+        """Return the boxes at parameter values."""
+        return np.array([box_of(self.walled, row) for row in rows.tolist()]).reshape(-1, 2, 2)
+
+
 def walled_map(model: Walled, phase: float) -> Map:
     """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
@@ -167,43 +207,20 @@ def walled_map(model: Walled, phase: float) -> Map:
         walled_step_of(laws[0], laws[-1]),
         params=params,
         coordinates=("u", "v"),
-        box=_box(model, list(params.values())),
+        box=box_of(model, list(params.values())),
         letters=Hits(model.names) if len(model.walls) > 1 else None,
-        boxes=partial(_boxes, model),
         prepare=partial(_plain, model),
         tangent=walled_tangent_of(laws[0], laws[-1]),
         name="stroboscopic map",
-        check=partial(_between, model),
-        exact=all(wall.law.exact_slope for wall in model.walls),
-        source=partial(_again, model),
-        pointed=partial(_pointed, model),
-        describe=partial(Walled.describe, model),
-        clock=partial(periods_passed, list(params).index("omega")),
+        origin=Strobed(model),
     )
-
-
-def _pointed(model: Walled, rows: Floats, arithmetic: str = "strict") -> Derived:
-    """Return the derivative of the step with the laws by address: compiled once for all."""
-    numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
-    H = model.harmonics
-    return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
 
 
 def _plain(model: Walled, p: Any) -> Frames:
     return plain_frames(model, np.array(p, np.float64))
 
 
-def _again(model: Walled, values: dict[str, float]) -> Map:
-    new = model.replace(**{name: x for name, x in values.items() if name != "phase"})
-    return walled_map(new, values["phase"])
-
-
-def _between(model: Walled, state: Any, params: Any) -> None:
-    """Raise InputError for a ball inside a wall."""
-    model.refuse_inside(float(state[0]), params["phase"])
-
-
-def _box(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
     c = plain_frames(model, np.array(row))
     reach = model.reach_at(row[:-1])
@@ -213,7 +230,3 @@ def _box(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[fl
         low, high = sorted((c.za, c.za + c.side * reach[0].height))
     edge = 1e-3 * (high - low)
     return (low + edge, high - edge), (min(c.wa, c.wb) - speed, max(c.wa, c.wb) + speed)
-
-
-def _boxes(model: Walled, rows: Floats) -> Floats:
-    return np.array([_box(model, row) for row in rows.tolist()]).reshape(-1, 2, 2)

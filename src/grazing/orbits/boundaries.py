@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from grazing.maps.gap import gap_step
 from grazing.maps.map import Map
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
 from grazing.orbits.windows import EDGES, windows
@@ -93,7 +92,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
         raise InputError(f"x and y are both {shown(first.name)}; give two different parameters")
     periods = checked_periods(N)
     model = P if isinstance(P, Oscillator) else _model_of(P)
-    if isinstance(P, Map) and P.step is gap_step:
+    if isinstance(P, Map) and P.origin.orbits is not None:
         known, about = dict(P.params), GAP
         curves = gap_curves(dict(P.params), first, second, periods)
     elif isinstance(model, Oscillator):

@@ -290,8 +290,7 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
         low, high = bounds
     except (TypeError, ValueError):
         raise InputError(f"bounds is {shown(bounds)}; give the pair (low, high) of values of {name}") from None
-    if P.describe is not None:
-        low, high = P.describe(name).check(low), P.describe(name).check(high)
+    low, high = P.describe(name).check(low), P.describe(name).check(high)
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
     if not low < high:
         raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
@@ -304,8 +303,7 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     """Return where a branch begins that holds a given orbit."""
     low, high = bounds
     value = float(orbit.map.params.get(name, np.nan))
-    made = () if P.model is None or P.model.base is None else P.model.base.made  # they follow the parameter
-    moved = (name, *made)
+    moved = (name, *P.origin.followers)
     differ = [
         key for key, x in orbit.map.params.items() if key not in P.params or not (key in moved or P.params[key] == x)
     ]

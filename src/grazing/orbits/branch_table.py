@@ -13,7 +13,6 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
-from grazing.parameter import Parameter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +104,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     rolls = _joined([shifts(piece) for piece in branch.pieces], np.int64)
     for i, (orbit, roll) in enumerate(zip(orbits, rolls.tolist(), strict=True)):
         points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
-    about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
+    about = P.describe(name)
     value = about.attributes
     special = branch.special
 
@@ -145,9 +144,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
     }
     table |= impact_columns(orbits, rolls)
     for j, coordinate in enumerate(coordinates):
-        said = {"long_name": coordinate, "symbol": coordinate}
-        if P.model is not None:
-            said = P.model.describe(coordinate).attributes
+        said = P.describe(coordinate).attributes
         table[coordinate] = ("point", "n"), points[:, :, j], said
         first = np.array([one.orbit.points[0, j] for one in special], np.float64)
         table[f"special_{coordinate}"] = "special", first, said
@@ -161,6 +158,6 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "coordinate_names": json.dumps(list(coordinates)),
         "arithmetic": "strict",
         **({} if branch.complete else {"unfinished": "the limit of points was reached before the end of the branch"}),
-        **({} if P.model is None else P.model.attributes),
+        **P.origin.attributes,
     }
     return xr.Dataset(table, attrs=attributes)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from grazing.maps.gap import gap_step
 from grazing.maps.map import Map
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import letters_of, word, words
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
-from grazing.theory import WordOrbit, word_orbits
+from grazing.theory import WordOrbit
 
 
 def gap_orbits(G: Map, period: int) -> tuple[Orbit, ...]:
@@ -48,7 +47,7 @@ def gap_orbits(G: Map, period: int) -> tuple[Orbit, ...]:
     >>> [orbit for orbit in gap_orbits(gz.gap_map(lam=0.8, mu=0.5, l=1.0), 3) if orbit.admissible]
     [<Orbit LLR, period 3, stable, admissible>]
     """
-    if not isinstance(G, Map) or G.step is not gap_step:
+    if not isinstance(G, Map) or G.origin.orbits is None:
         raise InputError(
             f"the words of {shown(G)} cannot be solved; give a gap map, gz.gap_map(lam=..., mu=..., l=...)"
         )
@@ -56,8 +55,7 @@ def gap_orbits(G: Map, period: int) -> tuple[Orbit, ...]:
     spelled = [one for one in words("LR", n) if len(one) == n]
     if n % 2 == 0:
         spelled += [one * 2 for one in words("LR", n // 2) if len(one) == n // 2]
-    lam, mu, l = (G.params[name] for name in ("lam", "mu", "l"))
-    return tuple(_orbit(G, found) for one in spelled for found in word_orbits(one, lam, mu, l))
+    return tuple(_orbit(G, found) for one in spelled for found in G.origin.orbits(one, G.params))
 
 
 def _orbit(G: Map, found: WordOrbit) -> Orbit:

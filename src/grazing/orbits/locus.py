@@ -20,7 +20,7 @@ from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO, kick_of
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import Parameter, whole
+from grazing.parameter import whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -187,7 +187,7 @@ class Locus(ByValue):
         P = self.orbits[0].map
         columns: dict[str, Any] = {}
         for j, name in enumerate(self.parameters):
-            about = P.describe(name) if P.describe is not None else Parameter(name, name, "parameter")
+            about = P.describe(name)
             attrs = about.attributes
             columns[name] = "point", self.values[:, j], attrs
             columns[f"meeting_{name}"] = (
@@ -209,7 +209,7 @@ class Locus(ByValue):
             "type": self.type, "word": self.orbits[0].word, "period": self.orbits[0].period,
             "parameters": json.dumps(list(self.parameters)), "bounds": json.dumps([list(b) for b in self.bounds]),
             "map": P.name or "map", "map_parameters": json.dumps(dict(P.params)), "ends": json.dumps(list(self.ends)),
-            **({} if P.model is None else P.model.attributes),
+            **P.origin.attributes,
         }  # fmt: skip
         return xr.Dataset(columns, attrs=attributes)
 

@@ -279,7 +279,7 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         seeds += [one.seed] if last else [one.seed, gap[0, :1]]
         piece.append(np.full(len(one.piece.state) + (not last), number))
     words = np.array([_word(one.piece.letters, P) for one in grown], dtype=object)
-    count, state = {"units": "1"}, "1" if P.model is None else P.model.units_of(P.coordinates)
+    count, state = {"units": "1"}, P.origin.units_of(P.coordinates)
     ends = "; ".join(f"{end}: {said}" for end, said in ENDS.items())
     points = np.repeat(np.arange(orbit.period), 2)
 
@@ -325,6 +325,6 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         "parameters": json.dumps(dict(P.params)),
         "grazing_config": json.dumps(config, sort_keys=True, separators=(",", ":"), allow_nan=False),
         "arithmetic": "strict",
-        **({} if P.model is None else P.model.attributes),
+        **P.origin.attributes,
     }
     return xr.Dataset(variables, {"coordinate": list(P.coordinates)}, attributes)

@@ -97,7 +97,7 @@ def swift(P: Map) -> Map:
 
     At a cut, bisected to rounding, all steps are of that kind, and either decision is right to within the cut's error.
     """
-    return P if P.settle is None else dataclasses.replace(P, settle=None)
+    return P if P.origin.settle is None else dataclasses.replace(P, origin=P.origin.unsettled())
 
 
 def mixed(code: Codes, letter: Any) -> Codes:

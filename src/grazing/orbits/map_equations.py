@@ -69,8 +69,7 @@ class MapEquations(PointEquations):
         for name in names:
             if name not in P.params:
                 raise unknown(name, P.params, P.name or "the map")
-        if P.model is not None:
-            P.model.refuse_made(names)
+        P.origin.refuse_made(names)
         self.P, self.names, self.letters, self.N = P, names, letters, len(letters)
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self.size = np.array([high - low for low, high in P.box])
@@ -96,7 +95,7 @@ class MapEquations(PointEquations):
         """Return the values of all parameters (k, parameters) for those that vary (k, names)."""
         rows = np.tile(self._row, (len(p), 1))
         rows[:, self._places] = p
-        return rows if self.P.model is None else self.P.model.made_from_base(rows)
+        return self.P.origin.complete(rows)
 
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""
@@ -169,18 +168,17 @@ class MapEquations(PointEquations):
 
     def allowed(self, p: Floats) -> NDArray[np.bool_]:
         """Whether the map allows each of several values (k, names) of its parameters."""
-        if self.P.describe is None or (len(p) and self.in_range(p.min(axis=0)) and self.in_range(p.max(axis=0))):
+        if len(p) and self.in_range(p.min(axis=0)) and self.in_range(p.max(axis=0)):
             return np.ones(len(p), np.bool_)  # ranges are intervals
         return np.array([self.in_range(one) for one in p], np.bool_)
 
     def in_range(self, p: Floats) -> bool:
         """Whether the map allows these values of its parameters."""
-        if self.P.describe is not None:
-            try:
-                for name, value in zip(self.names, p, strict=True):
-                    self.P.describe(name).check(float(value))
-            except InputError:
-                return False
+        try:
+            for name, value in zip(self.names, p, strict=True):
+                self.P.describe(name).check(float(value))
+        except InputError:
+            return False
         return True
 
     def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from grazing.maps.gap import gap_step
 from grazing.maps.map import Map
 from grazing.orbits.gap_orbits import gap_orbits
 from grazing.orbits.orbit import Orbit
@@ -23,8 +22,8 @@ from grazing.orbits.word import letters_of
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import whole
 
-#: Longest period of a search; of the gap map, whose words grow as 2^period/period.
-LONGEST, LONGEST_GAP = 64, 20
+#: Longest period of a search; of one that solves each word, of which there are 2^period/period.
+LONGEST, LONGEST_WORDS = 64, 20
 #: Most impacts of a word that is looked for.
 MOST_IMPACTS = 200
 #: Random guesses of a period of a map that is no section of an oscillator.
@@ -199,10 +198,11 @@ def periodic_orbits(
             f"word {shown(word)} and period {periods[-1]} have {impacts} impacts; allowed are {MOST_IMPACTS}: the "
             "search costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
         )
-    if P.step is not gap_step:
+    solved = P.origin.orbits is not None  # word by word, by algebra
+    if not solved:
         refuse_many(P, starts, periods[-1])
     tally, met = Tally(), 0
-    if P.step is gap_step:
+    if solved:
         found = [orbit for n in periods for orbit in gap_orbits(P, n)]
         tally.signatures.update((n, n) for n in periods)
         met = sum(not orbit.admissible for orbit in found)
@@ -218,7 +218,7 @@ def periodic_orbits(
         met = sum(not orbit.admissible for orbit in found)
     signatures = tuple(sorted(tally.signatures))
     searched = Searched(
-        periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, P.step is gap_step, seed
+        periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed
     )
     return Orbits(_listing(found, asked, virtual), P, asked, searched)
 
@@ -263,7 +263,7 @@ def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tupl
     except TypeError:
         items = [period]
     found = sorted({whole(one, "period", 1) for one in items})
-    longest = LONGEST_GAP if P.step is gap_step else LONGEST
+    longest = LONGEST if P.origin.orbits is None else LONGEST_WORDS
     if not found:
         raise InputError("period is an empty list; give whole numbers >= 1, such as range(1, 7)")
     if found[-1] > longest:

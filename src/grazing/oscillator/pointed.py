@@ -26,23 +26,6 @@ Floats = NDArray[np.float64]
 LAW = ("ratio", "speed", "law", "slope", "row")
 
 
-class Derived(NamedTuple):
-    """The derivative of a map's step in the form in which it is compiled.
-
-    ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
-    is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
-    ``source`` are the rows that these may point to: they must live as long as they are used. ``step`` is the step alone
-    where more is to be left out for it than what a compiler leaves out by itself.
-    """
-
-    tangent: Callable[..., Any]
-    prepare: Callable[..., Any] | None
-    kind: type
-    rows: Floats
-    source: Floats
-    step: Callable[..., Any] | None = None
-
-
 def pointed_law(v: float, p: Any) -> float:
     """Call the reset law by its address."""
     return called(p.law, v, p.row)
@@ -142,18 +125,3 @@ def pointed_model(model: Oscillator, phase: float = 0.0) -> Pointed:
     source = np.array([[*model.params.values(), phase]], np.float64)
     kind = parameter_tuple((*model.params, "phase"))
     return Pointed(pointed_rows(model.harmonics, model.reset, kind, source, "strict")[0], source)
-
-
-def pointed_derivative(
-    harmonics: int,
-    law: Reset,
-    tangent: Callable[..., Any],
-    prepare: Callable[..., Any],
-    kind: type,
-    rows: Floats,
-    arithmetic: str = "strict",
-) -> Derived:
-    """Return the derivative of a map of an oscillator, whose ``tangent`` calls the law by its address."""
-    source = np.ascontiguousarray(rows)
-    flat = pointed_rows(harmonics, law, kind, source, arithmetic)
-    return Derived(tangent, prepare, flight_kind(harmonics), flat, source)

@@ -132,6 +132,14 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
     return np.concatenate(tables)
 
 
+def rests_in(begins: Floats, ends: Floats, lies: NDArray[np.bool_]) -> Floats:
+    """Return from when until when the ball lies, shape (rests, 2); legs end at strobes, a rest need not."""
+    on = lies & (ends > begins)
+    first, last = begins[on], ends[on]
+    new = np.append(True, first[1:] != last[:-1])[: len(first)]
+    return np.column_stack([first[new], last[np.append(new, True)[1:]]])
+
+
 def walled_trajectory(
     model: Walled, state: tuple[float, float], start: float, until: float, samples: int
 ) -> xr.Dataset:
@@ -188,6 +196,16 @@ def walled_trajectory(
             "v_minus": ("impact", before, about["v_minus"]),
             "v_plus": ("impact", after, about["v_plus"]),
             "impact_wall": ("impact", np.array(names)[struck], {"long_name": "wall that is hit"}),
+            "impact_speed": (
+                "impact",
+                -legs[hits, V_MINUS],
+                {"long_name": "speed of approach to the wall", "units": "1"},
+            ),
+            "rest_time": (
+                ("rest", "end"),
+                rests_in(begins, np.minimum(ends, until), legs[:, LEG] != 0.0),
+                about["t"] | {"long_name": "when the ball lies on a wall: from, until"},
+            ),
             "wall_position": (
                 ("wall", "t"),
                 model.places_at(t)[0],

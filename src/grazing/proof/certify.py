@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grazing.copies import ByValue
-from grazing.maps.gap import gap_step
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
@@ -153,7 +152,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     >>> certificate.proven, certificate.claims["stability"]
     (True, 'stable')
     """
-    if isinstance(orbit, Orbit) and orbit.map.step is gap_step:
+    if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return certify_gap_orbit(orbit)
     orbit = with_impacts(orbit)
     n, N = orbit.impacts, orbit.period

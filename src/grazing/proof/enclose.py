@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from grazing.maps.gap import gap_step
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import Undecided
@@ -94,7 +93,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     >>> certificate
     <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 6.4e-14>
     """
-    if isinstance(orbit, Orbit) and orbit.map.step is gap_step:
+    if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return _gap_edge(orbit, kind, name)
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:

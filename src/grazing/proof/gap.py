@@ -14,7 +14,6 @@ from flint import arb
 from numpy.typing import NDArray
 
 from grazing.copies import ByValue
-from grazing.maps.gap import gap_step
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.exact import LOCK
 from grazing.outcome import InputError
@@ -240,7 +239,7 @@ def _given(
 ) -> tuple[WordOrbit | None, dict[str, float]]:
     """Return the solution that is meant, and the parameters."""
     if isinstance(orbit, Orbit):
-        if orbit.map.step is not gap_step:
+        if orbit.map.origin.orbits is None:
             raise InputError(f"the orbit belongs to {orbit.map!r}; give one of a gap map, gz.gap_map(...)")
         params = {name: orbit.map.params[name] for name in ("lam", "mu", "l")}
         spelled = orbit.word * (orbit.period // len(orbit.word))

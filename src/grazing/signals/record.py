@@ -10,6 +10,7 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import real
 from grazing.signals.sample import sample
 from grazing.signals.spectrum import OF, spectrum
+from grazing.systems.contract import System
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,10 +22,19 @@ USUAL = 128
 WHOLE = 1e-6
 
 
+def _refuse_system(model: Any, what: str) -> None:
+    """Raise InputError for a system of one's own, which has no u and v."""
+    if isinstance(model, System):
+        raise InputError(
+            f"{model!r} is a system of your own; {what} of an oscillator only; gz.trajectory takes any system"
+        )
+
+
 def history(
     model: Oscillator, state: ArrayLike, start: float = 0.0, until: float = 50.0, samples: int = 200, of: str = "u"
 ) -> xr.Dataset:
     """Return a trajectory whose figure is its history: position or velocity over time."""
+    _refuse_system(model, "there is a history")
     if of not in OF:
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     return trajectory(model, state, start, until, samples).assign_attrs(history_of=of)
@@ -39,6 +49,7 @@ def sampled(
     rate: float | None = None,
 ) -> xr.Dataset:
     """Return a motion at equal times, what was before ``since`` left out."""
+    _refuse_system(model, "there are samples and spectra")
     recorded = sample(trajectory(model, state, start, until), USUAL / model.period if rate is None else rate)
     if since is None:
         return recorded

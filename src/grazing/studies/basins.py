@@ -147,10 +147,9 @@ def plan(
     transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 1)
     preimages, arithmetic = whole(preimages, "preimages", 0), checked_arithmetic(arithmetic)
     shape = tuple(len(values) for values in axes.values())
-    if P.check is not None:
-        for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
-            state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
-            P.check(tuple(state[:, 0].tolist()), P.params)
+    for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
+        state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))
+        P.origin.check(tuple(state[:, 0].tolist()), P.params)
     name = P.name or "map"
     return Plan(
         P=P,

@@ -144,7 +144,7 @@ def settle_columns(
         q, j = divmod(place, shape[1])
         start = begin[q, j] - period[q, j]  # the letters repeat, and here none of the word lies beyond the end
         texts[i] = _spelled(tuple(found[1][q, start : start + length[q, j], j].tolist()), P.letters)
-    trust = np.full(shape, CERTIFIED if P.tangent is not None and P.exact else NUMERICAL, np.int8)
+    trust = np.full(shape, CERTIFIED if P.tangent is not None and P.origin.exact else NUMERICAL, np.int8)
     trust[(outcomes[:, 0] & AMBIGUOUS) != 0] = AMBIGUOUS_TRUST
     return Settled(period, trust, code, begin, length, texts)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.hits import Hits
 from grazing.outcome import FATAL, Outcome
 from grazing.studies.outside import NOTE
 
@@ -224,18 +225,26 @@ def in_trajectory(result: xr.Dataset) -> Row:
     """Return the number of impacts, the first of them, the rests on the wall and how far to trust them."""
     names = "impact_time", "v_minus", "v_plus"
     first = zip(*(result[name].values[:FIRST].tolist() for name in names), strict=True)
-    t, u = result["t"].values, result["u"].values
-    wall = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
+    of = "u" if "u" in result else str(result["coordinate"].values[0])  # a system of one's own has other names
+    t, u = result["t"].values, result[of].values
+    if of != "u":
+        lies = []
+    elif "rest_time" in result:  # of several walls, or one that moves
+        lies = result["rest_time"].values.tolist()
+    else:
+        wall = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
+        lies = rests(t, u, result["v"].values, wall)
     said: Row = {
         "impacts": int(result.sizes["impact"]),
         "first": [dict(zip(("t", "v_minus", "v_plus"), impact, strict=True)) for impact in first],
-        "u": [float(u.min()), float(u.max())],
-        "rests": rests(t, u, result["v"].values, wall),
+        "coordinate": of,
+        of: [float(u.min()), float(u.max())],
+        "rests": lies,
         "chatter": bool(result.attrs.get("chatter", 0)),
         "trust": str(result["trust"].values),
     }
     if said["impacts"]:
-        speeds = -result["v_minus"].values
+        speeds = result["impact_speed"].values if "impact_speed" in result else -result["v_minus"].values
         said["speeds"] = [float(speeds.min()), float(speeds.max())]
     return said
 
@@ -269,7 +278,9 @@ def rests(t: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]
 
 
 def symbol(code: int, variable: Any) -> str:
-    """Return a letter as words have it: a count, or the symbol of its code."""
+    """Return a letter as words have it: a count, the walls that are hit, or the symbol of its code."""
+    if "surfaces" in variable.attrs:
+        return Hits(str(variable.attrs["surfaces"])).symbol(code)
     flags = dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
     said = str(flags.get(code, code))
     return {"completed_chatter": "C", "stuck_throughout": "S"}.get(said, said if len(said) == 1 else f"({said})")

@@ -96,9 +96,8 @@ def graph(
     if order is not None and (not isinstance(order, str) or order not in ORDERS):
         raise InputError(f"order is {shown(order)}; allowed are {', '.join(map(repr, ORDERS))} and None")
     x, others = checked_values(name, values, P), checked_fixed(P, (name,), fixed)
-    if P.check is not None:
-        for value in (x.min(), x.max()):
-            P.check(tuple({**others, name: float(value)}[own] for own in P.coordinates), P.params)
+    for value in (x.min(), x.max()):
+        P.origin.check(tuple({**others, name: float(value)}[own] for own in P.coordinates), P.params)
     config: dict[str, Any] = {
         "study": "graph",
         "grid": {name: describe_values(x)},

@@ -24,16 +24,11 @@ from grazing.outcome import Outcome
 Attributes = dict[str, Any]
 
 REFERENCE = "Pring and Budd, IMA Journal of Applied Mathematics 76 (2011) 67-84"
-_GREEK = ("alpha", "beta", "gamma", "delta", "lambda", "mu", "nu", "omega", "phi", "rho", "sigma", "tau", "theta")
 
 
 def quantity(P: Map, name: str) -> Attributes:
     """Return the attributes of a parameter or coordinate of a map."""
-    if P.describe is not None and (name in P.params or P.model is not None):
-        return P.describe(name).attributes
-    kind = "parameter" if name in P.params else "coordinate"
-    full = "lambda" if name == "lam" else name
-    return {"long_name": f"{kind} {name}", "units": "1", "symbol": f"\\{full}" if full in _GREEK else name}
+    return P.describe(name).attributes
 
 
 def period_attributes(limit: int) -> Attributes:
@@ -68,7 +63,7 @@ def letter_attributes(P: Map) -> Attributes:
         meanings = " ".join(P.letters.special[code] for code in codes.tolist())
         digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(P.letters.names, start=1))
         said = f"letter of the step: the walls that are hit, in order, as digits to base {P.letters.base}: {digits}"
-        return {"long_name": said, "flag_values": codes, "flag_meanings": meanings}
+        return {"long_name": said, "flag_values": codes, "flag_meanings": meanings, "surfaces": P.letters.names}
     codes = np.arange(len(P.letters), dtype=np.int32)
     return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(P.letters)}
 
@@ -94,7 +89,7 @@ def trust_attributes() -> Attributes:
 
 def units(P: Map, *names: str) -> str:
     """Return the units of coordinates of the oscillator, "u", "v" or "t", one after the other; "1" of other maps."""
-    return "1" if P.model is None else P.model.units_of(names)
+    return P.origin.units_of(names)
 
 
 def nearness_attributes(P: Map) -> dict[str, Attributes]:
@@ -127,8 +122,7 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         units ``mass``, in kg.
     """
     described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
-    if P.model is not None and P.model.base is not None:
-        described["base"] = P.model.base.text
+    described |= P.origin.config
     text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return {
         "title": title,
@@ -139,7 +133,7 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
         "grazing_code_sha256": digest(P.step),
         "grazing_versions": json.dumps(versions(), sort_keys=True),
-        **({} if P.model is None else P.model.attributes),
+        **P.origin.attributes,
         "grazing_processor": "any" if config.get("arithmetic") == "strict" else processor(),
     }
 

@@ -150,7 +150,7 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
     arrays["period"][...], arrays["word"][...] = settled.period, settled.words
     arrays["trust"][...], arrays["outcome"][...] = settled.trust, found.outcomes[:, 0]
     arrays["exponent"][...] = np.nan
-    if P.clock is not None:
+    if P.origin.clock is not None:
         arrays["return_time"][...] = np.nan
     for part in (settled.period > 0, (settled.period <= 0) & (settled.period != ENDED)):
         q, j = np.nonzero(part)
@@ -158,14 +158,14 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
             many = settled.period[part] if settled.period[part][0] > 0 else None
             seen = found.points[q, -1, :, j], found.letters[q, :, j]
             yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
-    if P.clock is not None:
+    if P.origin.clock is not None:
         arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
     both = ("start", "index")
     found = {"exponent": Variable(both, "float64", {"long_name": "Lyapunov exponent per step", "units": "1"})}
-    if P.clock is not None:
+    if P.origin.clock is not None:
         time = labels.units(P, "t")
         found["exponent_per_time"] = Variable(
             both,
@@ -195,10 +195,10 @@ def _measure(
         arrays["outcome"][part] |= outcomes
         many = np.full(len(states), float(steps))
     arrays["exponent"][part] = exponent
-    if P.clock is not None:
+    if P.origin.clock is not None:
         for n in np.unique(many):
             here = many == n
-            time = P.clock(rows[here], first[here, :, None], last[here, :, None], letters[here, None], int(n))
+            time = P.origin.clock(rows[here], first[here, :, None], last[here, :, None], letters[here, None], int(n))
             arrays["return_time"][tuple(index[here] for index in np.nonzero(part))] = time[:, 0] / n
 
 

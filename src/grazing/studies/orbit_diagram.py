@@ -170,8 +170,7 @@ def _compute(runs: Runs, name: str, sweep: str | None, cells: Ints, arrays: Arra
 def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:
     """Return whether an orbit may begin at a state: not where one ended, nor where a wall has moved."""
     try:
-        if P.check is not None:
-            P.check(tuple(state.tolist()), params)
+        P.origin.check(tuple(state.tolist()), params)
     except InputError:
         return False
     return bool(np.isfinite(state).all())

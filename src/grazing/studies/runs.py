@@ -108,7 +108,7 @@ class Runs:
         rows = np.empty((len(cells), len(row)))
         rows[:] = row
         rows[:, self._where] = self.values(cells)
-        return rows if self.P.model is None else self.P.model.made_from_base(rows)
+        return self.P.origin.complete(rows)
 
     def map_at(self, cell: int) -> Map:
         """Return the map of a cell."""
@@ -127,8 +127,8 @@ class Runs:
         fixed = self.settings.box or (None if self.moving else self.P.box)
         if fixed is not None:
             return np.broadcast_to(np.array(fixed), (len(cells), *np.shape(fixed)))
-        if self.P.boxes is not None:
-            return self.P.boxes(self.rows(cells))
+        if self.P.origin.boxes is not None:
+            return self.P.origin.boxes(self.rows(cells))
         names = [list(self.axes)[i] for i in self.moving]
         different, which = np.unique(self.values(cells)[:, self.moving], axis=0, return_inverse=True)
         boxes = [self.P.replace(**dict(zip(names, row.tolist(), strict=True))).box for row in different]
@@ -190,7 +190,7 @@ def size_of_orbit(P: Map, steps: int) -> int:
 
 def flies(P: Map, arithmetic: str) -> bool:
     """Return whether orbits of a map fly as blocks; only fast arithmetic does that."""
-    return P.block is not None and arithmetic == "fast"
+    return P.origin.block is not None and arithmetic == "fast"
 
 
 def together(P: Map, arithmetic: str) -> int:
@@ -230,8 +230,7 @@ def checked_runs(
         if name not in P.params:
             raise unknown(name, P.params, P.name or "the map")
         grids[name] = checked_values(name, values, P)
-    if P.model is not None:
-        P.model.refuse_made(tuple(grids))
+    P.origin.refuse_made(tuple(grids))
     for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
         raise InputError(f"{shown(clash)} names a dimension or variable of the result; rename it in the map")
     settings = Settings(
@@ -256,20 +255,19 @@ def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[
     """
     moving = []
     for i, (name, grid) in enumerate(grids.items()):
-        if P.describe is not None:
-            known = P.describe(name)
-            for value in (grid.min(), grid.max()):  # a range has no holes
-                known.check(value)
+        known = P.describe(name)
+        for value in (grid.min(), grid.max()):  # a range has no holes
+            known.check(value)
         some = np.unique(np.quantile(grid, np.linspace(0.0, 1.0, LOOKS), method="nearest")).tolist()
         ends = {tuple((other, float(values[k])) for other, values in grids.items() if other != name) for k in (0, -1)}
         along = [{P.replace(**{name: value, **dict(others)}).box for value in some} for others in ends]
         if any(len(boxes) > 1 for boxes in along) or P.replace(**{name: some[0]}).box != P.box:
             moving.append(i)
-        if P.check is not None and not isinstance(starts, int):
+        if not isinstance(starts, int):
             for others in sorted(ends):
                 for value in grid.tolist():
                     for start in starts:
-                        P.check(start, {**P.params, **dict(others), name: value})
+                        P.origin.check(start, {**P.params, **dict(others), name: value})
     return tuple(moving)
 
 

@@ -125,7 +125,7 @@ def seconds_per_step(plan: Plan) -> float:
     """Return the seconds that a step takes, by a rule of thumb."""
     if plan.P.prepare is None:
         return FORMULA
-    return FLIGHT if plan.P.block is None or plan.config.get("arithmetic") == "strict" else BLOCK
+    return FLIGHT if plan.P.origin.block is None or plan.config.get("arithmetic") == "strict" else BLOCK
 
 
 def _block(shape: Sequence[int], cells: int) -> tuple[int, ...]:

@@ -1,0 +1,96 @@
+"""What the maps of an oscillator over one wall know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.derivative import Derived
+from grazing.maps.origin import Origin
+from grazing.maps.starting import Box, boxes_at
+from grazing.oscillator.model import Oscillator, Reach
+from grazing.oscillator.pointed import flight_kind, pointed_rows
+from grazing.outcome import InputError
+from grazing.parameter import Parameter, parameter_tuple
+
+Floats = NDArray[np.float64]
+
+
+class OfOscillator(Origin):
+    """The origin of a map of an oscillator over one wall: the model."""
+
+    sized: ClassVar[bool] = True
+    #: Whether the phase of a section is a parameter of the map, the last one.
+    phased: ClassVar[bool] = True
+    model: Oscillator
+
+    def __init__(self, model: Oscillator) -> None:
+        self.model, self.exact = model, model.reset.exact_slope
+
+    @staticmethod
+    def form(at: Reach, paper: bool) -> Box:
+        """Return the box of random starts, from how far and how fast the ball goes."""
+        raise NotImplementedError
+
+    def compiled(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Return the tangent, which calls the law by its address and gives log|det J| too, and its ``prepare``."""
+        raise NotImplementedError
+
+    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
+        """Return the derivative of the step with the law by address: compiled once for all laws."""
+        model, source = self.model, np.ascontiguousarray(rows)
+        kind = parameter_tuple((*model.params, "phase") if self.phased else tuple(model.params))
+        flat = pointed_rows(model.harmonics, model.reset, kind, source, arithmetic)
+        tangent, prepare = self.compiled()
+        return Derived(tangent, prepare, flight_kind(model.harmonics), flat, source)
+
+    def boxes(self, rows: Floats) -> Floats:
+        """Return the boxes at parameter values."""
+        return boxes_at(self.model, self.form, rows)
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or coordinate."""
+        return self.model.describe(name)
+
+    def complete(self, rows: Floats) -> Floats:
+        """Write the forces of a base into all parameters."""
+        return self.model.made_from_base(rows)
+
+    def refuse_made(self, names: Sequence[str]) -> None:
+        """Raise InputError for parameters that a base makes."""
+        self.model.refuse_made(names)
+
+    def units_of(self, names: Sequence[str]) -> str:
+        """Return the units of coordinates."""
+        return self.model.units_of(names)
+
+    @property
+    def followers(self) -> tuple[str, ...]:
+        """The parameters that a base makes."""
+        return () if self.model.base is None else self.model.base.made
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of the rig: its mass, its stop, its base."""
+        return self.model.attributes
+
+    @property
+    def config(self) -> dict[str, str]:
+        """The base, which makes forces from other parameters."""
+        return {} if self.model.base is None else {"base": self.model.base.text}
+
+
+def apart(params: Mapping[str, float]) -> tuple[dict[str, float], float]:
+    """Return the parameters of a model, and the phase of the section."""
+    return {name: value for name, value in params.items() if name != "phase"}, params["phase"]
+
+
+def above_wall(state: Sequence[float], params: Mapping[str, float]) -> None:
+    """Raise InputError for a ball inside the wall."""
+    if state[0] < params["sigma"]:
+        raise InputError(
+            f"the ball starts inside the wall: u = {state[0]:g}, sigma = {params['sigma']:g}; start with u >= sigma"
+        )

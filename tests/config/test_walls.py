@@ -1,0 +1,182 @@
+"""Walls in files and in the shell: laws by name, numbers as parameters, the same model as in Python."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.cli import main
+from grazing.config import checked, command_of, load_config, result_of, toml_of
+from grazing.config.maps import map_of, model_of
+from grazing.config.schema import json_schema
+
+RATTLE = """study = "diagram"
+[walls]
+A = "newton"
+B = "active"
+[parameters]
+alpha = 0.1
+k = 0.5
+omega = 2.0
+cos = [2.0]
+A.sigma = -0.5
+A.r = 0.8
+B.sigma = 0.5
+B.V = 0.1
+[vary]
+B.r = "0.3:0.6:3"
+[settings]
+starts = 3
+keep = 20
+"""
+SHELL = (
+    "--walls A=newton,B=active --alpha 0.1 --k 0.5 --omega 2 --cos 2 A.sigma=-0.5 A.r=0.8 B.sigma=0.5 B.V=0.1".split()
+)
+FLIGHT = {"alpha": 0.0, "k": 0.0, "omega": 1.0, "cos": [0.0]}
+
+
+@pytest.fixture
+def rattle():
+    walls = gz.wall(-0.5, gz.newton(0.8)), gz.wall(0.5, gz.active(0.3, 0.1))
+    return gz.Oscillator(alpha=0.1, k=0.5, forcing=gz.Forcing(omega=2.0, cos=(2.0,)), walls=walls)
+
+
+def refused(capsys, *tokens):
+    assert main(list(tokens)) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.startswith("error: ") and "Traceback" not in err
+    return err
+
+
+def test_a_file_makes_the_model_of_python(tmp_path, rattle):
+    file = tmp_path / "rattle.toml"
+    file.write_text(RATTLE)
+    recipe = load_config(file)
+    given = {**recipe["parameters"], "B.r": 0.3}
+    assert model_of({**recipe, "parameters": given}) == rattle
+    assert list(map_of({**recipe, "parameters": given}).params.items()) == list(
+        gz.stroboscopic_map(rattle).params.items()
+    )
+    again = tmp_path / "again.toml"
+    again.write_text(toml_of(recipe))
+    assert load_config(again) == recipe == checked(json.loads(json.dumps(recipe)))
+
+
+def test_the_result_is_that_of_python_and_says_how_it_was_made(tmp_path, rattle):
+    recipe = checked(tomllib.loads(RATTLE))
+    found = result_of(recipe)
+    true = gz.orbit_diagram(gz.stroboscopic_map(rattle), "B.r", np.linspace(0.3, 0.6, 3), starts=3, keep=20)
+    assert np.array_equal(found["u"], true["u"]) and np.array_equal(found["word"], true["word"])
+    command = command_of(recipe)
+    assert "B.r=0.3:0.6:3 --walls A=newton,B=active" in command and "A.sigma=-0.5" in command and "A.cos" not in command
+
+
+def test_the_shell_says_the_same(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rattle.toml").write_text(RATTLE)
+    found = []
+    for tokens in (["--config", "rattle.toml"], ["B.r=0.3:0.6:3", *SHELL, "--starts", "3", "--keep", "20"]):
+        assert main(["diagram", *tokens, "--json", "-q"]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert found[0]["config_sha256"] == found[1]["config_sha256"] and found[0]["found"] == found[1]["found"]
+    assert "(BAB)" in {one["word"] for one in found[0]["found"]["attractors"]}
+    # what is given here is stronger than the file
+    assert main(["diagram", "--config", "rattle.toml", "A.r=0.7", "--dump-config"]) == 0
+    assert tomllib.loads(capsys.readouterr().out)["parameters"]["A.r"] == 0.7
+
+
+def test_a_motion_is_a_list_of_amplitudes_and_may_vary():
+    table = {"walls": {"A": "newton"}, "parameters": {**FLIGHT, "offset": -1.0, "r": 0.5, "A": {"sin": [2.0]}}}
+    motion = gz.Forcing(omega=1.0, cos=(), sin=(2.0,))
+    force = gz.Forcing(omega=1.0, offset=-1.0, cos=(0.0,))
+    true = gz.Oscillator(alpha=0, k=0, forcing=force, walls=[gz.wall(0.0, gz.newton(0.5), motion=motion)])
+    recipe = checked({"study": "trajectory", **table, "parameters": {**table["parameters"], "sigma": 0.0},
+                      "settings": {"state": [4.0, 0.0]}})  # fmt: skip
+    assert model_of(recipe) == true
+    varied = checked({"study": "diagram", "walls": "A=newton", "vary": {"A.sin1": "1:2:3"},
+                      "parameters": {**FLIGHT, "sigma": 0.0, "r": 0.5}})  # fmt: skip
+    assert map_of(varied).params["A.sin1"] == 0.0
+
+
+def test_a_single_wall_may_be_above():
+    given = {**FLIGHT, "k": 1.0, "cos": [1.0], "sigma": 0.5, "r": 0.3}
+    recipe = checked({"study": "lyapunov", "walls": "A=newton above", "parameters": given})
+    assert model_of(recipe).walls[0].side == "above" and recipe["walls"] == {"A": "newton above"}
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--walls", "A=newton,C=newton"], "--walls: walls has 'C'; a name is one capital letter other than C and S"),
+        (["--walls", "A=bouncy"], "--walls: walls.A = 'bouncy'; allowed are active, newton, triggered, each alone"),
+        (["--walls", "A=newton,B=newton,D=newton"], "give one or two, such as A=newton,B=active"),
+        (["--walls", "A"], "walls.A = ''; allowed are active, newton, triggered, each alone"),
+        ([*SHELL, "B.r=0.5", "--law", "newton"], "--law: the walls bring their own laws; leave the law out"),
+        ([*SHELL, "B.r=0.5", "--mass", "1"], "--mass: the walls bring their own laws; leave the mass out"),
+        ([*SHELL, "B.r=0.5", "B.q=1"], "B.q: unknown parameter"),
+        ([*SHELL], "B.r: missing; give coefficient of restitution"),
+        ([*SHELL, "B.r=1.5"], "allowed is 0 <= r <= 1 (coefficient of restitution)"),
+        ([*SHELL, "B.r=0.5", "A.sigma=0.5"], "A.sigma is given twice"),
+        ([*SHELL, "B.r=0.5", "A.cos=x"], "A.cos[0]"),
+        ([*SHELL, "B.r=0.5", "--map", "gap"], "--walls: the map gap has no wall; leave them out"),
+    ],
+)
+def test_what_is_wrong_with_walls_is_said_in_words(more, said, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    assert said in " ".join(refused(capsys, "lyapunov", *more).split())
+
+
+def test_walls_in_each_other_are_refused(capsys):
+    tokens = [token.replace("B.sigma=0.5", "B.sigma=-0.5") for token in SHELL]
+    assert "both walls are at -0.5; the ball needs room between them" in refused(capsys, "lyapunov", *tokens, "B.r=0.5")
+
+
+def test_the_schema_knows_walls():
+    from jsonschema import Draft202012Validator
+
+    good = {**tomllib.loads(RATTLE), "parameters": {}, "vary": {"B.r": "0.3:0.6:3"}}
+    errors = lambda config: list(Draft202012Validator(json_schema()).iter_errors(config))  # noqa: E731
+    assert not errors(good)
+    for walls in ({"C": "newton"}, {"A": "bouncy"}, {}, {"A": "newton", "B": "newton", "D": "newton"}):
+        assert errors({**good, "walls": walls})
+
+
+OWN = """
+import grazing as gz
+
+walls = gz.wall(-0.5, gz.newton(0.8)), gz.wall(0.5, gz.newton(0.6))
+rattle = gz.Oscillator(alpha=0.1, k=0.5, forcing=gz.Forcing(omega=2.0, cos=(2.0,)), walls=walls)
+
+
+def flight(t, t0, state, p):
+    x, w = state
+    s = t - t0
+    return x + (w - 0.5 * p.g * s) * s, w - p.g * s
+
+
+def gap(t, state, p):
+    return state
+
+
+def bound(t, width, state, p):
+    return p.g
+
+
+floor = gz.Surface("A", gap, bound)
+ball = gz.System(("x",), ("w",), {"g": 1.0, "r": 0.5}, flight, [floor], box=((0.5, 1.0), (-1.0, 1.0)), period=1.0)
+"""
+
+
+def test_a_file_of_ones_own_holds_walls_or_a_system(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.py").write_text(OWN)
+    assert main(["trajectory", "x=0.5", "w=0", "--model", "own.py:ball", "--until", "2.6", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["found"]
+    assert [one["t"] for one in found["first"]] == pytest.approx([1.0, 2.0, 2.5]) and found["x"] == [0.0, 0.5]
+    assert main(["graph", "u=-0.4:0.4:9", "--model", "own.py:rattle", "--json", "-q"]) == 0
+    assert [one["letter"] for one in json.loads(capsys.readouterr().out)["found"]["letters"]] == ["(BAB)"]
+    assert "there is a history of an oscillator only" in refused(
+        capsys, "history", "x=0.5", "w=0", "--model", "own.py:ball"
+    )
