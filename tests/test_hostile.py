@@ -478,3 +478,40 @@ def test_what_a_configuration_says_makes_no_line_and_moves_no_cursor(tmp_path, c
     (tmp_path / "b.toml").write_text('study = "diagram"\n"a\\nerror: all is lost\\u001b" = 1\n"c" = 2\n')
     assert main(["config", "show", str(tmp_path / "b.toml")]) == 2
     assert not [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: all")]
+
+
+# ---- results that were changed
+
+
+@pytest.mark.parametrize(
+    ("change", "call"),
+    [
+        (lambda result: result.assign_coords(t=result.t + 1j), gz.sample),
+        (lambda result: result.assign_coords(t=result.t.astype(str)), gz.sample),
+        (lambda result: result.assign(v=result.v[0]), gz.sample),
+        (lambda result: result.isel(t=slice(0)), gz.sample),
+        (lambda result: result.u.assign_attrs(low="x", units="m").to_dataset(), lambda result, _rate: in_mm(result)),
+        (lambda result: result.u.assign_attrs(units="m, m").to_dataset(), lambda result, _rate: in_mm(result)),
+        (
+            lambda result: xr.Dataset({"t": (("t", "n"), np.ones((3, 2))), "u": ("t", np.ones(3))}),
+            lambda result, _rate: gz.to_dataframe(result),
+        ),
+    ],
+)
+def test_a_result_that_was_changed_is_a_sentence(change, call):
+    result = change(gz.trajectory(gz.pinball(V=0.4), (0.1, 0.0), until=3.0))
+    with pytest.raises(InputError) as said:
+        call(result, 10.0)
+    assert "\n" not in str(said.value)
+
+
+def in_mm(result):
+    return gz.in_units(result, "mm")
+
+
+def test_attributes_that_are_no_texts_are_not_told(tmp_path, capsys):
+    result = gz.trajectory(gz.pinball(V=0.4), (0.1, 0.0), until=3.0)
+    odd = dict.fromkeys(("title", "source", "grazing_config_sha256", "grazing_versions"), np.array([1.0, 2.0]))
+    gz.save(result.assign_attrs(odd), tmp_path / "a.nc")
+    assert main(["info", str(tmp_path / "a.nc")]) == 0
+    assert "made by" not in capsys.readouterr().out

@@ -156,6 +156,8 @@ def _checked(result: Any) -> xr.Dataset:
     for name in [*result.variables, *result.dims]:
         if not isinstance(name, str):
             raise InputError(f"{shown(name)} is no text for a name; rename it")
+        if name in result.variables and name in result.dims and result[name].dims != (name,):
+            raise InputError(f"variable {name!r} has the name of a dimension and is not along it; rename it")
     checked: xr.Dataset = result
     return checked
 

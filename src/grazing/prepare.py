@@ -14,10 +14,8 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +23,7 @@ from uuid import uuid4
 
 from grazing.kernel.disk import others_can_write
 from grazing.kernel.prepared import FAMILIES, folder, machines, own, stamp, used
-from grazing.writing import PARTIAL
+from grazing.writing import left_in
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,9 +36,6 @@ if TYPE_CHECKING:
 
 #: The parts of the package that kernels come from.
 SOURCES = ("kernel", "systems", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
-
-#: Seconds after which a file that never got its name is rubbish.
-OLD = 3600.0
 
 
 def one_wave() -> None:
@@ -211,7 +206,7 @@ def prepared(family: str = "") -> int:
             kept.add(file.name)
             _put(folder() / file.name, file.read_bytes())
     if not family:  # a wheel holds several families, a checkout what is right for it
-        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*"), *_left(folder())):
+        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*"), *left_in(folder())):
             if file.name not in kept:
                 file.unlink(missing_ok=True)
     _put(known, made_from.encode("ascii"))
@@ -227,16 +222,6 @@ def _put(file: Path, content: bytes) -> None:
         new.replace(file)
     finally:
         new.unlink(missing_ok=True)
-
-
-def _left(where: Path) -> list[Path]:
-    """Return what those left behind that were killed an hour ago or longer."""
-    found = []
-    for file in where.glob(".*.partial"):
-        with suppress(OSError):  # it has just got its name
-            if PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > OLD:
-                found.append(file)
-    return found
 
 
 def _made_from(family: str) -> str:

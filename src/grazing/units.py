@@ -8,7 +8,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 from grazing.memory import refuse_too_large
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, in_one_line, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,6 +102,18 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     found = getattr(result, "dataset", result)
     if not isinstance(found, xr.Dataset):
         raise InputError(f"result is {shown(result)}; give a dataset as studies return it")
+    try:
+        return _in_units(found, units)
+    except InputError:
+        raise
+    except (ValueError, TypeError, LookupError, ArithmeticError) as error:  # attributes of a file may say anything
+        raise InputError(
+            f"the result does not hold the numbers that its units are of ({type(error).__name__}: "
+            f"{in_one_line(error)}); it was changed: compute it again"
+        ) from error
+
+
+def _in_units(found: xr.Dataset, units: tuple[str, ...]) -> xr.Dataset:
     mass = found.attrs.get("mass")
     factors, matched = {}, set()
     for name, variable in found.variables.items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,6 +15,8 @@ from grazing.paths import path_of
 
 #: What is left of a file whose writer was killed.
 PARTIAL = re.compile(r"\.[0-9a-f]{32}\.partial")
+#: Seconds after which it is.
+OLD = 3600.0
 _EFFECTIVE = os.access in os.supports_effective_ids
 
 
@@ -44,3 +47,23 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def left_in(folder: Path) -> list[Path]:
+    """Return the files in a folder that their writers have left half made."""
+    found = []
+    for file in folder.glob(".*.partial"):
+        with suppress(OSError):  # it has just got its name
+            if PARTIAL.fullmatch(file.name) and is_left(file):
+                found.append(file)
+    return found
+
+
+def is_left(half: Path) -> bool:
+    """Say whether nobody writes something half made any more: it has not changed for an hour.
+
+    By the clock of the disk, since machines differ in theirs; what is from the future was left by a wrong clock.
+    """
+    with tempfile.TemporaryFile(dir=half.parent) as probe:
+        now = os.fstat(probe.fileno()).st_mtime
+    return abs(now - half.lstat().st_mtime) > OLD

@@ -41,6 +41,17 @@ def test_what_others_read_of_the_environment_is_no_concern_of_a_figure(file, tmp
     assert drawn(file, tmp_path, **TAKEN).returncode == 0
 
 
+def test_a_clock_that_python_cannot_tell(monkeypatch, capsys):
+    """A study was an unexpected error: the first package that asks for the time cannot be imported."""
+
+    def time():
+        raise OverflowError("timestamp too large to convert to C _PyTime_t")
+
+    monkeypatch.setattr("time.time", time)
+    assert main(["sweep", "status", "a.zarr"]) == 2
+    assert capsys.readouterr().err.startswith("error: the clock of this machine is outside the years 1678 to 2261")
+
+
 CLOSED = """
 import os, sys
 from grazing.cli import streams

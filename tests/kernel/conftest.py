@@ -9,6 +9,6 @@ from grazing.kernel import disk
 def folder(tmp_path, monkeypatch):
     (tmp_path / "kept").mkdir(mode=0o700)
     monkeypatch.setenv("GRAZING_CACHE", str(tmp_path / "kept"))
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     yield tmp_path / "kept"
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()

@@ -152,13 +152,13 @@ def test_a_folder_of_another_user_is_not_used(folder, tmp_path, monkeypatch):
 
 def test_a_new_folder_is_closed_to_others(tmp_path, monkeypatch):
     monkeypatch.setenv("GRAZING_CACHE", str(tmp_path / "a" / "b"))
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     before = os.umask(0o002)
     try:
         assert disk.cache_folder() == tmp_path / "a" / "b"
     finally:
         os.umask(before)
-        disk.cache_folder.cache_clear()
+        disk.folders.cache_clear()
     assert (tmp_path / "a" / "b").stat().st_mode & 0o777 == 0o700
 
 
@@ -166,16 +166,16 @@ def test_a_relative_folder_stays_where_it_was_when_the_process_goes_elsewhere(tm
     """Else kernels would be read from whatever folder has that name in the next place."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GRAZING_CACHE", "kept")
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     found = disk.cache_folder()
     monkeypatch.setenv("GRAZING_CACHE", "")
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)  # a user without a home
     monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     with pytest.warns(RuntimeWarning, match="this user has no home"):
         fallback = disk.cache_folder()
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     assert found == tmp_path / "kept" and fallback.parent == tmp_path
     assert {path.name for path in tmp_path.iterdir()} == {"kept", fallback.name}
 
@@ -200,14 +200,35 @@ def test_where_nothing_can_be_kept_kernels_are_compiled(relative, tmp_path, monk
     monkeypatch.setattr(disk.tempfile, "mkdtemp", none)
     if relative:
         monkeypatch.setattr(disk.os, "getcwd", none)
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     try:
         with pytest.warns(RuntimeWarning, match="cannot be kept in .*: every process makes its own") as said:
             again = fresh(2.5), fresh(2.5)
             assert [entry(3.0) for entry in again] == [8.5, 8.5]
         assert len(said) == 1 and not sum(again[1].stats.cache_hits.values())
     finally:
-        disk.cache_folder.cache_clear()
+        disk.folders.cache_clear()
+
+
+def test_a_folder_that_can_only_be_read_is_read(kept, tmp_path, monkeypatch):
+    """As in a container: every process compiled anew, or into a temporary folder, what was there."""
+
+    def refused(**_given):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(disk.tempfile, "TemporaryFile", refused)
+    disk.folders.cache_clear()
+    with pytest.warns(RuntimeWarning) as said:
+        found = [fresh(), fresh(5.0), fresh(5.0)]
+        assert [entry(3.0) for entry in found] == [7.0, 16.0, 16.0]
+    (line,) = (str(one.message) for one in said)
+    assert "kept (Read-only file system); those in it are used, new ones go to" in line
+    assert [sum(entry.stats.cache_hits.values()) for entry in found] == [1, 0, 1]
+    assert [file.name for file in kept.parent.iterdir()] == [kept.name]
+    os.chmod(kept, 0o622)  # not by anybody's hand
+    with pytest.warns(RuntimeWarning, match=r"others can write to it\); it is compiled again"):
+        assert fresh()(3.0) == 7.0
 
 
 def test_nothing_else_reads_pickles_of_kernels():

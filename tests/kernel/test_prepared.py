@@ -22,13 +22,13 @@ def folder(tmp_path, monkeypatch):
     for each in (before, kept):
         each.mkdir(mode=0o700)
     monkeypatch.setenv("GRAZING_CACHE", str(before))
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     assert fresh()(3.0) == 7.0
     monkeypatch.setenv("GRAZING_CACHE", str(kept))
     monkeypatch.setattr(disk, "folder", lambda: before)
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     yield before
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
 
 
 def test_what_is_prepared_is_not_compiled(folder):
@@ -97,10 +97,10 @@ def test_code_for_a_family_is_found_and_computes_the_same_bits(tmp_path, monkeyp
     assert done.returncode == 0, done.stderr
     monkeypatch.setenv("GRAZING_CACHE", str(kept))
     monkeypatch.setattr(disk, "folder", lambda: before)
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
     entry = fresh(1.7)
     assert entry(3.3).hex() == done.stdout.strip() and sum(entry.stats.cache_hits.values()) == 1
-    disk.cache_folder.cache_clear()
+    disk.folders.cache_clear()
 
 
 def test_the_label_of_fast_results_names_the_family(tmp_path, monkeypatch):

@@ -444,6 +444,14 @@ def test_a_state_that_is_not_allowed_has_no_period(state):
     assert exact_period(gz.pinball(), state) is None
 
 
+@pytest.mark.parametrize("V", [1e308, 1.7e308])
+def test_a_ball_that_leaves_faster_than_doubles_tell(V):
+    """The power of two above its speed was an OverflowError, out of a sweep."""
+    m = gz.Oscillator(alpha=0.1, k=1.0, forcing=gz.Forcing(omega=2.2, cos=(1.0,)), reset=gz.active(r=0.8, V=V))
+    assert exact_period(m, (0.0, 0.0), 1.0) is None
+    assert exact_period(m.replace(V=1e300), (0.0, 0.0), 1.0).state[0] > 1e299
+
+
 def test_the_precision_of_others_is_left_as_it_was():
     before = ctx.prec
     exact_period(constant(2.0, gz.active(0.8, 0.4)), (1.0, -2.0))

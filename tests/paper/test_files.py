@@ -1,5 +1,6 @@
 import os
 import stat
+import time
 
 import pytest
 
@@ -69,5 +70,8 @@ def test_what_other_programs_have_left_stays(tmp_path):
         os.utime(tmp_path / name, (0, 0))
     growing = f".{'0' * 32}.partial"  # of another run, right now
     (tmp_path / growing).write_text("half")
+    for i, years in enumerate((-1, 30), start=1):  # ours, the second of a clock that was wrong
+        (tmp_path / f".{i:032}.partial").write_text("half")
+        os.utime(tmp_path / f".{i:032}.partial", (time.time() + years * 3e7,) * 2)
     files.folder(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*theirs, growing])

@@ -16,12 +16,13 @@ class Elsewhere(Executor):
     """Workers that know only what is sent to them: everything is pickled, and nothing is kept of this process."""
 
     def __init__(self, fail_at=None, error=None):
-        self.sent, self.fail_at, self.error = [], fail_at, error
+        self.sent, self.futures, self.fail_at, self.error = [], [], fail_at, error
 
     def submit(self, function, *args):
         sent = pickle.dumps((function, args))
         self.sent.append(len(sent))
         future = Future()
+        self.futures.append(future)
         if len(self.sent) == self.fail_at:
             future.set_exception(self.error)
             return future
@@ -109,6 +110,25 @@ def test_processes(tmp_path, expected):
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         assert sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=pool).complete
     assert files(tmp_path / "a.zarr") == expected
+
+
+def test_what_a_step_raises_on_workers_is_said_once(tmp_path):
+    """A cluster prints what its tasks raise, whole and once a worker: pages before the one line that says it."""
+    pytest.importorskip("cloudpickle")
+
+    def step(state, p):
+        (x,) = state
+        if p.a > 0.12:
+            raise ValueError("too far")
+        return (0.9 * x,)
+
+    some = plan(P=gz.Map(step, params={"a": 0.1}), name="a")
+    executor = Elsewhere()
+    with pytest.raises(gz.GrazingError, match=r"too far, in line \d+ of .*test_executors.py: raise ValueError") as said:
+        sweep.run(some, tmp_path / "a.zarr", chunk=1, executor=executor)
+    assert said.type is gz.UserCodeError and str(said.value).count("too far") == 2  # what it says, and its line
+    assert executor.futures and all(future.exception() is None for future in executor.futures)
+    assert 0 < sweep.status(tmp_path / "a.zarr").chunks_done < 7
 
 
 def test_a_plan_that_cannot_be_sent(tmp_path):

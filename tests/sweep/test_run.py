@@ -1,5 +1,6 @@
 import json
 import os
+import time
 from itertools import count
 from pathlib import Path
 
@@ -107,7 +108,7 @@ def test_done_can_be_taken_back_through_zarr(tmp_path):
     assert sweep.status(tmp_path / "a.zarr").chunks_done == 3
 
 
-def test_what_a_killed_writer_left_is_removed(tmp_path):
+def test_what_a_killed_writer_left_is_removed(tmp_path, monkeypatch):
     store = tmp_path / "a.zarr"
     sweep.run(plan(7), store, chunk=2, shard=(1, 2))
     ours, other = (store / "points" / "c" / str(i) / "0" / f"0.{'ab' * 16}.partial" for i in (1, 0))
@@ -117,7 +118,14 @@ def test_what_a_killed_writer_left_is_removed(tmp_path):
     (store / "done" / "c" / f"3.{'cd' * 16}.partial").write_bytes(b"")
     half = tmp_path / f".a.zarr-{_host()}-{2**22 + 1}-{'0' * 12}.partial"
     half.mkdir()
+    at_work, *left = (tmp_path / f".a.zarr-elsewhere-1-{i:012}.partial" for i in range(3))
+    for each, late in (at_work, 60.0), (left[0], -1e4), (left[1], 1e9):  # the last by a clock that is wrong
+        each.mkdir()
+        os.utime(each, (time.time() + late,) * 2)
+    monkeypatch.setattr("time.time", lambda: 1e10)  # of this machine; that of the disk counts
     sweep.run(plan(7), store, shard=(2, 2))
+    assert at_work.exists()
+    at_work.rmdir()
     assert not ours.exists() and other.exists()  # chunk 0 belongs to the other shard, and is done
     assert [file.name for file in tmp_path.iterdir()] == ["a.zarr"]
     assert len(list(store.rglob("*.partial"))) == 1

@@ -6,6 +6,7 @@ import errno
 import os
 import re
 import sys
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
@@ -208,6 +209,12 @@ def _prepare_environment() -> None:
     """See to it that what stands in the environment is nothing that libraries stumble over."""
     if "matplotlib" not in sys.modules:  # figures go to files, whatever backend there is, or is not
         os.environ["MPLBACKEND"] = "agg"
+    try:
+        time.time()
+    except OverflowError:  # whoever asks for the time ends there, also in Python's own packages
+        raise InputError(
+            "the clock of this machine is outside the years 1678 to 2261, which Python cannot tell; set it"
+        ) from None
     stamp = os.environ.get("SOURCE_DATE_EPOCH", "0")
     if not (stamp.isascii() and stamp.isdigit() and len(stamp) < 12):
         raise InputError(f"SOURCE_DATE_EPOCH = {shown(stamp)}; give a whole number of seconds, or unset it")

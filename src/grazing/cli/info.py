@@ -79,15 +79,15 @@ def described(path: Path) -> dict[str, Any]:
 
         stored = provenance(path)
         attrs = stored["provenance"]
-        found |= {"kind": "figure", "title": stored["title"], "source": attrs.get("source", stored["software"])}
-        found |= {"config_sha256": attrs.get("grazing_config_sha256"), "versions": versions(attrs)}
+        found |= {"kind": "figure", "title": stored["title"], "source": told(attrs, "source") or stored["software"]}
+        found |= {"config_sha256": told(attrs, "grazing_config_sha256"), "versions": versions(attrs)}
         return found | again(attrs, {}, (str(path),))
     from grazing.cli.plot import axes_of, loaded
 
     result = loaded(str(path))
-    found |= {"kind": "store" if os.path.isdir(path) else "result", "title": result.attrs.get("title")}
-    found |= {"source": result.attrs.get("source"), "created": result.encoding.get("date_created")}
-    found |= {"config_sha256": result.attrs.get("grazing_config_sha256")}
+    found |= {"kind": "store" if os.path.isdir(path) else "result", "title": told(result.attrs, "title")}
+    found |= {"source": told(result.attrs, "source"), "created": told(result.encoding, "date_created")}
+    found |= {"config_sha256": told(result.attrs, "grazing_config_sha256")}
     found |= {"versions": versions(result.attrs)}
     found |= {"sizes": {str(name): size for name, size in result.sizes.items()}}
     found |= {"variables": {str(name): str(item.attrs.get("long_name", "")) for name, item in result.data_vars.items()}}
@@ -98,6 +98,11 @@ def described(path: Path) -> dict[str, Any]:
         found |= {"complete": known.complete, "progress": f"{known.cells_done} of {known.cells} cells"}
         found |= {"bound": known.bound, "mixture": known.mixture}
     return found | again(result.attrs, axes_of(result), (str(path),))
+
+
+def told(attrs: Mapping[str, Any], name: str) -> str | None:
+    """Return the text of an attribute; None for what is no text."""
+    return attrs[name] if isinstance(attrs.get(name), str) else None
 
 
 def versions(attrs: Mapping[str, Any]) -> dict[str, Any] | None:

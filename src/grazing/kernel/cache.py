@@ -20,7 +20,7 @@ import numba
 from numba import types
 
 from grazing.kernel.content import text
-from grazing.kernel.disk import KernelFiles, cache_folder
+from grazing.kernel.disk import KernelFiles, cache_folder, folders
 from grazing.kernel.prepared import machines
 from grazing.kernel.private import CompileResultCacheImpl, FunctionCache, normalize_signature
 from grazing.kernel.wide import plain
@@ -109,8 +109,9 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
         self._stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
         self._name, self._py_func, self._announce = repr(function), function, announce
         self._impl = Files(function, self._stamp, units)
-        self._cache_path = os.fspath(cache_folder() or "")
-        self._cache_file = KernelFiles(cache_folder(), self._impl.filename_base)
+        folder, read = folders()
+        self._cache_path = os.fspath(folder or "")
+        self._cache_file = KernelFiles(folder, self._impl.filename_base, read)
         self.enable()
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:

@@ -25,16 +25,22 @@ from grazing.kernel.prepared import folder, used
 MAGIC = b"grazing kernel\n"
 
 
-@cache
 def cache_folder() -> Path | None:
-    """Return the folder of compiled kernels: ``$GRAZING_CACHE``, else the user's cache, else a temporary one.
+    """Return the folder that compiled kernels are kept in; None where there is no place for any of them."""
+    return folders()[0]
 
-    None where there is no place for any of them, as on a machine that is only read: nothing is kept then.
+
+@cache
+def folders() -> tuple[Path | None, Path | None]:
+    """Return the folder that compiled kernels are kept in, and another one that they are read from.
+
+    The first is ``$GRAZING_CACHE``, else the user's cache, else a temporary one, and None where no folder can be
+    written. The second is the one that was chosen, if it can only be read, such as in a container or on a full disk.
     """
     home = os.environ.get("XDG_CACHE_HOME", "")
     if not os.path.isabs(home):  # which means nothing, says the standard
         home = os.path.join(os.path.expanduser("~"), ".cache")
-    wanted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing"))
+    wanted, trusted = Path(os.environ.get("GRAZING_CACHE") or os.path.join(home, "grazing")), False
     try:
         wanted = wanted.absolute()  # so that it stays this folder when the process goes elsewhere
         if not os.environ.get("GRAZING_CACHE") and not os.path.isabs(home):
@@ -42,20 +48,21 @@ def cache_folder() -> Path | None:
         wanted.parent.mkdir(parents=True, exist_ok=True)
         wanted.mkdir(mode=0o700, exist_ok=True)
         reason = others_can_write(wanted)
-        if not reason:
+        trusted = not reason
+        if trusted:
             tempfile.TemporaryFile(dir=wanted).close()
+            return wanted, None
     except OSError as error:
         reason = error.strerror or str(error)
-    if not reason:
-        return wanted
-    fallback = _private_folder()
-    instead = f"they go to {fallback}" if fallback else "nor in a temporary folder: every process makes its own"
+    fallback, read = _private_folder(), wanted if trusted else None
+    those = "they" if read is None else "those in it are used, new ones"
+    instead = f"{those} go to {fallback}" if fallback else "nor in a temporary folder: every process makes its own"
     warnings.warn(
         f"compiled kernels cannot be kept in {wanted} ({reason}); {instead}. Set GRAZING_CACHE to choose",
         RuntimeWarning,
-        stacklevel=2,
+        stacklevel=3,
     )
-    return fallback
+    return fallback, read
 
 
 def others_can_write(folder: Path) -> str:
@@ -108,10 +115,15 @@ class KernelFiles:
         None to keep nothing.
     name : str
         Different for different kernels.
+    read : path-like, optional
+        Another folder, which is only read.
     """
 
-    def __init__(self, folder: str | os.PathLike[str] | None, name: str) -> None:
+    def __init__(
+        self, folder: str | os.PathLike[str] | None, name: str, read: str | os.PathLike[str] | None = None
+    ) -> None:
         self._folder, self._name = None if folder is None else Path(folder), name
+        self._read = None if read is None else Path(read)
 
     def called(self, key: Any) -> str:
         """Return the name of the file of a signature."""
@@ -119,9 +131,12 @@ class KernelFiles:
 
     def load(self, key: Any) -> Any:
         """Return what was kept; None if nothing was, or if the file is not to be trusted, which is said."""
-        if self._folder is None:
-            return None
-        file = self._folder / self.called(key)
+        found = None if self._folder is None else self._loaded(self._folder / self.called(key))
+        if found is None and self._read is not None and os.access(file := self._read / self.called(key), os.R_OK):
+            return self._loaded(file)
+        return found
+
+    def _loaded(self, file: Path) -> Any:
         try:
             return _opened(_read(file, None), file.name)
         except FileNotFoundError:

@@ -35,6 +35,8 @@ FAR = 1e9
 GOOD = 60
 #: Hops of this share of a period, by a law that is not known to contract, are followed no further.
 SHORT = 1e-16
+#: A ball that leaves the wall faster is followed no further: twice its speed would be no double.
+FASTEST = 2.0**1021
 #: A state that is known to within 2^-TINY and may be 0 is 0.
 TINY = 900
 #: The share of a window at which its sign is looked at.
@@ -568,7 +570,10 @@ class Wall:
         """
         if self.speed > 0.0:
             return self.ratio, self.speed
-        speed = 2.0 ** (floor(log2(float(w.upper()))) + 2) if float(w.upper()) > 0.0 else 0.0
+        top = float(w.upper())
+        if not top < FASTEST:
+            raise Beyond
+        speed = 2.0 ** (floor(log2(top)) + 2) if top > 0.0 else 0.0
         try:
             still = Sure(self.reset.law(Sure(0), self.p)).ball
             steep = Slope.of(self.reset.law(Slope(arb_between(-speed, 0.0), 1), self.constants)).slope

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-import time
 from contextlib import suppress
 from pathlib import Path
 
 from grazing.outcome import InputError
 from grazing.paths import path_of
-from grazing.writing import PARTIAL, whole_file
-
-#: Seconds after which a file that never got its name is rubbish.
-OLD = 3600.0
+from grazing.writing import left_in, whole_file
 
 
 def write(path: Path, data: bytes | str) -> Path:
@@ -50,10 +46,9 @@ def folder(path: str | Path) -> Path:
     place = path_of(path)
     try:
         place.mkdir(parents=True, exist_ok=True)
-        for part in filter(lambda file: PARTIAL.fullmatch(file.name), place.glob(".*.partial")):
+        for part in left_in(place):
             with suppress(OSError):
-                if time.time() - part.stat().st_mtime > OLD:  # another run's may be growing
-                    part.unlink()
+                part.unlink()
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:

@@ -104,6 +104,9 @@ def model_of(trajectory: Any) -> Oscillator | Walled:
     names = getattr(trajectory, "variables", ())
     if not (isinstance(names, Mapping) and all(name in names for name in NEEDED) and trajectory["u"].dims == ("t",)):
         raise InputError(f"trajectory is {shown(trajectory)}; give a dataset as gz.trajectory returns it")
+    shapes = {trajectory[name].dims for name in CONVERTED}
+    if shapes != {("t",)} or not trajectory.sizes["t"] or any(trajectory[name].dtype.kind != "f" for name in CONVERTED):
+        raise InputError("t, u and v of the trajectory are not numbers along t; it was changed: compute it again")
     if any(trajectory[name].attrs.get("units", "1") not in ("1", known.units) for name, known in CONVERTED.items()):
         raise InputError("the trajectory is in other units than its model; take samples first, then gz.in_units")
     has = {str(k).removeprefix("parameter_"): v for k, v in trajectory.attrs.items() if k.startswith("parameter_")}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -45,19 +45,20 @@ def run_on_executor(
     code = "" if other_code else code_of(plan)
     task = partial(compute_chunk, os.fspath(store.path), store.token, name, code, store.fsync, own=own_of(plan))
     waiting = iter(numbers)
-    pending: set[Future[int]] = set()
+    pending: set[Future[int | GrazingError]] = set()
     finished = 0
     try:
         while True:
             for number in waiting:
-                pending.add(executor.submit(task, number))
+                pending.add(executor.submit(chunk_or_error, task, number))
                 if len(pending) >= WINDOW:
                     break
             if not pending:
                 return
             done, pending = wait(pending, return_when=FIRST_COMPLETED)
             for one in done:
-                one.result()
+                if isinstance(said := one.result(), GrazingError):
+                    raise said
             finished += len(done)
             if progress is not None:
                 progress(finished, len(numbers))
@@ -72,6 +73,17 @@ def run_on_executor(
     finally:
         for one in pending:
             one.cancel()
+
+
+def chunk_or_error(task: Callable[[int], int], number: int) -> int | GrazingError:
+    """Compute a chunk on a worker; return its number, or the error that says what is wrong.
+
+    It is returned, since a cluster prints what a task raises, whole and once a worker, before it hands it on.
+    """
+    try:
+        return task(number)
+    except GrazingError as error:
+        return error
 
 
 def _lost(store: Store, error: BaseException) -> GrazingError:

@@ -30,9 +30,8 @@ from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import TEMPLATE, template_lines
 from grazing.sweep.store import ASIDE
 from grazing.sweep.writers import wait_for_zarr
+from grazing.writing import is_left
 
-#: Seconds after which a half-made template of another machine is rubbish.
-OLD = 3600.0
 _HALF_MADE = re.compile(r"\.(?P<name>.+)-(?P<host>[^-]*)-(?P<pid>\d+)-[0-9a-f]{12}\.partial")
 #: How often, and how many seconds apart, a half-made template is removed until it stays away.
 PATIENCE, PAUSE = 20, 0.05
@@ -91,7 +90,7 @@ def tidy(path: Path) -> None:
             if found is None or found["name"] != path.name:
                 continue
             dead = found["host"] == _host() and not process_exists(int(found["pid"]))
-            if dead or time.time() - other.stat().st_mtime > OLD:
+            if dead or is_left(other):
                 shutil.rmtree(other, ignore_errors=True)
 
 
