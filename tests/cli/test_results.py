@@ -1,6 +1,7 @@
 """``grazing plot``, ``info`` and ``config``: stored results, where they come from, what a configuration says."""
 
 import json
+import shlex
 import tomllib
 
 import numpy as np
@@ -117,6 +118,31 @@ def test_every_file_tells_the_command_that_makes_it(file, capsys):
     assert found["kind"] == kind and found["recipe"]["study"] == "chart" and found["why_not"] is None
     recipe = tomllib.loads(said(capsys, 0, "info", file, "--config"))
     assert recipe["vary"] == {"mu": "0:0.1:3", "l": "0:0.2:4"}
+
+
+def test_the_command_names_the_units_that_a_file_is_in(folder, capsys):
+    rig = ["--si", "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14", "--r", "0.7"]
+    said(capsys, 0, "history", "u=0", "v=0", "--until", "0.5", *rig, "--units", "mm,ms", "-o", "a.png", "-o", "a.nc")
+    first = (folder / "a.png").read_bytes()
+    for file in ("a.png", "a.nc"):
+        _, command = said(capsys, 0, "info", file).split("again:     grazing ")
+        assert "--units mm,ms" in command
+        said(capsys, 0, *shlex.split(command))
+        assert (folder / "a.png").read_bytes() == first
+    assert 'units = "mm,ms"' in said(capsys, 0, "info", "a.nc", "--config")
+    said(capsys, 0, "plot", "a.nc", "--units", "m", "-o", "b.png")  # metres take the place of millimetres
+    assert "--units ms,m " in said(capsys, 0, "info", "b.png")
+    said(capsys, 0, "history", "u=0", "v=0", "--until", "0.5", *rig, "-o", "c.png")
+    assert "--units" not in said(capsys, 0, "info", "c.png")
+
+
+def test_values_in_other_units_are_not_taken_for_those_of_the_model(folder, capsys):
+    rig = gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, force=2.5, gap=1.2e-3, frequency=14, reset=gz.newton(0.7))
+    diagram = gz.orbit_diagram(gz.stroboscopic_map(rig), "omega", [80.0, 85.0, 100.0], starts=1, keep=4)
+    gz.save(diagram, "si.nc")
+    gz.save(gz.in_units(diagram, "Hz"), "hertz.nc")
+    assert "diagram omega=80.0,85.0,100.0 " in said(capsys, 0, "info", "si.nc")
+    assert "no command: its values of omega were converted to other units" in said(capsys, 0, "info", "hertz.nc")
 
 
 def test_a_configuration_tells_its_command(folder, capsys):

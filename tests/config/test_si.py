@@ -201,7 +201,8 @@ parameters.r = 0.7
     assert "Hz (" in capsys.readouterr().out
     made = load("a.nc")
     np.testing.assert_allclose(made.omega, [13.0, 15.0], rtol=1e-14)
-    assert "units" not in recipe_of(made.attrs)  # another look at it has its own
+    assert "units" not in json.loads(made.attrs["grazing_recipe"])  # another look at it has its own
+    assert recipe_of(made.attrs)["units"] == "Hz,mm"
     assert main([*small, "--units", "mm/s", "--json"]) == 0  # the shell overrides
     assert {"mm/s", "m", "rad/s"} <= json.loads(capsys.readouterr().out)["units"].keys()
 
