@@ -23,7 +23,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
 from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
-from grazing.config.values import DEFAULT
+from grazing.config.values import DEFAULT, other_range
 from grazing.outcome import GrazingError
 
 MAP = Group("Map and model", sort_key=1)
@@ -296,7 +296,7 @@ def _coordinates_vary(mapping: Mapping[str, Any]) -> bool:
 
 def _is_range(token: str) -> bool:
     name, _, text = token.partition("=")
-    return ":" in text or ("," in text and name not in AMPLITUDES)
+    return ":" in text or ("," in text and name not in AMPLITUDES) or other_range(text) is not None
 
 
 def _coordinates(mapping: Mapping[str, Any]) -> list[str]:

@@ -79,8 +79,7 @@ def checked(
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
     if raw.get("si") is not None:
-        raw, faults = from_table(raw)
-        before = [Problem(("si",), fault) for fault in faults]
+        raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
