@@ -1,6 +1,7 @@
 """``grazing plot``, ``info`` and ``config``: stored results, where they come from, what a configuration says."""
 
 import json
+import re
 import shlex
 import tomllib
 
@@ -46,6 +47,7 @@ def test_curves_are_drawn_told_and_kept(folder, capsys):
     assert one.attrs["grazing_config_sha256"] == other.attrs["grazing_config_sha256"]  # the numbers are the same
 
 
+@pytest.mark.filterwarnings("always")
 def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     chart = ["chart", "d=0.08:0.14:4", "V=0:0.6:3", "--starts", "2", "--keep", "8", "-q", "-o", "chart.nc"]
     said(capsys, 0, *chart, "--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8")
@@ -59,6 +61,19 @@ def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     assert "written: both.svg" in told
     drawn = (folder / "both.svg").read_text()
     assert "<!-- 001 -->" in drawn and "<!-- 001 gr -->" in drawn
+    # the study itself draws them in the same call, on top of boundaries too, and the figure's command says so
+    every = ["--curves", "2", "--curves", "branch.nc", "--curves", "locus.nc"]
+    pinball = ["--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8"]
+    said(capsys, 0, *chart[:-1], "again.nc", *pinball, *every, "-o", "all.svg")
+    labels = re.findall("<!-- (.*?) -->", (folder / "all.svg").read_text())
+    assert {"001", "001 gr"} <= {*labels} and any(label.startswith("2 ") for label in labels)
+    command = said(capsys, 0, "info", "all.svg").partition("again:     ")[2]
+    assert f"--curves 2 --curves {folder / 'branch.nc'} --curves {folder / 'locus.nc'}" in command
+    assert "the curves are left out" not in said(capsys, 0, "plot", "again.nc", "-o", "again.svg")
+    assert re.findall("<!-- (.*?) -->", (folder / "again.svg").read_text()) == labels
+    (folder / "branch.nc").rename(folder / "moved.nc")
+    assert "the curves are left out: --curves = branch.nc; there" in said(capsys, 0, "plot", "again.nc", "-o", "b.svg")
+    (folder / "moved.nc").rename(folder / "branch.nc")
     for other, reason in (
         ("no.nc", "--curves = no.nc; there is no such file, and periods are written 2,3,5 or 2:7"),
         ("chart.nc", "no curve can be drawn from this Dataset; give "),

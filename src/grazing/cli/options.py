@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
-from grazing.cli.whole import as_written
+from grazing.cli.whole import all_as_written, as_written
 from grazing.config import checked
 from grazing.config.command import KEYS
 from grazing.config.files import read_toml
@@ -39,7 +39,9 @@ RUN = Group("Run and output", sort_key=4)
 Recipe = dict[str, Any]
 Place = tuple[str, ...]
 #: What stands for a value in the help.
-METAVARS = {"curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...", "units": "LIST"}
+METAVARS = {"curves": "LIST|FILE", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...", "units": "LIST"}
+#: Options that may be repeated.
+SEVERAL = ("curves",)
 #: Options whose values are files, and those for which completion offers words though others are allowed.
 FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
 
@@ -58,6 +60,8 @@ def option(
     # the type says what completion offers; whatever was written is kept, and checked with all the rest
     words = tuple(choices) or OFFERED.get(name, ())
     kind: Any = Literal[words] | str if words else Path if name in FILES else str
+    if name in SEVERAL:
+        kind, extra["converter"], says = list[str], all_as_written, f"{says}; may be repeated"
     if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
         extra["allow_leading_hyphen"] = True
     if choices:
@@ -66,7 +70,7 @@ def option(
         kind | None,
         Parameter(
             name=flag(name), help=says, group=group, show_default=(lambda _none: shown) if shown else False,
-            show_choices=False, converter=as_written, **extra,
+            show_choices=False, **{"converter": as_written, **extra},
         ),
     ]  # fmt: skip
     return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)

@@ -15,7 +15,7 @@ from grazing.config.problems import Label, Problem, dotted, found_by, refusal, u
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import FLOWN, STUDIES
 from grazing.config.si import from_table
-from grazing.config.values import DEFAULT, bounds_of, extremes, number, range_of
+from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, number, range_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import describe_parameter
@@ -104,6 +104,8 @@ def _located(raw: Recipe, folder: str) -> Recipe:
     for key in KEYS:
         if isinstance(raw.get(key), str) and is_own(raw[key]):
             raw[key] = located(raw[key], folder)
+    if isinstance(raw.get("curves"), (list, str)):  # files lie beside the one that names them
+        raw["curves"] = found_from(raw["curves"], folder)
     return raw
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -27,6 +28,8 @@ _REAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _ENDS = re.compile(
     rf"[\[(]?\s*({_REAL})(\s*[^\W\d_/]+)?\s*(?:-|–|—|\.\.+|…|;|to|(?<=\s)and|,)\s*({_REAL})(\s*[^\W\d_/]+)?\s*[\])]?"
 )
+#: How periods are written, right or wrong; what is written in another way is a file.
+_PERIODS = re.compile(r"[-\d,: ]*")
 RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
 
 
@@ -79,6 +82,31 @@ def wholes(value: Any, name: str) -> list[int]:
     if not items:
         raise InputError(f"{name} = {shown(value)}; give whole numbers >= 1, such as 2,3,5 or 2:7")
     return sorted({count(item, name, 1) for item in items})
+
+
+def curves(value: Any, name: str) -> list[int | str]:
+    """Return periods whose boundary curves are drawn, in order, then files with branches and loci.
+
+    Examples
+    --------
+    >>> curves("2:4", "curves"), curves(["locus.nc", "3", 2], "curves")
+    ([2, 3, 4], [2, 3, 'locus.nc'])
+    """
+    items = value if isinstance(value, (list, tuple)) and value else [value]
+    files = [item for item in items if isinstance(item, str) and not _PERIODS.fullmatch(item)]
+    periods = [period for item in items if item not in files for period in wholes(item, name)]
+    return [*sorted({*periods}), *dict.fromkeys(files)]
+
+
+def found_from(value: Any, folder: str) -> Any:
+    """Return what :func:`curves` takes with the whole paths of its files, found from a folder."""
+    if isinstance(value, list):
+        return [found_from(item, folder) for item in value]
+    return (
+        os.path.abspath(os.path.join(folder, value))
+        if isinstance(value, str) and not _PERIODS.fullmatch(value)
+        else value
+    )
 
 
 def pair(value: Any, name: str) -> list[float]:
