@@ -52,6 +52,17 @@ def test_variables_on_the_same_dimensions_share_a_table(result, tmp_path):
     assert [float(row["point_v"]) for row in rows] == result.point.sel(coordinate="v").values.tolist()
 
 
+def test_the_table_of_the_first_variable_comes_first_however_small_it_is(tmp_path):
+    runs = {"amplitude": (("f", "run"), np.ones((2, 2))), "difference": ("part", [1.0, 2.0, 3.0])}
+    result = xr.Dataset(runs, {"f": [1.0, 2.0], "run": ["up", "down"]})
+    result["branch"] = ("point", np.arange(100.0))
+    assert [dims for dims, _names in tables(result.isel(run=0, drop=True))] == [("f",), ("point",), ("part",)]
+    first, *rest = to_csv(result, tmp_path / "out.csv")
+    assert list(read(first)[0]) == ["f", "amplitude_up", "amplitude_down"]
+    assert [file.name for file in rest] == ["out-point.csv", "out-part.csv"]
+    assert list(gz.to_dataframe(result)) == ["f", "amplitude_up", "amplitude_down"]
+
+
 @pytest.mark.parametrize("rows", [3, 200_000])
 def test_rows_that_only_fill_up_are_left_out(tmp_path, monkeypatch, rows):
     monkeypatch.setattr(export, "ROWS", rows)

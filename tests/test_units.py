@@ -74,8 +74,8 @@ def test_lists_of_quantities_and_of_texts():
 
 def test_names_of_a_rig_are_translated(rig):
     P = gz.stroboscopic_map(rig)
-    for name, said in (("frequency", "omega, in rad/s"), ("gap", "sigma = -gap"), ("c", "alpha = c/m")):
-        with pytest.raises(InputError, match=f"unknown parameter '{name}' of .*That is {said}"):
+    for name, said in (("frequency", "omega = 2 pi frequency"), ("gap", "sigma = -gap"), ("c", "alpha = c/m")):
+        with pytest.raises(InputError, match=f"unknown parameter '{name}' of .*Here that is {said}"):
             gz.orbit_diagram(P, name, [1.0, 2.0])
 
 

@@ -32,12 +32,12 @@ ROWS = 200_000
 def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     """Write a result as comma-separated values, whole or not at all.
 
-    Variables on the same dimensions, or on some of them, share a table; the largest table gets the name given, another
-    one ``name-dimension.csv``. A dimension of names, such as those of the coordinates, makes a column for each. Numbers
-    are written so that they are read back with the same bits, NaN as nothing, infinity as inf. Rows that only fill up,
-    where a cell of a chart has no further attractor, are left out. Words may consist of digits: tell the reader that
-    they are text, as ``pandas.read_csv(file, dtype={"word": str})``. A table says nothing of where it comes from: save
-    the result as ``.nc`` too.
+    Variables on the same dimensions, or on some of them, share a table; that of the first variable, which is what was
+    scanned or measured, gets the name given, another one ``name-dimension.csv``. A dimension of names, such as those of
+    the coordinates, makes a column for each. Numbers are written so that they are read back with the same bits, NaN as
+    nothing, infinity as inf. Rows that only fill up, where a cell of a chart has no further attractor, are left out.
+    Words may consist of digits: tell the reader that they are text, as ``pandas.read_csv(file, dtype={"word": str})``.
+    A table says nothing of where it comes from: save the result as ``.nc`` too.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
     result : xarray.Dataset
         From any study.
     dimension : str, optional
-        Of the table, such as "impact" or "attractor"; None for the largest table.
+        Of the table, such as "impact" or "attractor"; None for that of the first variable.
 
     Returns
     -------
@@ -208,20 +208,24 @@ def _part(dims: tuple[str, ...]) -> str:
 def _spread_names(result: xr.Dataset) -> xr.Dataset:
     """Return a result with a variable ``point_u`` for each name along a dimension of names, such as coordinates."""
     for dim in [str(dim) for dim in result.sizes if dim in result.coords and result[dim].dtype.kind in "OU"]:
-        for name in [str(name) for name in result.data_vars if dim in result[name].dims]:
+        spread: dict[str, Any] = {}  # in the places of those that they are made of
+        for name in map(str, result.data_vars):
+            if dim not in result[name].dims:
+                spread[name] = result[name]
+                continue
             units = str(result[name].attrs.get("units", "1")).split(", ")  # of each, where they differ
             units *= result.sizes[dim] if len(units) == 1 else 1
-            parts = {
-                f"{name}_{label}": result[name].isel({dim: i}, drop=True).assign_attrs(units=units[i])
-                for i, label in enumerate(result[dim].values)
-            }
-            result = result.drop_vars(name).assign(parts)
-        result = result.drop_vars(dim)
+            for i, label in enumerate(result[dim].values):
+                spread[f"{name}_{label}"] = result[name].isel({dim: i}, drop=True).assign_attrs(units=units[i])
+        result = result.drop_vars([*result.data_vars, dim]).assign(spread)
     return result
 
 
 def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
-    """Return the tables of a result, the largest first: dimensions, and the variables on them or on some of them."""
+    """Return the tables of a result: dimensions, and the variables on them or on some of them.
+
+    That of the first variable comes first, of the others the largest.
+    """
     names = [str(name) for name in [*result.coords, *result.data_vars] if name not in result.dims]
     of = {name: tuple(str(dim) for dim in result[name].dims) for name in names}
     groups: list[tuple[str, ...]] = []
@@ -235,6 +239,8 @@ def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
 
     groups.sort(key=rows, reverse=True)
     home = {name: next(group for group in groups if set(dims) <= set(group)) for name, dims in of.items()}
+    first = [home[str(name)] for name in [*result.data_vars][:1]]
+    groups.sort(key=lambda group: group not in first)
     return [(group, [name for name in names if home[name] == group]) for group in groups]
 
 

@@ -16,12 +16,12 @@ from grazing.outcome import InputError, shown
 
 #: What a rig in SI units calls in another way than the model that is made of it.
 OF_A_RIG = {
-    "frequency": "omega, in rad/s or with units, such as '14 Hz',",
+    "frequency": "omega = 2 pi frequency, in SI units also '14 Hz'",
     "gap": "sigma = -gap",
-    "m": "the mass by which forces are divided; make another model",
+    "m": "the mass by which forces are divided: make another model",
     "c": "alpha = c/m",
-    "force": "cos1 = force/m, with its sign,",
-    "load": "offset = load/m, with its sign,",
+    "force": "cos1 = force/m, with its sign",
+    "load": "offset = load/m, with its sign",
 }
 #: Most forcing periods between impacts that windows and boundary curves are computed for.
 MANY_PERIODS = 1000
@@ -197,13 +197,21 @@ def _is_number(value: Any) -> bool:
     return not isinstance(value, (bool, str, bytes)) and getattr(value, "ndim", 0) == 0 and kind in ("f", "i", "u", "O")
 
 
+def called_here(name: object, names: Iterable[str]) -> str:
+    """Return what a quantity of a rig is of a model with these parameters; nothing for any other name."""
+    known = {*names}
+    if not isinstance(name, str) or name not in OF_A_RIG or "omega" not in known:
+        return ""
+    return OF_A_RIG[name] if "offset" in known else OF_A_RIG[name].replace("offset", "d")
+
+
 def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     """Return the error for a name that does not exist, with the nearest one that does."""
     known = list(names)
     near = get_close_matches(name[:200], known, n=1) if isinstance(name, str) else []
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    if isinstance(name, str) and name in OF_A_RIG and "omega" in known:
-        hint = f" That is {OF_A_RIG[name]} here."
+    if said := called_here(name, known):
+        hint = f" Here that is {said}."
     return InputError(f"unknown parameter {shown(name)} of {of}.{hint} Allowed are: {', '.join(known)}")
 
 

@@ -24,6 +24,8 @@ MEASURED = ("m", "m/s", "s", "1/s", "rad/s", "Hz", "N/kg", "N s/kg")
 TURN = r"/2\pi"
 #: Attributes of a whole result that are ends of the parameter that varies.
 SEARCHED = ("span", "bounds")
+#: The attribute that keeps the units that were asked for, for the command that makes the result again.
+ASKED = "grazing_units"
 #: Attributes of a variable that are numbers in its own units.
 ENDS = ("low", "high")
 
@@ -136,7 +138,15 @@ def _in_units(found: xr.Dataset, units: tuple[str, ...]) -> xr.Dataset:
             for name, parts in factors.items()
         }
     )
-    return converted.assign_attrs(_searched(found, {name: parts[0][1] for name, parts in factors.items()}))
+    ends = _searched(found, {name: parts[0][1] for name, parts in factors.items()})
+    asked = _asked(found, units, mass)
+    return converted.assign_attrs(ends | ({ASKED: ",".join(asked)} if asked else {}))
+
+
+def _asked(found: xr.Dataset, units: tuple[str, ...], mass: float | None) -> list[str]:
+    """Return the units that were asked for, earlier ones too where none of these takes their place."""
+    earlier = [unit for unit in str(found.attrs.get(ASKED, "")).split(",") if unit and unit not in units]
+    return [unit for unit in earlier if all(_factor(unit, new, mass) is None for new in units)] + list(units)
 
 
 def _searched(found: xr.Dataset, factors: dict[Any, float]) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """``grazing plot``, ``info`` and ``config``: stored results, where they come from, what a configuration says."""
 
 import json
+import re
+import shlex
 import tomllib
 
 import numpy as np
@@ -45,6 +47,7 @@ def test_curves_are_drawn_told_and_kept(folder, capsys):
     assert one.attrs["grazing_config_sha256"] == other.attrs["grazing_config_sha256"]  # the numbers are the same
 
 
+@pytest.mark.filterwarnings("always")
 def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     chart = ["chart", "d=0.08:0.14:4", "V=0:0.6:3", "--starts", "2", "--keep", "8", "-q", "-o", "chart.nc"]
     said(capsys, 0, *chart, "--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8")
@@ -58,6 +61,19 @@ def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     assert "written: both.svg" in told
     drawn = (folder / "both.svg").read_text()
     assert "<!-- 001 -->" in drawn and "<!-- 001 gr -->" in drawn
+    # the study itself draws them in the same call, on top of boundaries too, and the figure's command says so
+    every = ["--curves", "2", "--curves", "branch.nc", "--curves", "locus.nc"]
+    pinball = ["--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8"]
+    said(capsys, 0, *chart[:-1], "again.nc", *pinball, *every, "-o", "all.svg")
+    labels = re.findall("<!-- (.*?) -->", (folder / "all.svg").read_text())
+    assert {"001", "001 gr"} <= {*labels} and any(label.startswith("2 ") for label in labels)
+    command = said(capsys, 0, "info", "all.svg").partition("again:     ")[2]
+    assert f"--curves 2 --curves {folder / 'branch.nc'} --curves {folder / 'locus.nc'}" in command
+    assert "the curves are left out" not in said(capsys, 0, "plot", "again.nc", "-o", "again.svg")
+    assert re.findall("<!-- (.*?) -->", (folder / "again.svg").read_text()) == labels
+    (folder / "branch.nc").rename(folder / "moved.nc")
+    assert "the curves are left out: --curves = branch.nc; there" in said(capsys, 0, "plot", "again.nc", "-o", "b.svg")
+    (folder / "moved.nc").rename(folder / "branch.nc")
     for other, reason in (
         ("no.nc", "--curves = no.nc; there is no such file, and periods are written 2,3,5 or 2:7"),
         ("chart.nc", "no curve can be drawn from this Dataset; give "),
@@ -117,6 +133,31 @@ def test_every_file_tells_the_command_that_makes_it(file, capsys):
     assert found["kind"] == kind and found["recipe"]["study"] == "chart" and found["why_not"] is None
     recipe = tomllib.loads(said(capsys, 0, "info", file, "--config"))
     assert recipe["vary"] == {"mu": "0:0.1:3", "l": "0:0.2:4"}
+
+
+def test_the_command_names_the_units_that_a_file_is_in(folder, capsys):
+    rig = ["--si", "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14", "--r", "0.7"]
+    said(capsys, 0, "history", "u=0", "v=0", "--until", "0.5", *rig, "--units", "mm,ms", "-o", "a.png", "-o", "a.nc")
+    first = (folder / "a.png").read_bytes()
+    for file in ("a.png", "a.nc"):
+        _, command = said(capsys, 0, "info", file).split("again:     grazing ")
+        assert "--units mm,ms" in command
+        said(capsys, 0, *shlex.split(command))
+        assert (folder / "a.png").read_bytes() == first
+    assert 'units = "mm,ms"' in said(capsys, 0, "info", "a.nc", "--config")
+    said(capsys, 0, "plot", "a.nc", "--units", "m", "-o", "b.png")  # metres take the place of millimetres
+    assert "--units ms,m " in said(capsys, 0, "info", "b.png")
+    said(capsys, 0, "history", "u=0", "v=0", "--until", "0.5", *rig, "-o", "c.png")
+    assert "--units" not in said(capsys, 0, "info", "c.png")
+
+
+def test_values_in_other_units_are_not_taken_for_those_of_the_model(folder, capsys):
+    rig = gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, force=2.5, gap=1.2e-3, frequency=14, reset=gz.newton(0.7))
+    diagram = gz.orbit_diagram(gz.stroboscopic_map(rig), "omega", [80.0, 85.0, 100.0], starts=1, keep=4)
+    gz.save(diagram, "si.nc")
+    gz.save(gz.in_units(diagram, "Hz"), "hertz.nc")
+    assert "diagram omega=80.0,85.0,100.0 " in said(capsys, 0, "info", "si.nc")
+    assert "no command: its values of omega were converted to other units" in said(capsys, 0, "info", "hertz.nc")
 
 
 def test_a_configuration_tells_its_command(folder, capsys):

@@ -225,6 +225,20 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("graph u=0:0.1:5 --map impact --order full", "the discontinuity map has one, the impact map has not"),
         ("graph u=-0.1:0.1:5", "the ball starts inside the wall: u = -0.1"),
         ("graph u=0:0.1:5 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
+        ("diagram d=0.05-0.16", "error: d = '0.05-0.16'; give start:stop:count, such as 0.05:0.16:100"),
+        ("diagram d=0.05:0.16", "error: d = '0.05:0.16'; give start:stop:count, such as 0.05:0.16:100 for 100 values"),
+        ("branch d=0.05..0.16 --word 001", "error: d = '0.05..0.16'; give low:high, here 0.05:0.16"),
+        (
+            "response force=1:2:9",
+            "force: unknown parameter; here that is cos1 = force/m, with its sign; it has its own",
+        ),
+        (
+            "diagram d=0.1:0.2:5 load=1",
+            "load: unknown parameter; here that is d = load/m, with its sign; it has its own",
+        ),
+        ("diagram d=0.1:0.2:5 --gap 3", "--gap. Here that is sigma = -gap; a rig with a gap is given by --si"),
+        ("history u=0 v=0 --frequency 3", "Here that is omega = 2 pi frequency, in SI units also '14 Hz'; a rig with"),
+        ("diagram x=0.1:0.2:5 --map gap --force 3", "Here that is cos1"),
     ],
 )
 def test_each_error_says_what_to_do(line, said, capsys):

@@ -1,6 +1,7 @@
 """The response of a rig: closed forms, what the other studies say, and what a wrong call is told."""
 
 import json
+import warnings
 
 import numpy as np
 import pint
@@ -174,7 +175,8 @@ def test_saved_and_loaded(swept, tmp_path):
     assert back.run.values.tolist() == swept.run.values.tolist()
     assert {f"{front}{name}" for name in READINGS for front in ("", "branch_", "special_")} <= set(back.data_vars)
     files = gz.to_csv(back, tmp_path / "response.csv")
-    assert {file.name for file in files} >= {"response.csv"}
+    head = files[0].read_text().partition("\n")[0].split(",")
+    assert files[0].name == "response.csv" and head[:2] == ["omega", "amplitude_up"]  # what was measured comes first
 
 
 def test_progress_counts_all_three_scans():
@@ -199,6 +201,19 @@ def test_what_a_wrong_call_is_told():
         response(P, "omega", [80.0, 81.0], period=0)
     with pytest.raises(gz.InputError, match="omega"):
         response(P, "omega", [-1.0, 81.0])
+
+
+@pytest.mark.parametrize(("sigma", "offset"), [(0.0, 0.0), (-1e-3, -1e-3), (0.0, -0.1), (-1e-3, 1e-3)])
+def test_a_still_ball_on_its_wall_or_above_it_is_followed_and_warned_of_once(sigma, offset):
+    force = gz.Forcing(2.0, offset, cos=(0.0,))
+    P = gz.stroboscopic_map(gz.Oscillator(alpha=0.3, k=1.0, forcing=force, reset=gz.newton(0.7), sigma=sigma))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = gz.response(P, "omega", [2.0, 2.1], starts=1, transient=5, keep=2)
+    assert [str(one.message).partition(":")[0] for one in told] == ["nothing shakes the ball"]
+    size = abs(sigma) + abs(offset)  # nothing moves, in units of whatever length there is
+    assert (found.amplitude.sel(run=["up", "down"]).values <= 1e-12 * size).all()
+    assert found.sizes["branch_point"] >= 2 and np.isfinite(found.branch_omega.values).all()
 
 
 def test_a_rig_that_nothing_shakes_is_warned_about():

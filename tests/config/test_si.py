@@ -91,6 +91,37 @@ def test_what_varies_of_a_rig_is_in_its_own_units():
         checked(rig | {"si": SI | {"base": 1e-3}, "vary": {"force": "2:4:5", "gap": "1:2:3"}})
 
 
+def test_spring_and_damper_vary_as_they_are_given():
+    rig = {"study": "diagram", "si": SI, "parameters": {"r": 0.7}}
+    assert checked(rig | {"vary": {"c": "1:2:3"}})["vary"] == {"alpha": "1.25:2.5:3"}
+    even = checked(rig | {"vary": {"k": "3 N/mm:3.4 N/mm:3"}})["vary"]["k"]  # even in k, not in its root
+    assert even == pytest.approx([math.sqrt(k / 0.8) for k in (3000.0, 3200.0, 3400.0)], rel=1e-15)
+    low, high = math.sqrt(1e3 / 0.8), math.sqrt(4e3 / 0.8)
+    first, last, count, log = checked(rig | {"vary": {"k": "1000:4000:3:log"}})["vary"]["k"].split(":")
+    assert [float(first), float(last)] == pytest.approx([low, high], rel=1e-15) and (count, log) == ("3", "log")
+    bare = {name: SI[name] for name in ("m", "force", "frequency")}  # what varies need not be given, too
+    recipe = checked(
+        rig | {"study": "chart", "si": bare | {"c": 2.4}, "vary": {"k": "1e3:4e3:3", "gap": "1e-3:2e-3:3"}}
+    )
+    assert {"k", "sigma"}.isdisjoint(recipe["parameters"]) and [*recipe["vary"]] == ["k", "sigma"]
+    with pytest.raises(InputError, match="si: c missing"):
+        checked(rig | {"study": "chart", "si": bare, "vary": {"k": "1e3:4e3:3", "gap": "1e-3:2e-3:3"}})
+    branch = rig | {"study": "branch", "vary": {"k": "1000:4000"}, "settings": {"word": "0", "at": "2 N/mm"}}
+    found = checked(branch)
+    assert [float(end) for end in found["vary"]["k"].split(":")] == pytest.approx([low, high], rel=1e-15)
+    assert found["settings"]["at"] == pytest.approx([math.sqrt(2e3 / 0.8)], rel=1e-15)
+
+
+def test_what_is_of_the_rig_may_stand_beside_the_table():
+    less = {name: value for name, value in SI.items() if name not in ("frequency", "gap")}
+    beside = {"study": "diagram", "si": less, "vary": {"force": "2:3:3"}}
+    wanted = checked({**beside, "si": SI, "parameters": {"r": 0.7}})
+    assert checked({**beside, "parameters": {"r": 0.7, "frequency": "14 Hz", "gap": "1.2e-3"}}) == wanted
+    assert checked({**beside, "parameters": {"r": 0.7, "omega": "28 Hz", "gap": 1.2e-3}})["parameters"][
+        "omega"
+    ] == pytest.approx(56 * math.pi)
+
+
 def test_a_branch_is_looked_at_in_the_units_of_what_varies():
     branch = {"study": "branch", "si": SI, "parameters": {"r": 0.7}, "vary": {"frequency": "5:25"}}
     for at in (20, "20", "20 Hz", [20.0], "1200 rpm"):
@@ -172,7 +203,15 @@ def test_units_are_checked_before_anything_is_computed(capsys, folder):
         ({"mass": 0.7}, "si: the table gives mass, too"),
         ({"parameters": {}}, "parameters.r: missing"),
         ({"vary": {"frequency": "1:2:3", "omega": "1:2:3"}}, "si: frequency and omega both vary"),
-        ({"vary": {"frequency": "a:2:3"}}, "si: frequency = 'a' is not a real number"),
+        ({"vary": {"frequency": "a:2:3"}}, "vary.frequency = 'a' is not a real number"),
+        ({"vary": {"frequency": "5-25"}}, "vary.frequency = '5-25'; give start:stop:count, such as 5:25:100"),
+        ({"vary": {"frequency": "5:25"}}, "vary.frequency = '5:25'; give start:stop:count, such as 5:25:100"),
+        ({"vary": {"frequency": "5:25:x"}}, "vary.frequency = '5.0:25.0:x': count = 'x'"),
+        ({"vary": {"frequency": "-5:25:3"}}, "vary.frequency = -5; allowed is frequency > 0"),
+        ({"vary": {"gap": "1 mm to 2 mm"}}, "such as 1 mm:2 mm:100"),
+        ({"vary": {"k": "60 rad/s:70 rad/s:3"}}, "its units do not match: give a quantity such as '1 N/m'"),
+        ({"vary": {"m": "1:2:3"}}, "vary.m: unknown parameter; here that is the mass by which forces are divided"),
+        ({"parameters": {"r": 0.7, "gap": 0.1}}, "parameters.gap = 0.1; the table of the rig gives it, too"),
         ({"map": "gap"}, "mass: the map gap is dimensionless"),
         ({"si": {k: v for k, v in SI.items() if k != "frequency"}}, "si: neither is given; give frequency"),
     ],
@@ -201,7 +240,8 @@ parameters.r = 0.7
     assert "Hz (" in capsys.readouterr().out
     made = load("a.nc")
     np.testing.assert_allclose(made.omega, [13.0, 15.0], rtol=1e-14)
-    assert "units" not in recipe_of(made.attrs)  # another look at it has its own
+    assert "units" not in json.loads(made.attrs["grazing_recipe"])  # another look at it has its own
+    assert recipe_of(made.attrs)["units"] == "Hz,mm"
     assert main([*small, "--units", "mm/s", "--json"]) == 0  # the shell overrides
     assert {"mm/s", "m", "rad/s"} <= json.loads(capsys.readouterr().out)["units"].keys()
 

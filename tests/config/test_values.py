@@ -9,7 +9,18 @@ from hypothesis import strategies as st
 
 from grazing import InputError
 from grazing.config.settings import text_of
-from grazing.config.values import by_name, extremes, numbers, pairs, range_of, states, values_of, written_as
+from grazing.config.values import (
+    bounds_of,
+    by_name,
+    extremes,
+    numbers,
+    other_range,
+    pairs,
+    range_of,
+    states,
+    values_of,
+    written_as,
+)
 
 FINITE = st.floats(-1e9, 1e9, allow_nan=False).filter(lambda x: x == 0.0 or abs(x) > 1e-9)
 
@@ -108,6 +119,25 @@ def test_what_is_not_allowed_is_said(check, value, said):
     with pytest.raises(InputError) as error:
         check(value, "box")
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("text", ["5-25", "5..25", "5 - 25", "5 to 25", "5;25", "[5,25]", "(5, 25)", "5…25", "5–25"])
+def test_a_range_that_is_written_in_another_way_is_told_how_it_is_written_here(text):
+    with pytest.raises(InputError, match="give start:stop:count, such as 5:25:100"):
+        range_of(text, "d")
+    with pytest.raises(InputError, match="give low:high, here 5:25"):
+        bounds_of(text, "d")
+
+
+@pytest.mark.parametrize(
+    "text", ["1e-3", "-1e-3", "5", "5,25", "5:25:3", "9.81 m/s^-2", "3 s-1", "1.2 mm", "nan", "a-b"]
+)
+def test_what_is_no_other_range(text):
+    assert other_range(text) is None
+
+
+def test_ends_keep_signs_and_exponents():
+    assert other_range("-1e-3--1e-4") == ("-1e-3", "-1e-4") and other_range("1e-3-2") == ("1e-3", "2")
 
 
 def test_text_keeps_every_bit():

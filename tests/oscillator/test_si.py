@@ -207,8 +207,8 @@ def test_a_result_of_a_shaken_rig_is_made_again_by_its_command():
 def test_what_is_no_parameter_of_the_model_is_said_before_its_units():
     rig = gz.Oscillator.from_si(**RIG)  # its stop is above
     for changes, said in (
-        ({"gap": "1 mm"}, "That is sigma = -gap here"),
-        ({"frequency": "16 Hz"}, "That is omega, in rad/s or with units, such as '14 Hz', here"),
+        ({"gap": "1 mm"}, "Here that is sigma = -gap"),
+        ({"frequency": "16 Hz"}, "Here that is omega = 2 pi frequency, in SI units also '14 Hz'"),
         (
             {"k": "3.2 kN/m"},
             r"a quantity such as '1 rad/s'. That is the natural frequency sqrt\(k/m\), and no stiffness",

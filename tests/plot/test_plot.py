@@ -152,6 +152,23 @@ def test_an_orbit_diagram_has_one_colour_for_each_period():
     assert points[1].axes.get_xlabel() == r"$\mu$"
 
 
+def test_ranges_in_which_every_orbit_ended_are_shaded_and_the_legend_says_why():
+    ended = gz.Outcome.too_many_impacts | gz.Outcome.diverged
+    values, period = [4.0, 0.0, 1.0, 2.0, 3.0], np.array([[-2, -2], [1, 1], [-2, -2], [-2, -2], [-2, 1]], np.int32)
+    table = {"x": (("mu", "start", "n"), np.where(period == 1, 0.5, np.nan)[..., None])}
+    table |= {"period": (("mu", "start"), period), "outcome": (("mu", "start"), np.where(period == -2, int(ended), 0))}
+    made = xr.Dataset(table, {"mu": values}, diagram().attrs)
+    drawn = plot.orbit_diagram(made)
+    spans = [(band.get_x(), band.get_x() + band.get_width()) for band in drawn["ended"]]
+    assert spans == [(0.5, 2.5), (3.5, 4.5)]  # at 3 an orbit goes on
+    texts = [text.get_text() for text in drawn["legend"].get_texts()]
+    assert texts == ["1", "ended: chatter,\ntoo many impacts"]
+    made["outcome"][2:4] = int(gz.Outcome.no_impact)
+    texts = [text.get_text() for text in plot.orbit_diagram(made)["legend"].get_texts()]
+    assert texts[1:] == ["ended: chatter,\ntoo many impacts; no further impact"]
+    assert plot.orbit_diagram(made.drop_vars("outcome"))["legend"].get_texts()[1].get_text() == "ended"
+
+
 def test_windows_are_named_shaded_and_kept_apart():
     _fig, (ax,) = plot.panels()
     drawn = plot.windows({1: (0.5, 1.0), 2: (0.3, 0.6), 3: (0.4, 0.2), 4: (2.0, 3.0)}, ax)

@@ -20,6 +20,7 @@ from grazing import __version__
 from grazing.cli import streams
 from grazing.cli.paper import paper
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, shown
+from grazing.parameter import called_here
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Columns between which help is written: in one or two its writer never ends, in 10^30 it fails.
@@ -276,6 +277,8 @@ def _reworded(error: CycloptsError) -> str:
         near = [name for name in names if name != given and name.lower() == given.lower()]
         if near:  # names keep their case: --V is a velocity
             return f"Unknown option: {given}. Did you mean {near[0]}?"
+        if said := called_here(given.lstrip("-"), [name.lstrip("-") for name in names]):
+            return f"Unknown option: {given}. Here that is {said}; a rig with a {given[2:]} is given by --si."
     return str(error)
 
 

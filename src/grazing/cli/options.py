@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
-from grazing.cli.whole import as_written
+from grazing.cli.whole import all_as_written, as_written
 from grazing.config import checked
 from grazing.config.command import KEYS
 from grazing.config.files import read_toml
@@ -23,7 +23,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import DRAWN, MAPS, config_of
 from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
-from grazing.config.values import DEFAULT
+from grazing.config.values import DEFAULT, other_range
 from grazing.config.walls import flat, last_of
 from grazing.outcome import GrazingError
 
@@ -41,9 +41,11 @@ Recipe = dict[str, Any]
 Place = tuple[str, ...]
 #: What stands for a value in the help.
 METAVARS = {
-    "walls": "NAME=LAW,...", "curves": "LIST", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...",
+    "walls": "NAME=LAW,...", "curves": "LIST|FILE", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...",
     "units": "LIST",
 }  # fmt: skip
+#: Options that may be repeated.
+SEVERAL = ("curves",)
 #: Keys that a study of the oscillator itself has.
 OF_MODEL = ("model", "law", "walls", "mass", "base", "stop", "si", "units")
 #: Options whose values are files, and those for which completion offers words though others are allowed.
@@ -64,6 +66,8 @@ def option(
     # the type says what completion offers; whatever was written is kept, and checked with all the rest
     words = tuple(choices) or OFFERED.get(name, ())
     kind: Any = Literal[words] | str if words else Path if name in FILES else str
+    if name in SEVERAL:
+        kind, extra["converter"], says = list[str], all_as_written, f"{says}; may be repeated"
     if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
         extra["allow_leading_hyphen"] = True
     if choices:
@@ -72,7 +76,7 @@ def option(
         kind | None,
         Parameter(
             name=flag(name), help=says, group=group, show_default=(lambda _none: shown) if shown else False,
-            show_choices=False, converter=as_written, **extra,
+            show_choices=False, **{"converter": as_written, **extra},
         ),
     ]  # fmt: skip
     return Argument(name, Argument.KEYWORD_ONLY, default=None, annotation=annotation)
@@ -303,7 +307,7 @@ def _coordinates_vary(mapping: Mapping[str, Any]) -> bool:
 
 def _is_range(token: str) -> bool:
     name, _, text = token.partition("=")
-    return ":" in text or ("," in text and last_of(name) not in AMPLITUDES)
+    return ":" in text or ("," in text and last_of(name) not in AMPLITUDES) or other_range(text) is not None
 
 
 def _coordinates(mapping: Mapping[str, Any]) -> list[str]:

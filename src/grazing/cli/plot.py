@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json as text
 import os
-import re
 import warnings
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,8 +15,6 @@ from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError, in_one_line
 
-#: How periods are written, right or wrong.
-PERIODS = re.compile(r"[-\d,: ]*")
 #: What drawing raises when variables are missing, of another type or form, or hold texts that are no labels.
 MISFIT = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, StopIteration, RecursionError)
 
@@ -40,8 +37,8 @@ def plot(
     curves: Annotated[
         list[str] | None,
         Parameter(
-            help="Drawn on a chart: the exact boundary curves of periods, 2,3,5 or 2:7, or a stored branch or locus; "
-            "may be repeated.",
+            help="Drawn on a chart in place of the curves that it was made with: the exact boundary curves of periods, "
+            "2,3,5 or 2:7, or a stored branch or locus; may be repeated.",
             metavar="LIST|FILE",
         ),
     ] = None,
@@ -61,13 +58,7 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    stored, periods = told_apart(curves or [])
-    result, arguments = with_drawn(result, arguments, periods, file, map, model)
-    if stored:
-        if output.study_of(result.attrs) != "chart":
-            raise InputError(f"--curves: {file} is no chart; leave it out")
-        exact = [arguments["curves"]] if "curves" in arguments else []
-        arguments["curves"] = [*exact, *(loaded(one) for one in stored)]
+    result, arguments = with_drawn(result, arguments, curves, file, map, model)
     result = output.converted(result, output.checked_units(units))
     try:
         written = [name for path in files for name in output.write(result, path, **arguments)]
@@ -95,20 +86,23 @@ def loaded(file: str | Path) -> Any:
     return load(file)
 
 
-def told_apart(curves: list[str]) -> tuple[list[str], str | None]:
-    """Return the files among what --curves names, and the periods."""
-    periods = [one for one in curves if PERIODS.fullmatch(one)]
-    stored = [one for one in curves if one not in periods]
-    for one in stored:
-        if not os.path.exists(one):
-            raise InputError(f"--curves = {one}; there is no such file, and periods are written 2,3,5 or 2:7")
-    return stored, ",".join(periods) if periods else None
+def curve_in(file: str) -> Any:
+    """Return a stored branch or locus that --curves names."""
+    if not os.path.exists(file):
+        raise Missing(
+            f"--curves = {os.path.relpath(file)}; there is no such file, and periods are written 2,3,5 or 2:7"
+        )
+    return loaded(file)
+
+
+class Missing(InputError):
+    """A file with curves that is not there."""
 
 
 def with_drawn(
     result: Any,
     arguments: dict[str, Any],
-    curves: str | None,
+    curves: list[str] | None,
     file: Path,
     map: str | None = None,
     model: str | None = None,
@@ -122,8 +116,8 @@ def with_drawn(
     result : xarray.Dataset
     arguments : dict
         Of the figure, as they were given.
-    curves : str or None
-        Periods; None for those that its recipe names, if any.
+    curves : list of str or None
+        Periods and files; None for those that its recipe names, if any.
     file : Path
         Where the result is from, for the message.
     map, model : str, optional
@@ -134,6 +128,7 @@ def with_drawn(
     from grazing.config.build import RECIPE, kept
     from grazing.config.own import NotNamed
     from grazing.config.schema import DRAWN
+    from grazing.config.values import curves as checked_curves
 
     keys = DRAWN.get(output.study_of(result.attrs), ())
     if map is not None or model is not None:  # said here, where no other error is taken for it
@@ -150,16 +145,19 @@ def with_drawn(
     except GrazingError as error:
         if curves is None:
             return result, arguments
-        raise InputError(f"--curves: {file} does not say which map it is of: {error}") from None
+        files = [one for one in checked_curves(curves, "curves") if isinstance(one, str)]
+        if len(files) < len(curves):
+            raise InputError(f"--curves: {file} does not say which map it is of: {error}") from None
+        return result, {**arguments, "curves": [curve_in(one) for one in files]}
     if changed:
         recipe = checked({**recipe, **changed})
         result = result.assign_attrs({RECIPE: text.dumps(kept(recipe), sort_keys=True)})
     try:
         return result, {**arguments, **style_of(recipe, quiet=False)}
-    except NotNamed as error:
+    except (NotNamed, Missing) as error:
         if curves is not None:
             raise
-        warnings.warn(f"the boundary curves are left out: {error}", stacklevel=2)
+        warnings.warn(f"the curves are left out: {error}", stacklevel=2)
         return result, arguments
 
 

@@ -157,8 +157,12 @@ def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
     """Return what a figure shows beside its result, as arguments: boundary curves of a chart, one coordinate."""
     if not recipe.get("curves"):
         return {"coordinate": recipe["coordinate"]} if recipe.get("coordinate") else {}
-    with progress.said("following the boundary curves", quiet):
-        return {"curves": boundaries_of(recipe)}
+    from grazing.cli.plot import curve_in
+
+    stored = [curve_in(one) for one in recipe["curves"] if isinstance(one, str)]
+    with progress.said("following the boundary curves", quiet or len(stored) == len(recipe["curves"])):
+        exact = boundaries_of(recipe)
+    return {"curves": [*([] if exact is None else [exact]), *stored]}
 
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:

@@ -15,6 +15,11 @@ def whole_number(_kind: Any, tokens: Sequence[Any]) -> int:
         raise ValueError(f"{written!r} is no whole number.") from None
 
 
+def all_as_written(_kind: Any, tokens: Sequence[Any]) -> list[str]:
+    """Return all that was written, of an option that may be repeated."""
+    return [str(token.value) for token in tokens]
+
+
 def as_written(_kind: Any, tokens: Sequence[Any]) -> str:
     """Return what was written: the type of an option says what completion offers, not what is allowed."""
     return str(tokens[0].value)

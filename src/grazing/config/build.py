@@ -116,14 +116,15 @@ def boundaries_of(config: Mapping[str, Any], *, code: str | None = None) -> xr.D
     ['3 pd', '3 bc', '4 pd', '4 bc']
     """
     recipe = checked(config, code=code)
-    if not recipe.get("curves"):
+    periods = [one for one in recipe.get("curves") or () if isinstance(one, int)]
+    if not periods:
         return None
     refuse_unnamed(recipe)
     sides = [(name, values_of(written)) for name, written in recipe["vary"].items()]
     for name, values in sides:
         if values.min() == values.max():
             raise InputError(f"curves need a plane, but {name} is always {values[0]:g}; give it a range, or no curves")
-    return boundaries(map_in(recipe), *sides, N=recipe["curves"])
+    return boundaries(map_in(recipe), *sides, N=periods)
 
 
 def orbits_of(config: Mapping[str, Any], threads: int | None = None) -> Orbits:

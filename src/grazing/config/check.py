@@ -15,7 +15,7 @@ from grazing.config.problems import Label, Problem, dotted, found_by, refusal, u
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import FLOWN, STUDIES
 from grazing.config.si import from_table
-from grazing.config.values import DEFAULT, bounds_of, extremes, number, numbers, range_of
+from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, number, numbers, range_of
 from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
@@ -80,8 +80,7 @@ def checked(
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
     if raw.get("si") is not None:
-        raw, faults = from_table(raw)
-        before = [Problem(("si",), fault) for fault in faults]
+        raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
@@ -106,6 +105,8 @@ def _located(raw: Recipe, folder: str) -> Recipe:
     for key in KEYS:
         if isinstance(raw.get(key), str) and is_own(raw[key]):
             raw[key] = located(raw[key], folder)
+    if isinstance(raw.get("curves"), (list, str)):  # files lie beside the one that names them
+        raw["curves"] = found_from(raw["curves"], folder)
     return raw
 
 

@@ -68,7 +68,8 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
         yield name if written == DEFAULT else f"{name}={text_of('', written)}"
     for key, usual in KEYS.items():
         if recipe.get(key, usual) != usual:
-            yield from _option(key, recipe[key])
+            for value in told_apart(recipe[key]) if key == "curves" else [recipe[key]]:
+                yield from _option(key, value)
     unsaid = unnamed(recipe) is not None  # only the code knows its defaults
     usual = (
         {} if unsaid else parameter_defaults({**recipe, "parameters": {}})
@@ -89,6 +90,12 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
                 yield f"--{name}" if value else f"--no-{name}"
         elif value != settings[name].get_default():
             yield from _option(name, value)
+
+
+def told_apart(curves: Sequence[int | str]) -> list[Any]:
+    """Return the periods among curves together, and each file."""
+    periods = [one for one in curves if isinstance(one, int)]
+    return [*([periods] if periods else []), *(one for one in curves if isinstance(one, str))]
 
 
 def _option(name: str, value: Any) -> Iterator[str]:

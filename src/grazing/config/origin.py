@@ -18,6 +18,7 @@ from grazing.config.values import extremes, values_of, written_as
 from grazing.oscillator.si import base_of
 from grazing.outcome import GrazingError, InputError, shown
 from grazing.studies.labels import fingerprint
+from grazing.units import ASKED
 
 #: What a model and a configuration call differently.
 SAME = {"offset": "d"}
@@ -58,7 +59,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     if not isinstance(attrs, Mapping):
         raise InputError(f"attributes are {shown(attrs)}; give those of a result")
     if RECIPE in attrs:
-        return checked(_decoded(attrs[RECIPE]))
+        return checked(_decoded(attrs[RECIPE]) | _looked_at(attrs))
     if str(attrs.get("title", "")).startswith("bifurcation diagram"):  # it records its scan only
         raise InputError("it was made in Python and does not say how far its branches were followed")
     if "grazing_config" not in attrs:
@@ -85,6 +86,7 @@ def _recipe_in(
         **{key: attrs[key] for key in ("mass", "stop") if key in attrs},
         "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
+        **_looked_at(attrs),
     }
     if "base" in attrs:
         base = base_of(attrs["base"])
@@ -94,6 +96,11 @@ def _recipe_in(
         return _own_box(checked(recipe), config)
     except GrazingError as error:
         raise InputError(f"its configuration is not one that a command can say ({error})") from error
+
+
+def _looked_at(attrs: Mapping[str, Any]) -> Recipe:
+    """Return the units that a result was converted to: they are no part of what was computed."""
+    return {"units": attrs[ASKED]} if attrs.get(ASKED) else {}
 
 
 def _decoded(value: Any) -> dict[str, Any]:
@@ -166,7 +173,10 @@ def _ranges(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.floa
                 raise InputError(
                     f"its values of {name} are not evenly spaced and were not kept; save the result as .nc too"
                 )
-            found[name] = written_as(np.asarray(coordinates[name], np.float64))
+            values = np.asarray(coordinates[name], np.float64)
+            if fingerprint(values) != described["sha256"]:
+                raise InputError(f"its values of {name} were converted to other units; save the result in SI units too")
+            found[name] = written_as(values)
     return {SAME.get(name, name): written for name, written in found.items()}
 
 

@@ -11,11 +11,15 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from grazing.outcome import InputError, shown
+from grazing.parameter import called_here
 
 Path = tuple[str, ...]
 Label = Callable[[Path], str]
 
 
+#: What of a rig has its own name, and may vary, where it is given in SI units.
+VARIED = ("frequency", "gap", "force", "load")
+BY_SI = "it has its own name where the rig is given by --si, in a file by [si]; "
 #: Problems that a message lists; the rest is counted.
 MOST = 20
 #: Letters of a line.
@@ -75,6 +79,8 @@ def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> s
     known = list(names)
     near = get_close_matches(name[:200], known, n=1)
     hint = f"did you mean {shown(near[0])}? " if near else ""
+    if said := called_here(name, known):
+        hint = f"here that is {said}; {BY_SI if name in VARIED else ''}"
     return f"{what}; {hint}allowed are {', '.join(known)}" if known else f"{what}; none is allowed here"
 
 

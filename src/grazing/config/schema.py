@@ -51,14 +51,14 @@ DRAWN = {"chart": ("curves",), "graph": ("coordinate",)}
 ALONE = "none"
 
 
-def _curves(value: Any) -> list[int] | None:
-    return None if value is None else values.wholes(value, "curves")
+def _curves(value: Any) -> list[int | str] | None:
+    return None if value is None else values.curves(value, "curves")
 
 
 Curves = Annotated[
-    list[int] | None,
+    list[int | str] | None,
     BeforeValidator(_curves),
-    WithJsonSchema({"type": "array", "items": {"type": "integer", "minimum": 1}}),
+    WithJsonSchema({"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}}),
 ]
 
 
@@ -139,7 +139,10 @@ def config_of(study: str) -> type[Config]:
     kind: Any = Literal[study]
     extra: dict[str, Any] = {}
     if study == "chart":
-        says = "periods whose exact boundary curves are drawn on top, where theory knows them: 2,3,5 or 2:7"
+        says = (
+            "drawn on top: the exact boundary curves of periods, where theory knows them (2,3,5 or 2:7), or a stored "
+        )
+        says += "branch or locus"
         extra["curves"] = (Curves, Field(default=None, description=says))
     if study == "graph":
         says = "coordinate whose images are drawn; the one that varies if not given"

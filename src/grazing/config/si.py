@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 from grazing.config import values
+from grazing.config.problems import Problem
 from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT
 from grazing.oscillator.parameters import describe_parameter
@@ -47,24 +48,26 @@ SCHEMA = {
 }
 
 
-def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     """Return a configuration in which the table ``[si]`` has become parameters, a mass and a law.
 
     Parameters
     ----------
     raw : mapping
         ``si`` is a table as :meth:`grazing.Oscillator.from_si` takes it, or text: ``m=0.8,c=2.4,gap=1.2 mm``. With it
-        ``frequency``, in Hz, ``force``, ``load`` and ``gap`` may vary, and any parameter in units that it has.
+        ``frequency``, in Hz, ``force``, ``load``, ``gap``, ``c`` and ``k``, in N/m, may vary, and any other parameter
+        in units that it has. What is of the rig may also stand among the parameters.
 
     Returns
     -------
     dict
-    list of str
+    list of Problem
         All that is wrong: unknown names, numbers that are wrong or missing, parameters that the table gives too. In
         their place stands something sound, so that the rest can be checked.
     """
     found = {name: value for name, value in raw.items() if name != "si"}
     table, faults = _table(raw["si"])
+    beside = _beside(found, table)
     vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
     given_frequency = {"frequency", "omega"} & {*table}
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not given_frequency
@@ -72,10 +75,11 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     faults += wrong.values()
     usual: dict[str, Any] = {"side": "above", "moves": "both", "frequency": None}
     usual |= dict.fromkeys((*AMPLITUDES, "load"), 0.0)
-    missing = [name for name in NEEDED if name not in table]
+    absent = [name for name in NEEDED if name not in table]
+    missing = [name for name in absent if name not in vary]
     if missing and table:
         faults.append(f"{', '.join(missing)} missing; give m, c, k and gap, with units or in kg, N s/m, N/m and m")
-    table |= {name: SOUND.get(name, usual.get(name)) for name in (*missing, *wrong)}
+    table |= {name: SOUND.get(name, usual.get(name)) for name in (*absent, *wrong)}
     try:
         made = si_numbers(**{**usual, "omega": 1.0 if open_frequency else None, **table})
     except InputError as error:
@@ -96,9 +100,27 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     found["mass"], found["stop"] = made.mass, table.get("side", usual["side"])
     if made.base is not None:
         found["base"] = made.base.alone.text
-    faults += _renamed(found, _sides(made, found["stop"]), made.mass)
+    problems = [Problem(("si",), fault) for fault in faults] + beside
+    problems += _renamed(found, _sides(made, found["stop"]), made.mass)
     found.setdefault("law", LAW)
-    return found, faults
+    return found, problems
+
+
+def _beside(found: dict[str, Any], table: dict[str, Any]) -> list[Problem]:
+    """Take what is of the rig and stands among the parameters into the table; return what is given twice."""
+    given = found.get("parameters")
+    if not isinstance(given, Mapping):
+        return []
+    own = {*SI, *AMPLITUDES, *WORDS} - {"k", *(("omega",) if {"omega", "frequency"} & {*table} else ())}
+    rig = {name: _number(value) if isinstance(value, str) else value for name, value in given.items() if name in own}
+    twice = [
+        Problem(("parameters", name), f"{name} = {shown(value)}; the table of the rig gives it, too: give it once")
+        for name, value in rig.items()
+        if name in table
+    ]
+    found["parameters"] = {name: value for name, value in given.items() if name not in rig}
+    table |= {name: value for name, value in rig.items() if name not in table}
+    return twice
 
 
 def _table(given: Any) -> tuple[dict[str, Any], list[str]]:
@@ -122,34 +144,53 @@ def _number(text: str) -> Any:
         return text
 
 
-def _sides(made: Numbers, side: Any) -> dict[str, tuple[str, float]]:
-    """Return what of the rig may vary: the parameter of the model that it is, and the factor to it."""
+class Own(NamedTuple):
+    """The parameter of the model that a quantity x of the rig is: factor x^power."""
+
+    name: str
+    factor: float = 1.0
+    power: float = 1.0
+
+    def of(self, x: float) -> float:
+        """Return its value."""
+        return self.factor * (x if self.power == 1.0 else x**self.power)
+
+
+def _sides(made: Numbers, side: Any) -> dict[str, Own]:
+    """Return what of the rig may vary, each with the parameter of the model that it is."""
     sign = SIDES.get(side, 1.0) / made.mass
-    of_base = {} if made.base is not None else {"force": ("cos1", sign)}
-    return {"frequency": ("omega", 2.0 * pi), "gap": ("sigma", -1.0), "load": ("d", sign), **of_base}
+    of_base = {} if made.base is not None else {"force": Own("cos1", sign)}
+    springs = {"c": Own("alpha", 1.0 / made.mass), "k": Own("k", made.mass**-0.5, 0.5)}
+    return {
+        "frequency": Own("omega", 2.0 * pi),
+        "gap": Own("sigma", -1.0),
+        "load": Own("d", sign),
+        **springs,
+        **of_base,
+    }
 
 
-def _renamed(found: dict[str, Any], names: Mapping[str, tuple[str, float]], mass: float) -> list[str]:
+def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> list[Problem]:
     """Put what varies, and where and in what a branch is followed, in parameters of the model; return what is wrong."""
-    faults: list[str] = []
+    faults: list[Problem] = []
 
-    def converted(written: Any, name: str, bounded: bool) -> Any:
+    def converted(written: Any, name: str, bounded: bool, at: tuple[str, ...]) -> Any:
         try:
-            return _in_model(written, name, names.get(name, (name, 1.0))[1], mass, bounded)
+            return _in_model(written, name, names.get(name, Own(name)), mass, bounded)
         except InputError as error:
-            faults.append(str(error))
-            return ":".join("122"[: str(written).count(":") + 1]) or [1.0, 2.0]
+            faults.append(Problem((*at, name), str(error)))
+            return "1:2" if bounded else "1:2:2"
 
-    def named(table: Mapping[str, Any], bounded: bool) -> dict[str, Any]:
-        for name, (own, _factor) in names.items():
-            if name in table and own in table:
-                faults.append(f"{name} and {own} both vary; give one of them")
-        return {names.get(name, (name,))[0]: converted(item, name, bounded) for name, item in table.items()}
+    def named(table: Mapping[str, Any], bounded: bool, *at: str) -> dict[str, Any]:
+        for name, own in names.items():
+            if name != own.name and name in table and own.name in table:
+                faults.append(Problem(("si",), f"{name} and {own.name} both vary; give one of them"))
+        return {names.get(name, Own(name)).name: converted(item, name, bounded, at) for name, item in table.items()}
 
     study = STUDIES.get(str(found.get("study")))
     if isinstance(found.get("vary"), Mapping):
         varied = [*found["vary"]]
-        found["vary"] = named(found["vary"], study is not None and study.form == "bounds")
+        found["vary"] = named(found["vary"], study is not None and study.form == "bounds", "vary")
     else:
         varied = []
     settings = found.get("settings")
@@ -157,10 +198,10 @@ def _renamed(found: dict[str, Any], names: Mapping[str, tuple[str, float]], mass
         at = settings["at"]
         items = at.split(",") if isinstance(at, str) else at if isinstance(at, (list, tuple)) else [at]
         try:
-            factor = names.get(varied[0], ("", 1.0))[1]
-            found["settings"] = {**settings, "at": [_one(item, varied[0], factor, mass) for item in items]}
+            own = names.get(varied[0], Own(varied[0]))
+            found["settings"] = {**settings, "at": [own.of(_one(item, varied[0], mass)) for item in items]}
         except InputError as error:
-            faults.append(f"at: {error}")
+            faults.append(Problem(("settings", "at"), str(error)))
             found["settings"] = {key: value for key, value in settings.items() if key != "at"}
     settings = found.get("settings")
     if isinstance(settings, Mapping) and settings.get("locus") is not None:
@@ -169,33 +210,29 @@ def _renamed(found: dict[str, Any], names: Mapping[str, tuple[str, float]], mass
             name, equals, text = locus.partition("=")
             locus = {name.strip(): text} if equals else locus
         if isinstance(locus, Mapping):
-            found["settings"] = {**settings, "locus": named(locus, True)}
+            found["settings"] = {**settings, "locus": named(locus, True, "settings", "locus")}
     return faults
 
 
-def _in_model(written: Any, name: str, factor: float, mass: float, bounded: bool) -> Any:
+def _in_model(written: Any, name: str, own: Own, mass: float, bounded: bool) -> Any:
     """Return a range or bounds of a quantity of the rig as those of the parameter of the model that it is."""
-    if written == DEFAULT or (factor == 1.0 and not _has_units(written)):
+    if written == DEFAULT or (own == Own(name) and not _has_units(written)):
         return written
+    values.checked_form(written, name, bounded)
     if not (isinstance(written, str) and ":" in written):
         items = written.split(",") if isinstance(written, str) else written
-        if not isinstance(items, (list, tuple)):
-            items = [items]
-        found = [_one(item, name, factor, mass) for item in items]
-        return found[::-1] if bounded and factor < 0.0 else found
+        items = items if isinstance(items, (list, tuple)) else [items]
+        found = [own.of(_one(item, name, mass)) for item in items]
+        return found[::-1] if bounded and own.factor < 0.0 else found
     low, high, *rest = written.split(":")
-    ends = [_one(end, name, factor, mass) for end in (low, high)]
-    if rest[1:] == ["log"] and factor < 0.0:  # the logarithm is of the quantity itself
-        return [float(value) for value in factor * values.values_of(values.range_of(_plain_range(written, name), name))]
-    if not rest and factor < 0.0:
-        ends.reverse()
+    ends = [_one(end, name, mass) for end in (low, high)]
+    plain = ":".join([*map(repr, ends), *rest])  # what is wrong with it is said of the rig's own quantity
+    checked = values.bounds_of(plain, name) if bounded else values.range_of(plain, name)
+    log = rest[1:] == ["log"]
+    if not bounded and ((log and own.factor < 0.0) or (not log and own.power != 1.0)):  # no longer even in the model's
+        return [own.of(value) for value in values.values_of(checked).tolist()]
+    ends = [own.of(end) for end in (ends[::-1] if bounded and own.factor < 0.0 else ends)]
     return ":".join([*map(repr, ends), *rest])
-
-
-def _plain_range(written: str, name: str) -> str:
-    """Return a range of a quantity of the rig without its units."""
-    low, high, *rest = written.split(":")
-    return ":".join([*(repr(_one(end, name, 1.0, 1.0)) for end in (low, high)), *rest])
 
 
 def _has_units(written: Any) -> bool:
@@ -205,8 +242,8 @@ def _has_units(written: Any) -> bool:
     )
 
 
-def _one(value: Any, name: str, factor: float, mass: float) -> float:
-    """Return one value of a quantity of the rig, with or without its units, as that of the parameter that it is."""
+def _one(value: Any, name: str, mass: float) -> float:
+    """Return one value of a quantity of the rig, or of another parameter, given with or without its units."""
     plain = _number(value.strip()) if isinstance(value, str) else value
     if isinstance(plain, str) and any(letter.isdigit() for letter in plain):
         units = {**{one: known.units for one, known in SI.items()}, **AMPLITUDES}.get(name)
@@ -215,4 +252,5 @@ def _one(value: Any, name: str, factor: float, mass: float) -> float:
             plain = magnitude(plain, "N", name) / mass
         else:
             plain = magnitude(plain, units, name)
-    return factor * values.number(plain, name)
+    found = values.number(plain, name)
+    return SI[name].check(found) if name in SI else found

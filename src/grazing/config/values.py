@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -21,6 +23,13 @@ AXIS = 64
 MANY = 1000
 #: What stands for the bounds that a function chooses itself.
 DEFAULT = "default"
+#: Two numbers, with units or without, and what people write between the ends of a range.
+_REAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_ENDS = re.compile(
+    rf"[\[(]?\s*({_REAL})(\s*[^\W\d_/]+)?\s*(?:-|–|—|\.\.+|…|;|to|(?<=\s)and|,)\s*({_REAL})(\s*[^\W\d_/]+)?\s*[\])]?"
+)
+#: How periods are written, right or wrong; what is written in another way is a file.
+_PERIODS = re.compile(r"[-\d,: ]*")
 RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
 
 
@@ -75,6 +84,31 @@ def wholes(value: Any, name: str) -> list[int]:
     return sorted({count(item, name, 1) for item in items})
 
 
+def curves(value: Any, name: str) -> list[int | str]:
+    """Return periods whose boundary curves are drawn, in order, then files with branches and loci.
+
+    Examples
+    --------
+    >>> curves("2:4", "curves"), curves(["locus.nc", "3", 2], "curves")
+    ([2, 3, 4], [2, 3, 'locus.nc'])
+    """
+    items = value if isinstance(value, (list, tuple)) and value else [value]
+    files = [item for item in items if isinstance(item, str) and not _PERIODS.fullmatch(item)]
+    periods = [period for item in items if item not in files for period in wholes(item, name)]
+    return [*sorted({*periods}), *dict.fromkeys(files)]
+
+
+def found_from(value: Any, folder: str) -> Any:
+    """Return what :func:`curves` takes with the whole paths of its files, found from a folder."""
+    if isinstance(value, list):
+        return [found_from(item, folder) for item in value]
+    return (
+        os.path.abspath(os.path.join(folder, value))
+        if isinstance(value, str) and not _PERIODS.fullmatch(value)
+        else value
+    )
+
+
 def pair(value: Any, name: str) -> list[float]:
     """Return [low, high] from a list of two numbers or text such as ``-1:1``."""
     items = value.split(":") if isinstance(value, str) else value
@@ -122,6 +156,37 @@ def by_name(value: Any, name: str) -> dict[str, float]:
     return {str(key): number(item, f"{name}.{key}") for key, item in value.items()}
 
 
+def other_range(text: str) -> tuple[str, str] | None:
+    """Return the ends of a range that is written in another way than ours; None for what is a number, a list or ours.
+
+    Examples
+    --------
+    >>> other_range("5-25"), other_range("5 Hz..25 Hz"), other_range("1e-3"), other_range("5:25"), other_range("5,25")
+    (('5', '25'), ('5 Hz', '25 Hz'), None, None, None)
+    """
+    found = _ENDS.fullmatch(text.strip())
+    if found is None or _plain(text, float) is not text or (found[2] and not found[4]):
+        return None
+    if "," in text and text.strip()[0] not in "[(":
+        return None
+    low, high = (found[i] + (found[i + 1] or "") for i in (1, 3))
+    return low, high
+
+
+def checked_form(value: Any, name: str, bounded: bool) -> None:
+    """Raise InputError for a range that is written in another way than ours, with how it is written."""
+    if not isinstance(value, str):
+        return
+    ends, said = other_range(value), f"{name} = {shown(value)}"
+    if ends and bounded:
+        raise InputError(f"{said}; give low:high, here {ends[0]}:{ends[1]}")
+    if ends is None and not bounded and value.count(":") == 1 and all(part.strip() for part in value.split(":")):
+        low, _, high = value.partition(":")
+        ends = low.strip(), high.strip()
+    if ends:
+        raise InputError(f"{said}; give start:stop:count, such as {ends[0]}:{ends[1]}:100 for 100 values")
+
+
 def range_of(value: Any, name: str) -> str | list[float]:
     """Return a range as it is written, checked: text ``start:stop:count[:log]``, or a list of floats.
 
@@ -130,6 +195,7 @@ def range_of(value: Any, name: str) -> str | list[float]:
     >>> range_of(" 0 : 0.5:11", "d"), range_of("0.1,0.2", "d")
     ('0:0.5:11', [0.1, 0.2])
     """
+    checked_form(value, name, False)
     if isinstance(value, str) and ":" in value:
         text = ":".join(part.strip() for part in value.split(":"))
         _ends(text, name)
@@ -165,6 +231,7 @@ def bounds_of(value: Any, name: str) -> str:
     """
     if value == DEFAULT:
         return DEFAULT
+    checked_form(value, name, True)
     if isinstance(value, str) and value.count(":") in (2, 3):
         raise InputError(f"{name} = {shown(value)}; give low:high, without a count: the steps are chosen along the way")
     low, high = pair(value, name)

@@ -72,3 +72,8 @@ class FlightEquations(Equations):
         """Return the constants of flights, in plain Python."""
         kind = flight_kind(self.model.harmonics)
         return constants_of(self.model.harmonics)(kind(*self.row(self.values(p)).tolist()))
+
+    def sizes(self) -> tuple[float, float]:
+        """Return the sizes of positions and velocities, > 0: of a ball that nothing moves those of its starts."""
+        c, at = self.constants(self.own), self.model.reach
+        return (c.size, c.size * c.rate) if c.size > 0.0 else (at.height, at.speed)

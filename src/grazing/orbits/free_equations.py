@@ -37,8 +37,7 @@ class FreeEquations(FlightEquations):
         super().__init__(model, names, spans)
         self.n, self.N = 0, 1
         self._turn = turner(model.harmonics)
-        c = self.constants(self.own)
-        self.scale = np.array([c.size, c.size * c.rate])
+        self.scale = np.array(self.sizes())
 
     def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, float, float]:
         """Return the state after a period, its derivative, the lowest local minimum and its time in [0, T)."""

@@ -73,8 +73,7 @@ class ImpactEquations(FlightEquations):
         refuse_swings(model)
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
-        c = self.constants(self.own)
-        self.scale = np.repeat([c.T, c.size * c.rate], self.n)
+        self.scale = np.repeat([model.period, self.sizes()[1]], self.n)
         self._gaps, self._close, self._profile = closer(model.harmonics)
 
     def _laws(self, values: Floats) -> Floats:

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of
+from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -104,6 +104,7 @@ def chart(
                 image, handles = _classes(ax, x, y, codes, share, stripes, colours.__getitem__, lambda _codes: entries)
             else:
                 image, handles = _classes(ax, x, y, period, share, stripes, period_colour, patches_of)
+            tell_ends(handles, result)
             beside = legend_beside(ax, handles, by) if legend else None
         drawn = lay_curves(ax, curves, own)
         name_single(ax.xaxis, x_values)

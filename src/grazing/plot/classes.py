@@ -12,10 +12,21 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.patches import Patch
 
+from grazing.outcome import Outcome
 from grazing.plot.style import INK, PERIODS, ink_on, mathematics, period_colour, plain, root
 
 #: Codes of orbits without a period, in the order of legends, and what they are called.
-NAMES = {-1: "aperiodic", 0: "undecided", -2: "ended"}
+ENDED = -2
+NAMES = {-1: "aperiodic", 0: "undecided", ENDED: "ended"}
+#: Why an orbit ended, in few words; one that could not be computed on has diverged as well.
+ENDS = {
+    Outcome.too_many_impacts: "chatter,\ntoo many impacts",
+    Outcome.too_many_swings: "too many swings\nin a period",
+    Outcome.no_impact: "no further impact",
+    Outcome.bad_law: "the reset law failed",
+    Outcome.inside_wall: "inside the wall",
+    Outcome.diverged: "diverged",
+}
 #: The code of a place for an attractor that has none.
 UNUSED = -3
 #: Towards what a dark colour goes for further attractors of one period; black would become the grey of chaos.
@@ -117,6 +128,30 @@ def patches_of(periods: Iterable[int]) -> list[Patch]:
         name = ", ".join(map(str, members[:2])) + (", …" if len(members) > 2 else "")
         found.append(patch(colour, name if members[0] >= 1 else name_of(members[0])))
     return found
+
+
+def why_ended(outcomes: Any) -> list[str]:
+    """Return why orbits with these outcomes ended, each reason once.
+
+    Examples
+    --------
+    >>> from grazing import Outcome
+    >>> from grazing.plot.classes import why_ended
+    >>> why_ended([Outcome.diverged, Outcome.diverged | Outcome.no_impact, Outcome.ok])
+    ['no further impact', 'diverged']
+    """
+    first = {next((flag for flag in ENDS if bits & flag), None) for bits in {*map(int, outcomes)}}
+    return [words for flag, words in ENDS.items() if flag in first]
+
+
+def tell_ends(entries: Sequence[Any], result: Any) -> None:
+    """Say in the entry of a legend for orbits that ended why they did, as far as the result says so."""
+    if "outcome" not in result or result["outcome"].dims != result["period"].dims:
+        return
+    reasons = why_ended(result["outcome"].values[result["period"].values == ENDED])
+    for entry in entries:
+        if reasons and entry.get_label() == NAMES[ENDED]:
+            entry.set_label(f"{NAMES[ENDED]}: {'; '.join(reasons)}")
 
 
 def patch(colour: Any, name: str, **look: Any) -> Patch:

@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from grazing.plot.classes import legend_beside, patch, patches_of
+from grazing.plot.classes import ENDED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
+from grazing.plot.raster import edges_of, ordered
 from grazing.plot.style import CHAOS, DOUBLE, axes, period_colour, root, styled, symbol
 from grazing.plot.words import worded, words_in
 
@@ -31,6 +32,8 @@ def orbit_diagram(
     legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw an orbit diagram; orbits of period N in the colour of N, all others in grey.
+
+    Ranges in which every orbit ended are shaded, and the legend says why.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ def orbit_diagram(
     -------
     dict
         ``points``: mapping from period (0: none), or from word ("": none), to a line without strokes, rasterised in
-        vector files; ``legend``, or None; ``provenance``, ``figure``.
+        vector files; ``ended`` (a list of shaded ranges); ``legend``, or None; ``provenance``, ``figure``.
 
     Raises
     ------
@@ -88,12 +91,27 @@ def orbit_diagram(
                 color=colours[key],
                 zorder=2.0 + 1.0 / (1 + place) if key else 1.9,
             )
+        bands = [
+            ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0) for low, high in _ended(values, period)
+        ]
         ax.set_xlim(float(values.min()), float(values.max()))
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(symbol(result[shown]))
         if legend or (legend is None and alone):
+            tell_ends(entries, result)
             beside = legend_beside(ax, entries, by)
-    return {"points": drawn, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)}
+    return {
+        "points": drawn, "ended": bands, "legend": beside, "figure": root(ax), "provenance": provenance_of(result)
+    }  # fmt: skip
+
+
+def _ended(values: NDArray[Any], period: NDArray[Any]) -> list[tuple[float, float]]:
+    """Return the ranges of neighbouring values at which every orbit ended, to halfway to the next values."""
+    x, order = ordered(values)
+    edges = edges_of(x)
+    gone = np.concatenate([[False], (period[order] == ENDED).all(axis=1), [False]])
+    turns = np.flatnonzero(gone[1:] != gone[:-1])
+    return [(float(edges[a]), float(edges[b])) for a, b in turns.reshape(-1, 2)]
 
 
 def _classes(
