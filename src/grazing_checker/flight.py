@@ -24,6 +24,14 @@ Matrix = tuple[Ball, Ball, Ball, Ball]
 STEP = 2
 #: Most work for one certificate, in coefficients of series and the like: about half a minute.
 MOST_WORK = 30_000_000
+#: Most coefficients kept of the flights of a box, some 200 MB of 1024 bits. A proof flies three boxes at least, each
+#: coefficient for 11 of the work or more: nothing that the work allows is refused by this.
+MOST_KEPT = 1_000_000
+#: What is said of a certificate that asks for more.
+TOO_MUCH = (
+    "checking it takes too much work: the flights, steps, harmonics or impacts are more than the checker follows; "
+    "prove an orbit of fewer periods, or rates and harmonics that are lower"
+)
 
 
 class Work:
@@ -35,11 +43,7 @@ class Work:
     def spend(self, amount: int) -> None:
         """Take some of it; reject the certificate if none is left."""
         self.left -= amount
-        demand(
-            self.left >= 0,
-            "checking it takes too much work: the flights, steps, harmonics or impacts are more than the checker "
-            "follows; prove an orbit of fewer periods, or rates and harmonics that are lower",
-        )
+        demand(self.left >= 0, TOO_MUCH)
 
 
 class Motion(NamedTuple):
@@ -129,7 +133,13 @@ class Checked:
         terms = 16
         while number(STEP) ** terms / factorial(terms) > number(1, -(working_bits() + 16)):
             terms += 4
-        self.K = terms
+        self.K, self.kept = terms, 0
+
+    def keep(self, steps: int) -> None:
+        """Take the work and the memory of so many steps, before they are made."""
+        self.kept += steps * self.K
+        demand(self.kept <= MOST_KEPT, TOO_MUCH)
+        self.work.spend(steps * self.K * (len(self.motion.cos) + 10) * (4 if self.sensitive else 1))
 
     def forces(self, t: Ball) -> list[Ball]:
         """Return the Taylor coefficients of F at time t."""
@@ -255,8 +265,7 @@ class Path:
     def __init__(self, flights: Checked, t: Ball, y: Ball, v: Ball, L: Ball) -> None:
         self.flights, self.t, self.L = flights, t, L
         self.count = flights.count(L)
-        per_step = flights.K * (len(flights.motion.cos) + 10) * (4 if flights.sensitive else 1)
-        flights.work.spend(self.count * per_step)
+        flights.keep(self.count)
         self.h = L / self.count
         free = free_flights(flights, self.h)
         E = free.matrix

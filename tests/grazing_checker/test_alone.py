@@ -12,6 +12,7 @@ import pytest
 
 import grazing_checker
 from grazing_checker.check import KINDS, STANDARD_LIBRARY, TRUSTED_BASE, trusted_base
+from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import changed, documents, resealed
 
 FOLDER = Path(grazing_checker.__file__).parent
@@ -72,13 +73,14 @@ def alone(tmp_path_factory):
 
 
 def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(alone, tmp_path):
-    paths = {}
-    for name in ("stable", "free", "own", "pd"):
+    paths, proofs = {}, {name.replace(" ", "-"): document for name, document in bases().items()}
+    for name in ("stable", "free", "own", "pd", "R", "gap-pd", "small"):
         paths[name] = tmp_path / f"{name}.json"
-        paths[name].write_text(json.dumps(documents()[name]))
+        paths[name].write_text(json.dumps(proofs[name]))
+    assert {proofs[name]["kind"] for name in paths} == set(KINDS)
     done = alone(*paths.values())
     assert done.returncode == 0, done.stderr
-    said = [f"{path}: {documents()[name]['statement']}" for name, path in paths.items()]
+    said = [f"{path}: {proofs[name]['statement']}" for name, path in paths.items()]
     assert done.stdout.splitlines() == said
     modules = set(done.stderr.split())
     assert {"flint", "grazing_checker"} <= modules

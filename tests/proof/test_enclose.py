@@ -1,3 +1,4 @@
+from fractions import Fraction
 from time import process_time
 
 import pytest
@@ -120,3 +121,5 @@ def test_the_certificate_says_what_it_encloses():
     assert "(as at a period doubling)" in certificate.statement
     assert "it is asymptotically stable, at the second: it is unstable" in certificate.statement
     assert "d = 0.123281449643921 to within" in repr(certificate)
+    middle, reach = (Fraction(part.rstrip(">")) for part in repr(certificate).split("d = ")[1].split(" to within "))
+    assert middle - reach <= Fraction(low) and Fraction(high) <= middle + reach  # no less than what is proven

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grazing.outcome import InputError
-from grazing.proof.text import above, below, enclosed, exact_text, short, write_certificate
+from grazing.proof.text import about, above, below, enclosed, exact_text, short, write_certificate
 from grazing_checker.reading import Rejected, decimal, exact, text_of_double
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e100, max_value=1e100)
@@ -34,6 +34,14 @@ def test_enclosures_hold_the_ball(x, r):
     low, high = (decimal(text) for text in enclosed(ball))
     assert low <= ball.lower() or low.overlaps(ball.lower())
     assert high >= ball.upper() or high.overlaps(ball.upper())
+
+
+@given(NUMBERS, st.floats(1e-30, 1e3))
+def test_a_middle_and_a_reach_hold_the_interval(x, r):
+    low, high = enclosed(arb(x, r), 24)
+    middle, reach = map(Fraction, about(low, high).split(" to within "))
+    assert middle - reach <= Fraction(low) and Fraction(high) <= middle + reach
+    assert reach <= Fraction(11, 10) * (Fraction(high) - Fraction(low)) / 2 + abs(Fraction(low)) / 10**13
 
 
 def test_short_numbers_have_so_many_bits():

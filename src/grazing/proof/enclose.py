@@ -27,7 +27,7 @@ from grazing.proof.gap import GapProof, certify_gap_edge
 from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
 from grazing.proof.search import Search, dips_of
-from grazing.proof.text import enclosed, exact_text, short
+from grazing.proof.text import about, enclosed, exact_text, short
 from grazing_checker.check import trusted_base
 from grazing_checker.envelope import seal
 from grazing_checker.sentence import EVENTS, signature, value_sentence
@@ -91,7 +91,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     >>> orbit = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1]
     >>> certificate = enclose(orbit, "pd", "d")
     >>> certificate
-    <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 6.4e-14>
+    <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 6.5e-14>
     """
     if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return _gap_edge(orbit, kind, name)
@@ -112,9 +112,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
         return not_proven(title, error)
     statement = value_sentence(data)
     document = seal("bifurcation value", statement, trusted_base("bifurcation value"), data, inequalities)
-    low, high = (float(x) for x in data["claims"]["value"])
-    said = f"{name} = {(low + high) / 2:.15g} to within {(high - low) / 2:.1e}"
-    return Certificate(True, statement, "", document, f"{title}, {said}")
+    return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
 
 
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:

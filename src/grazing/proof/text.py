@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,6 +60,21 @@ def above(x: arb, digits: int = DIGITS) -> str:
 def enclosed(x: arb, digits: int = DIGITS) -> list[str]:
     """Return decimals below and above a ball."""
     return [below(x, digits), above(x, digits)]
+
+
+def about(low: str, high: str) -> str:
+    """Return an interval between two decimals by its middle and how far it reaches from there, at least.
+
+    Examples
+    --------
+    >>> about("0.12328144964385", "0.12328144964399")
+    '0.12328144964392 to within 7.0e-14'
+    """
+    bounds = Fraction(low), Fraction(high)
+    middle = f"{float(sum(bounds) / 2):.15g}"
+    reach = max(abs(x - Fraction(middle)) for x in bounds)
+    up = Context(prec=2, rounding=ROUND_CEILING)
+    return f"{middle} to within {up.divide(Decimal(reach.numerator), Decimal(reach.denominator)):.1e}"
 
 
 def _decimal(x: arb, rounding: str, digits: int) -> str:
