@@ -92,7 +92,7 @@ def test_a_file_is_found_from_the_folder_of_the_configuration(own, tmp_path, mon
     ("name", "said"),
     [
         ("nothing", "has no name 'nothing'; it has ball, logistic"),
-        ("number", "number in .* is a int; allowed are a gz.Map and a gz.Oscillator"),
+        ("number", "number in .* is a int; allowed are a gz.Map, a gz.Oscillator and a gz.System"),
     ],
 )
 def test_what_is_not_there_is_said(own, name, said):
