@@ -185,3 +185,24 @@ def test_a_law_that_is_not_linear_near_zero_speed_is_refused():
         gz.normal_form(gz.Oscillator(3.0, 1.0, forcing, gz.reset(rooted, c=0.5)), "offset")
     nf = gz.normal_form(gz.Oscillator(3.0, 1.0, forcing, gz.reset(soft, e=0.8, c=0.5, K=0.2)), "offset")
     assert (nf.r, nf.V) == (pytest.approx(0.8, abs=1e-5), 0.2)
+
+
+@pytest.mark.parametrize(("a", "b"), [(20, 0), (-20, 0), (0, 20), (0, -20), (-19, 20), (17, -13), (-60, 80)])
+@pytest.mark.parametrize("law", ["newton", "active", "triggered", "soft"])
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+def test_it_is_the_same_in_any_unit(law, offset, a, b):
+    """Accelerations were compared with lengths, slopes taken over a speed of 6e-9, grazes sought 1000 units away."""
+
+    def reduced(L, T):
+        laws = {"newton": gz.newton(0.8), "active": gz.active(0.8, 0.4 * L / T),
+                "triggered": gz.triggered(0.8, 0.4 * L / T, 0.2 * L / T),
+                "soft": gz.reset(soft, e=0.8, c=0.5 * T / L, K=0.2 * L / T)}  # fmt: skip
+        push = gz.Forcing(2.2 / T, offset=offset * L / T**2, cos=(L / T**2,))
+        return gz.normal_form(gz.Oscillator(3.0 / T, 1.0 / T, push, laws[law], -0.1 * L), "offset")
+
+    L, T = 2.0**a, 2.0**b
+    one, other = reduced(1.0, 1.0), reduced(L, T)
+    assert (other.lam, other.det) == (one.lam, one.det)
+    assert (other.l, other.r) == pytest.approx((one.l, one.r), rel=1e-12)
+    assert (other.graze, other.acceleration) == (one.graze * L / T**2, one.acceleration * L / T**2)
+    assert other.parameter(0.01) == pytest.approx(one.parameter(0.01) * L / T**2, rel=1e-12)

@@ -32,19 +32,19 @@ def test_the_lowest_point_is_the_lowest(name):
 @pytest.mark.parametrize("slope", [1.0, -3.0])
 def test_a_graze_is_found_to_the_last_digit(root, now, low, high, slope):
     search = graze_search_of(lambda value, context: slope * (value - context))
-    found = search(root, now, low, high, False)
+    found = search(root, now, low, high, False, 1.0)
     assert found in (root, math.nextafter(root, -9.0), math.nextafter(root, 9.0))
 
 
 def test_the_nearest_graze_is_found():
     search = graze_search_of(lambda value, context: (value - 1.0) * (value + 0.4))
-    assert search(None, 0.1, -9.0, 9.0, False) == pytest.approx(-0.4, abs=1e-15)
-    assert search(None, 0.5, -9.0, 9.0, False) == pytest.approx(1.0, abs=1e-15)
+    assert search(None, 0.1, -9.0, 9.0, False, 1.0) == pytest.approx(-0.4, abs=1e-15)
+    assert search(None, 0.5, -9.0, 9.0, False, 1.0) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_where_there_is_no_height_the_search_goes_on():
     search = graze_search_of(lambda value, context: math.nan if value < 0.5 and value != 0.1 else value - 0.8)
-    assert search(None, 0.1, -9.0, 9.0, False) == pytest.approx(0.8, abs=1e-15)
+    assert search(None, 0.1, -9.0, 9.0, False, 1.0) == pytest.approx(0.8, abs=1e-15)
 
 
 def test_an_excluded_end_is_not_asked():
@@ -54,9 +54,9 @@ def test_an_excluded_end_is_not_asked():
         asked.append(value)
         return 1.0
 
-    assert math.isnan(graze_search_of(height)(None, 1.0, 0.0, 2.0, True))
+    assert math.isnan(graze_search_of(height)(None, 1.0, 0.0, 2.0, True, 1.0))
     assert 0.0 not in asked and 2.0 in asked
-    graze_search_of(height)(None, 1.0, 0.0, 2.0, False)
+    graze_search_of(height)(None, 1.0, 0.0, 2.0, False, 1.0)
     assert 0.0 in asked
 
 

@@ -287,3 +287,21 @@ def test_an_orbit_at_the_border_begins_a_branch():
     assert found(gz.continuation(G, orbit, "mu", (-0.3, 0.9), step=0.1)) == [
         ("bcb", pytest.approx(0.1, abs=1e-15)), ("pd", pytest.approx(0.85, abs=1e-12)),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.0**-20, 2.0**20])
+@pytest.mark.parametrize(
+    ("word", "a", "b", "mu", "l"),
+    [("R", -0.5, 1.75, 0.515625, 0.75), ("L", 1.125, -1.25, -0.109375, 1.375), ("LR", 1.25, -0.25, -1.484375, 1.25)],
+)
+def test_an_orbit_is_found_where_all_others_run_away(word, a, b, mu, l, unit):
+    """They had not left the numbers after 250 steps, and guesses were drawn from where they were: 1e60 boxes away."""
+    values = {"a": a, "b": b, "mu": mu * unit, "l": l * unit}
+    P = gz.Map(pieces=LINES.pieces, border=border, params=values, box=((-2.0 * unit, 2.0 * unit),))
+    slope, shift = Fraction(1), Fraction(0)
+    for letter in word:
+        s, c = (a, mu) if letter == "L" else (b, mu + l)
+        slope, shift = Fraction(s) * slope, Fraction(s) * shift + Fraction(c)
+    (orbit,) = gz.periodic_orbits(P, word=word)
+    assert not orbit.admissible and orbit.multipliers[0] == pytest.approx(float(slope), rel=1e-8)
+    assert np.abs(orbit.points[:, 0] / unit - float(shift / (1 - slope))).min() < 1e-12

@@ -82,3 +82,49 @@ def test_two_stops_and_a_force_as_a_function_are_told_what_is_possible():
         gz.Oscillator(alpha=0.1, k=1, forcing=np.cos, reset=law)
     with pytest.raises(InputError, match=r"one amplitude per harmonic.*Fourier series"):
         gz.Forcing(omega=1.0, cos=np.cos)
+
+
+def whole(v, p):
+    return 1 if -v > p.s else 0
+
+
+def into_the_wall(v, p):
+    return -1.0 if -v > p.s else -p.r * v
+
+
+def forgetful(v, p):
+    if -v <= p.s:
+        return -p.r * v
+
+
+def falling(law, **params):
+    """A ball that falls on a wall, from a height that gives it a speed of 2 and more."""
+    return gz.Oscillator(0.0, 0.0, gz.Forcing(2.0, offset=-2.0, cos=()), gz.reset(law, **params))
+
+
+def test_whole_numbers_are_velocities():
+    """An address was called as if a float lay there: after every impact the ball stood still, and rested for ever."""
+    m = falling(whole, s=0.6)
+    flown = gz.trajectory(m, (1.0, -1.5), until=6.0)
+    assert flown.trust.item() == "certified" and (flown.v_plus.values == 1.0).all()
+    assert flown.impact_time.values == pytest.approx((1.5 - 1.25) / 1.0 * 2.0 + np.arange(6), abs=1e-12)
+    orbit = gz.stroboscopic_map(m).orbit((1.0, -1.5), 2)
+    assert orbit.letters.sum() == 6 and not orbit.outcomes.any()
+
+
+@pytest.mark.parametrize("algorithm", ["scalar", "block"])
+def test_no_ball_is_let_through_the_wall(algorithm):
+    """The block took a velocity into the wall for a departure: the ball went on below it, and was ok."""
+    P = gz.stroboscopic_map(falling(into_the_wall, r=0.8, s=2.7))
+    lanes = np.array([[[1.3575, 0.1], [-1.4495, 0.0]]])
+    with pytest.warns(RuntimeWarning, match=r"returned -1 for v_minus = -2\.7"):
+        found = P.run_columns([list(P.params.values())], lanes, 0, 3, records=3, algorithm=algorithm)
+    assert found.outcomes[0, 0, 0] == gz.Outcome.bad_law
+    assert np.isnan(found.points[0, :, :, 0]).all() and (found.points[0, :, 0, 1] >= 0.0).all()
+
+
+def test_a_law_that_returns_nothing_somewhere_is_named():
+    m = falling(forgetful, r=0.8, s=2.0)
+    for run in (lambda: gz.trajectory(m, (1.0, -1.5), until=3.0), lambda: gz.stroboscopic_map(m).orbit((1.0, -1.5), 2)):
+        with pytest.raises(UserCodeError, match="the reset law forgetful raised TypeError"):
+            run()

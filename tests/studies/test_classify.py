@@ -167,6 +167,17 @@ def test_the_strobe_does_not_change_a_one_impact_word(phase):
     assert set(settled(gz.stroboscopic_map(gz.pinball(), phase)).word.tolist()) == {"001"}
 
 
+@pytest.mark.parametrize("power", range(-20, 21, 4))
+def test_what_drifts_for_ever_has_no_period(power):
+    """Its multiplier is 1 to rounding. Where that came out below, a cycle beyond all numbers was "approached"."""
+    T, rng = 2.0**power, np.random.default_rng(0)
+    for alpha, omega, force in rng.uniform((0.05, 0.3, 0.05), (3.0, 4.0, 0.5), (60, 3)):
+        push = gz.Forcing(omega / T, offset=force / T**2, cos=(0.7 / T**2,))
+        P = gz.stroboscopic_map(gz.Oscillator(alpha / T, 0.0, push, gz.newton(0.5)))
+        points, letters, outcomes = P.run(np.array([[0.1, 0.3], [0.2 / T, -0.1 / T]]), 150, 24)
+        assert classify(P, points, letters, outcomes[0]).period.tolist() == [-1, -1]
+
+
 def test_ended_ambiguous_and_undecided():
     points = np.zeros((50, 1, 4))
     points[10:, 0, 1] = np.nan

@@ -59,11 +59,13 @@ def lifetime_of(P, start, period, steps, keep):
     if period < 1:
         return NEVER
     points = P.orbit(start, steps).points[1:]
-    size = max(np.abs(points[-keep:]).max(), np.abs(start).max())
+    size = np.maximum(np.abs(points[-keep:]).max(axis=0), np.abs(start))
+    unit = np.maximum(size, [high - low for low, high in P.box])
+    near = ARRIVED * unit * (size / unit).max()
     last = 0
     for n in range(steps):
         beside = points[steps - 1 - (steps - 1 - n) % period]
-        if (np.abs(points[n] - beside) > ARRIVED * size).any():
+        if (np.abs(points[n] - beside) > near).any():
             last = n + 1
     return last
 

@@ -141,9 +141,10 @@ def test_three_exponents_of_a_map_with_two_followers():
 def plain(P, state, steps):
     """Exponents by NumPy's QR along an orbit, after the same warm-up; and the states at both ends."""
     Q, total = np.eye(P.dimension), np.zeros(P.dimension)
+    side = np.ptp(P.box, axis=1)
     orbit = P.orbit(state, WARM + steps)
     for n, point in enumerate(orbit.points[:-1]):
-        Q, R = np.linalg.qr(P.jacobian(point) @ Q)
+        Q, R = np.linalg.qr(P.jacobian(point) * side / side[:, None] @ Q)
         if n >= WARM:
             total += np.log(np.abs(np.diag(R)))
     return np.sort(total)[::-1] / steps, orbit.points[WARM], orbit.points[-1]
@@ -403,15 +404,15 @@ def test_frames():
     frame, image, sums, sides = np.empty((3, 3, 2)), np.full((3, 3, 2), 7.0), np.zeros((3, 2)), np.ones((3, 2))
     frame[...] = np.eye(3)[:, :, None]
     A = np.random.default_rng(0).normal(size=(3, 3))
-    carried(3, tuple(A.ravel()), frame, image, 1)
+    carried(3, tuple(A.ravel()), np.ones(3), frame, image, 1)
     assert np.allclose(image[:, :, 1], A)
     orthonormal(3, image, frame, sides, 1)
     summed(sums, sides, 1)
     assert np.allclose(frame[:, :, 1].T @ frame[:, :, 1], np.eye(3), atol=1e-15)
     assert sums[:, 1] == pytest.approx(np.log(np.abs(np.diag(np.linalg.qr(A)[1]))), abs=1e-13)
-    carried(3, (0.0,) * 9, frame, image, 1)
+    carried(3, (0.0,) * 9, np.ones(3), frame, image, 1)
     assert not image[:, :, 1].any()
-    carried(3, (np.nan,) * 9, image, frame, 1)  # what has fallen on one orbit stays there
+    carried(3, (np.nan,) * 9, np.ones(3), image, frame, 1)  # what has fallen on one orbit stays there
     assert not frame[:, :, 1].any()
     assert (image[:, :, 0] == 7.0).all() and not sums[:, 0].any()  # the other orbit's are left alone
 

@@ -111,7 +111,7 @@ def approaches(z, M, x, N, tolerance):
     """Whether points x fall towards the cycle through z, in coordinates along the eigenvectors of M."""
     values, vectors = np.linalg.eig(M)
     radius = np.abs(values).max()
-    if not radius < 1.0:
+    if not radius < 1.0 - 1e-9:
         return False
     frame = np.eye(len(M)) if np.linalg.cond(vectors) > 1e8 else np.linalg.inv(vectors)
     distances = np.abs((x[::-1][::N] - z) @ frame.T).max(axis=1)

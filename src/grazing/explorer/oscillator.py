@@ -138,7 +138,7 @@ def clearance(row: Any, which: int, values: Any, heights: Any) -> None:
 
 def graze(row: Any, which: int, low: float, high: float, open_low: int) -> float:
     """Return the nearest value of a parameter at which the steady response grazes the wall."""
-    return SEARCH((row, which), row[which], low, high, open_low != 0)
+    return SEARCH((row, which), row[which], low, high, open_low != 0, 1.0)
 
 
 def reduce(row: Any, numbers: Any) -> None:

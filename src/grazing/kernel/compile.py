@@ -104,11 +104,13 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     if jit_disabled():
         pointed.append(function)
         return float(len(pointed) - 1)
-    wanted = signatures()[signature].args
+    wanted = signatures()[signature]
     entry: Any = compiled(function, arithmetic)
     with _lock:
-        call(entry.compile, wanted, who=who)
-        code = entry.overloads[wanted]
+        call(entry.compile, wanted.args, who=who)
+        code = entry.overloads[wanted.args]
+    if code.signature.return_type != wanted.return_type:  # what calls an address finds another type nowhere
+        raise UserCodeError(f"{who} returns {code.signature.return_type}; let it return {wanted.return_type}")
     return float(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
 

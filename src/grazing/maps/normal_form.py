@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -69,10 +70,10 @@ def true_graze(model: Oscillator, name: str) -> float:
         return now
     if name in model.reset.params or name == "t0":
         raise OutsideForm(f"the graze does not depend on {name}; vary a parameter of the flight, such as the offset")
-    known = describe_parameter(name)
-    low = known.low if known.low > -inf else now - 1e3 * max(1.0, abs(now))
-    high = known.high if known.high < inf else now + 1e3 * max(1.0, abs(now))
-    found = graze_search_of(_height)((model, name), now, low, high, known.low > -inf and known.open == "low")
+    known, unit = describe_parameter(name), model.unit_of(name)
+    low = known.low if known.low > -inf else now - 1e3 * max(unit, abs(now))
+    high = known.high if known.high < inf else now + 1e3 * max(unit, abs(now))
+    found = graze_search_of(_height)((model, name), now, low, high, known.low > -inf and known.open == "low", unit)
     if isfinite(found):
         return found
     raise OutsideForm(
@@ -151,7 +152,7 @@ class NormalForm:
 
         if mu == 0.0:
             return self.graze
-        h = 1e-4 * max(1.0, abs(self.graze))
+        h = 1e-4 * max(self.model.unit_of(self.name), abs(self.graze))
         slope = (self.mu(self.graze + h) - self.mu(self.graze - h)) / (2.0 * h)
         if slope == 0.0:
             raise OutsideForm(f"μ does not change with {self.name} at the graze; vary another parameter")
@@ -243,6 +244,16 @@ def xy_right(state: Any, p: Any, root: Any) -> Any:
     return p.lam * x + y + p.rho - (p.root * root + p.jump), -p.det * x
 
 
+@lru_cache(maxsize=64)
+def slope_at_rest(law: Callable[..., float], h: float) -> Callable[..., float]:
+    """Return the slope of a law at rest, by a step h of the model's own: at rest a law knows no speed to step by."""
+
+    def slope(_v: float, p: Any) -> float:
+        return (3.0 * law(0.0, p) - 4.0 * law(-h, p) + law(-2.0 * h, p)) / (2.0 * h)
+
+    return slope
+
+
 def normal_form(model: Oscillator, name: str) -> NormalForm:
     """Reduce a model near the graze of its steady response to the gap map: λ, l and μ as a function of a parameter.
 
@@ -280,15 +291,17 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)
-    found = reduction_of(in_python(at.reset.law), in_python(at.reset.slope))(c)
+    law, slow = in_python(at.reset.law), 1e-3 * at.unit_of("V")
+    slope = in_python(at.reset.slope) if at.reset.exact_slope else slope_at_rest(law, 1e-2 * slow)
+    found = reduction_of(law, slope)(c)
     A, b, r, V = found.acceleration, found.b, found.r, found.V
-    if A <= 1e-12 * c.size:
+    if A <= 1e-12 * c.force:
         raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
-    at_speed = at.reset(-1e-3)
-    if not abs(at_speed - V - 1e-3 * r) <= 1e-4 * (1.0 + V):
+    at_speed = at.reset(-slow)
+    if not abs(at_speed - V - slow * r) <= 0.1 * slow + 1e-4 * V:
         raise OutsideForm(
             f"the reset law {at.reset.name} is not linear near zero speed (v_plus = {V:g} at rest, {at_speed:g} at "
-            f"v_minus = -0.001, slope {-r:g}): outside the normal form"
+            f"v_minus = {-slow:g}, slope {-r:g}): outside the normal form"
         )
     if b == 0.0:
         raise OutsideForm("b = 0: the square root drops out, outside the normal form")

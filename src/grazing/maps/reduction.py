@@ -85,7 +85,7 @@ def mu_factor(lam: float, det: float, acceleration: float, b: float, r: float) -
 
 
 def graze_search_of(height: Callable[..., float]) -> Callable[..., float]:
-    """Return ``search(context, now, low, high, open_low)``: the graze nearest to ``now``, outwards in growing steps.
+    """Return ``search(context, now, low, high, open_low, unit)``: the graze nearest to ``now``, in growing steps.
 
     Parameters
     ----------
@@ -96,8 +96,9 @@ def graze_search_of(height: Callable[..., float]) -> Callable[..., float]:
     Returns
     -------
     callable
-        The value at which the height is 0, to the last digit; not a number if none is found up to 1000 times ``now``.
-        ``low`` and ``high`` are the ends of the parameter's range, ``open_low`` whether the lower one is excluded.
+        The value at which the height is 0, to the last digit; not a number if none is found up to 1000 times ``now``,
+        or ``unit``, what the parameter is measured in where it is 0. ``low`` and ``high`` are the ends of its range,
+        ``open_low`` whether the lower one is excluded.
     """
 
     def between(context: Any, low: float, high: float, at_low: float) -> float:
@@ -114,12 +115,12 @@ def graze_search_of(height: Callable[..., float]) -> Callable[..., float]:
             else:
                 high = middle
 
-    def search(context: Any, now: float, low: float, high: float, open_low: bool) -> float:
+    def search(context: Any, now: float, low: float, high: float, open_low: bool, unit: float) -> float:
         here = height(now, context)
         if here == 0.0:
             return now
         below, above = now, now
-        width = FIRST_STEP * max(abs(now), 1e-2)
+        width = FIRST_STEP * max(abs(now), 1e-2 * unit)
         while below > low or above < high:
             for upwards in range(2):
                 last = above if upwards == 1 else below
@@ -135,7 +136,7 @@ def graze_search_of(height: Callable[..., float]) -> Callable[..., float]:
                     above = edge
                 else:
                     below = edge
-            if width > 2e3 * max(1.0, abs(now)):
+            if width > 2e3 * max(unit, abs(now)):
                 return NAN
             width *= GROWTH
         return NAN

@@ -29,8 +29,8 @@ Ints = NDArray[np.int64]
 def drawn(model: Oscillator, phase: float, preimages: int, points: int, box: Any) -> tuple[Floats, Ints, Floats, bool]:
     """Return points (u, v), orders and contact times, with rows of NaN between pieces, and whether time ran out."""
     up = np.array([model.sigma, 0.0])
-    size = natural_width(model)
-    natural = np.array([[0.0, size], [-size, size]])
+    size = np.array([model.reach.height, model.reach.speed])
+    natural = np.array([[0.0, size[0]], [-size[1], size[1]]])
     wanted = natural if box is None else np.array(box) - up[:, None]
     ruler = Ruler([natural] if box is None else [natural, wanted])
     leaves, spots = refined(model, phase, preimages, points, ruler)
@@ -46,11 +46,6 @@ def drawn(model: Oscillator, phase: float, preimages: int, points: int, box: Any
     times = np.insert(model.period - found.back, breaks, np.nan)
     cut_short = len(spots) >= PATIENCE * points
     return state, np.insert(found.order, breaks, found.order[breaks]), times, cut_short
-
-
-def natural_width(model: Oscillator) -> float:
-    """Return the width of the box that is drawn by default: what the forcing can do in one period, at most 1."""
-    return min(1.0, 4.0 * model.period**2)
 
 
 def grazing_arrays(
@@ -91,8 +86,8 @@ def grazing_curve(
         Contact times tried first in each period, >= 10; more are added until neighbouring points on a curve are less
         than 6/points of the box apart, and ends are found.
     box : ((u_low, u_high), (v_low, v_high)), optional
-        What is drawn. Default: sigma <= u <= sigma + w and |v| <= w with w = min(1, 4 T^2), what a forcing of
-        amplitude 1 can do in one period.
+        What is drawn. Default: as high above the wall and as fast as orbits go, by the estimate that random starts are
+        drawn from (``model.reach``).
 
     Returns
     -------

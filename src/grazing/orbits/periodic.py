@@ -16,7 +16,7 @@ from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_pieces import piece_orbits, spelled
 from grazing.orbits.search_rest import resting_orbits
 from grazing.orbits.search_section import AIMED, Search, aimed_guesses, orbits_of, solutions_of
-from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, region, simulated
+from grazing.orbits.search_windows import WIDE, drawn, middle_of, recurrences, refuse_many, simulated
 from grazing.orbits.search_words import checked_word
 from grazing.orbits.word import letters_of
 from grazing.outcome import InputError, listed, shown
@@ -235,14 +235,13 @@ def _mapped(
     letters: tuple[int, ...] | None,
 ) -> list[Orbit]:  # fmt: skip
     """Return the orbits of a map that is no section of an oscillator."""
-    box = np.array(P.box)
-    middle, half = box.mean(axis=1, keepdims=True), 0.5 * (box[:, 1:] - box[:, :1])
+    box, (middle, half) = np.array(P.box), middle_of(P)
     wide = np.hstack([middle - WIDE * half, middle + WIDE * half])
     many = starts // 2
     states = np.hstack([drawn(seed, starts - many, box, 0.0), drawn(seed, many, wide, 1.0)])
     runs = simulated(P, states, periods[-1], threads)
     tally.starts, tally.steps = runs.starts, runs.steps
-    cycles, (low, high) = Cycles(P, tally), region(runs)
+    cycles, (low, high) = Cycles(P, tally), runs.region
     for n in periods:
         cycles.add(recurrences(runs, n, starts).points)
         cycles.at_random(n, low, high, GUESSES, seed)

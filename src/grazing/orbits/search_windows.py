@@ -26,13 +26,15 @@ COPIES = 3
 OUTLIERS = 0.01
 #: How far the second half of the starts is drawn, in sizes of the box around its middle.
 WIDE = 4.0
+#: Sizes of the box from its middle beyond which an orbit runs away, though it may take long to leave the numbers.
+AWAY = 1e4
 
 
 class Runs(NamedTuple):
     """Simulated orbits: ``points`` (steps + 1, dim, starts) with letters (steps, starts), and how many steps in all.
 
     ``early`` are the first steps after the start, ``late`` those after the transient, of the starts that are ``alive``
-    then; the others have left the numbers.
+    then; the others have left the numbers, or the box by far. ``region`` is where orbits go, see :func:`region_of`.
     """
 
     early: tuple[Floats, Ints]
@@ -40,6 +42,7 @@ class Runs(NamedTuple):
     alive: NDArray[np.bool_]
     steps: int
     starts: int
+    region: tuple[Floats, Floats]
 
 
 class Window(NamedTuple):
@@ -69,23 +72,37 @@ def simulated(P: Map, states: Floats, longest: int, threads: int | None) -> Runs
     early = P.run_columns(row, lanes, 0, EARLY + longest, threads=threads, arithmetic="fast")
     points = np.concatenate([states[None], early.points[0]])
     late = P.run_columns(row, lanes, SETTLING, longest + 1, threads=threads, arithmetic="fast")
-    alive = ((late.outcomes[0, 0] & FATAL) == 0) & np.isfinite(late.points[0]).all(axis=(0, 1))
+    with np.errstate(invalid="ignore", over="ignore"):
+        middle, half = middle_of(P)
+        near = (np.abs(late.points[0] - middle) <= AWAY * half).all(axis=(0, 1))
+    alive = ((late.outcomes[0, 0] & FATAL) == 0) & near
     n = states.shape[1]
     steps = n * (EARLY + SETTLING + 2 * longest + 1)
-    return Runs((points, early.letters[0]), (late.points[0], late.letters[0, 1:]), alive, steps, n)
+    region = region_of(P, points[1:], late.points[0], alive)
+    return Runs((points, early.letters[0]), (late.points[0], late.letters[0, 1:]), alive, steps, n, region)
 
 
-def region(runs: Runs) -> tuple[Floats, Floats]:
-    """Return the low and high end of each coordinate where orbits go, but for outliers; the starts do not count."""
-    early = runs.early[0][1:]
-    parts = (early[:, :, runs.alive], runs.late[0][:, :, runs.alive]) if runs.alive.any() else (early,)
+def middle_of(P: Map) -> tuple[Floats, Floats]:
+    """Return the middle of a map's box and half its sides, both (dim, 1)."""
+    box = np.array(P.box)
+    return box.mean(axis=1, keepdims=True), 0.5 * (box[:, 1:] - box[:, :1])
+
+
+def region_of(P: Map, early: Floats, late: Floats, alive: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Return the low and high end of each coordinate where orbits go, but for outliers; the starts do not count.
+
+    Where all run away it is where they pass in the wider box of the starts: orbits that repel are not where others end.
+    """
+    middle, half = middle_of(P)
+    parts = (early[:, :, alive], late[:, :, alive]) if alive.any() else (early,)
     seen = np.concatenate([np.moveaxis(part, 1, 0).reshape(part.shape[1], -1) for part in parts], axis=1)
     seen = seen[:, np.isfinite(seen).all(axis=0)]
-    if seen.shape[1] == 0:
-        d = runs.early[0].shape[1]
-        return np.zeros(d), np.ones(d)
+    if not alive.any():
+        seen = seen[:, (np.abs(seen - middle) <= WIDE * half).all(axis=0)]
+        if seen.shape[1] < 2:
+            return (middle - WIDE * half)[:, 0], (middle + WIDE * half)[:, 0]
     low, high = np.quantile(seen, OUTLIERS, axis=1), np.quantile(seen, 1.0 - OUTLIERS, axis=1)
-    return low, np.maximum(high, low + 1e-9 * np.maximum(1.0, np.abs(low)))
+    return low, np.maximum(high, low + 1e-9 * np.maximum(half[:, 0], np.abs(low)))
 
 
 def recurrences(runs: Runs, N: int, most: int) -> Window:
@@ -94,7 +111,7 @@ def recurrences(runs: Runs, N: int, most: int) -> Window:
     Of stretches whose letters are the same cyclic word, and which lie in one cell of the region, the one with the
     smallest gap is kept; words then take turns.
     """
-    low, high = region(runs)
+    low, high = runs.region
     parts = [_stretches(*part, N) for part in (runs.early, runs.late)]
     points, letters = np.concatenate([one[0] for one in parts]), np.concatenate([one[1] for one in parts])
     finite = np.isfinite(points).all(axis=(1, 2))

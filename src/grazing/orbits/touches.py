@@ -262,15 +262,17 @@ def refined(model: Oscillator, phase: float, orders: int, points: int, ruler: Ru
     return leaves, spots
 
 
-def proven(model: Oscillator, phase: float, leaves: Leaves, size: float) -> NDArray[np.bool_]:
-    """Return which states the exact routine, forwards, takes to their point on the curve, and that to its touch."""
+def proven(model: Oscillator, phase: float, leaves: Leaves, size: Floats) -> NDArray[np.bool_]:
+    """Return which states the exact routine, forwards, takes to their point on the curve, and that to its touch.
+
+    ``size`` (2,) is the height and the speed of the motion.
+    """
     up = np.array([model.sigma, 0.0])
     height, impacts = touches(model, phase, leaves.ancestor + up, model.period - leaves.back, leaves.hop)
-    good = (np.abs(height) <= FLAT * size) & (impacts == leaves.impacts)
+    good = (np.abs(height) <= FLAT * size[0]) & (impacts == leaves.impacts)
     later = periods_later(model, phase, leaves.state + up, leaves.order) - up
-    error = np.abs(later - leaves.ancestor).max(axis=1)
-    scale = size + np.abs(leaves.ancestor).max(axis=1)
-    return np.asarray(good & (error <= TOLERANCE * np.maximum(leaves.order, 1) * scale))
+    error = (np.abs(later - leaves.ancestor) / (size + np.abs(leaves.ancestor))).max(axis=1)
+    return np.asarray(good & (error <= TOLERANCE * np.maximum(leaves.order, 1)))
 
 
 def pieces(leaves: Leaves, spots: Floats, keep: NDArray[np.bool_], ruler: Ruler, spacing: float) -> tuple[Leaves, Ints]:

@@ -18,7 +18,6 @@ from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
-from grazing.oscillator.constants import natural_size
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
@@ -285,15 +284,8 @@ def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
     if parameter.high < inf:
         return parameter.low, parameter.high
     if parameter.low == 0.0:
-        return (0.5 * value, 2.0 * value) if value > 0.0 else (0.0, 1.0)
-    f = model.forcing
-    push = float(np.hypot(f.cos, f.sin).sum()) or 1.0
-    reach = push
-    if name == "t0":
-        reach = 0.5 * model.period
-    elif name == "sigma":
-        reach = natural_size(model.alpha, model.period, push)
-    return value - reach, value + reach
+        return (0.5 * value, 2.0 * value) if value > 0.0 else (0.0, model.unit_of(name))
+    return value - model.unit_of(name), value + model.unit_of(name)
 
 
 def _dataset(

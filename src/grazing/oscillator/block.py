@@ -328,8 +328,8 @@ def dip(w: Any, count: int) -> None:
 def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable[..., None]:
     """Return ``strike(work, tables, room, runs, count)``: the reset law for impacts at hand, run by run.
 
-    AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity makes AFTER
-    NaN: that is left to the scalar routine.
+    AFTER gets the velocity, STEEP the slope. A law that jumps, or bends, within the error of the velocity, or whose
+    velocity points into the wall, makes AFTER NaN: that is left to the scalar routine.
     """
 
     def strike(w: Any, tables: Any, room: int, runs: Any, count: int) -> None:
@@ -345,6 +345,7 @@ def strike_of(law: Callable[..., float], unpack: Callable[..., Any]) -> Callable
                     h = min(max(1e-8 * -v, error), -v)
                     u, less, more = law(v, p), law(v - h, p), law(v + h, p)
                     w[W.STEEP + j] = abs(less - more) / h
-                    w[W.AFTER + j] = u if abs(less + more - 2.0 * u) <= 1e-10 * (u - v) else NAN
+                    straight = abs(less + more - 2.0 * u) <= 1e-10 * (u - v)
+                    w[W.AFTER + j] = u if straight & (u >= 0.0) else NAN
 
     return strike

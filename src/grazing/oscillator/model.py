@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from grazing.oscillator.constants import natural_size
 from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import drive_of, reach_of
@@ -266,6 +268,17 @@ class Oscillator:
         else:
             r, V = linear_part(self.reset, law, drive_of(alpha, k, *forces)[1])
         return Reach(sigma, 2.0 * pi / omega, *reach_of(alpha, k, *forces, sigma, r, V))
+
+    def unit_of(self, name: str) -> float:
+        """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
+        f = self.forcing
+        push = math.fsum(map(math.hypot, f.cos, f.sin)) or abs(f.offset - self.k * self.k * self.sigma) or 1.0
+        drive = drive_of(self.alpha, self.k, f.omega, push, f.cos, f.sin)[1]
+        known = {
+            "alpha": f.omega, "k": f.omega, "omega": f.omega, "t0": 0.5 * self.period,
+            "sigma": natural_size(self.alpha, self.period, push), "V": drive, "trigger": drive,
+        }  # fmt: skip
+        return known.get(name, push if describe_parameter(name).units == "N/kg" else 1.0)
 
     @property
     def params(self) -> Mapping[str, float]:

@@ -66,10 +66,10 @@ def law_addresses(
     unpack = unpacker(kind)
 
     def law_at(v: float, row: Any) -> float:
-        return law(v, unpack(row))
+        return 1.0 * law(v, unpack(row))  # a float, whatever numbers the law returns: so it is called by its address
 
     def slope_at(v: float, row: Any) -> float:
-        return slope(v, unpack(row))
+        return 1.0 * slope(v, unpack(row))
 
     strike = strike_of(law, unpack)
     who = f"the reset law {name}"

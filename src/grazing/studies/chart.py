@@ -17,7 +17,7 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
-from grazing.studies.growth import grower
+from grazing.studies.growth import grower, sides_of
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
@@ -196,7 +196,7 @@ def grow(P: Map, rows: Floats, found: Columns, first: Ints, steps: int, arrays: 
     entry = grower(derived.tangent, derived.prepare, derived.kind, P.dimension)
     which = np.ascontiguousarray(np.column_stack([q, ranks, first[q, ranks]]))
     who = f"the step of {P.name}"
-    call(entry, derived.rows, found.points, found.letters, which, period, steps, exponent, who=who)
+    call(entry, derived.rows, sides_of(P), found.points, found.letters, which, period, steps, exponent, who=who)
     period[(period == APERIODIC) & (exponent < 0.0)] = UNDECIDED
 
 

@@ -10,7 +10,7 @@ The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * exte
    candidate that divides it (every N <= keep/5 if there is no candidate) whose letters repeat and after which the
    orbit recurs better and better, or has arrived, the multiplier decides: Newton's method, begun at the last point,
    gives the cycle of N points with these letters; if all its multipliers (the eigenvalues of the product of
-   ``P.jacobian``) lie inside the unit circle and the distance to it falls, the period is N.
+   ``P.jacobian``) lie inside the unit circle, by more than 1e-9, and the distance to it falls, the period is N.
 3. Without candidate or cycle the orbit is aperiodic as far as seen; undecided if it seemed to settle where the map
    has no Jacobian, or if a single point was kept.
 """

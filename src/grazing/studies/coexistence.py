@@ -17,6 +17,7 @@ from grazing.parameter import checked_name
 from grazing.studies import labels
 from grazing.studies.changes import changes, work_of
 from grazing.studies.classify import settled_columns
+from grazing.studies.growth import sides_of
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
@@ -32,7 +33,7 @@ TAKEN = (
     "outcome", "trust", "before", "after", "word_before", "word_after", "period_before", "period_after", "kind",
     "outside",
 )  # fmt: skip
-#: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it ever has.
+#: An orbit has settled once it stays this near its cycle, in units of the greatest coordinate it has.
 ARRIVED = 1e-6
 #: The number of steps of an orbit that settled on no cycle.
 NEVER = -1
@@ -69,8 +70,9 @@ def coexistence(
         Tables on the dimension "attractor", in the order of first appearance: ``period`` (0 undecided, -1 aperiodic as
         far as seen, -2 ended) and ``word``. On (name, "attractor"): ``share`` of the starts, and ``lifetime``, the
         mean number of steps after which an orbit was last away from its cycle, by more than 1e-6 of the greatest
-        coordinate of its start or cycle; not a number where there is none. On (name, "start"): ``reached``, the row of
-        the table, ``steps``, its lifetime (-1 for none), ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
+        coordinate of its start or cycle, in units of the map's box; not a number where there is none. On (name,
+        "start"): ``reached``, the row of the table, ``steps``, its lifetime (-1 for none), ``outcome`` and ``trust`` as
+        in :func:`grazing.orbit_diagram`.
         On the dimension "change": ``before`` and ``after``, neighbouring values, ``word_before`` and ``word_after``,
         ``period_before`` and ``period_after`` (0 for none), and ``kind``: *appears*, *disappears*, *doubles*, *halves*,
         or *relabelled*, where an impact crosses the strobe: the same orbit, no bifurcation.
@@ -172,7 +174,10 @@ def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]
     steps = runs.settings.transient + runs.settings.keep
     cycles, result = np.ascontiguousarray(found.points), np.zeros(period.shape, np.int64)
     n, lanes, rows = 0, runs.states(cells), runs.rows(cells)
-    near = ARRIVED * np.maximum(np.abs(cycles).max(axis=(1, 2)), np.abs(lanes).max(axis=1))
+    # a position and a velocity have no common unit: each has the side of the box, where the orbit does not go farther
+    size = np.maximum(np.abs(cycles).max(axis=1), np.abs(lanes))
+    unit = np.maximum(size, sides_of(runs.P)[:, None])
+    near = ARRIVED * unit * (size / unit).max(axis=1, keepdims=True)
     for part in pieces(runs.P, rows, lanes, 0, steps, runs.settings.arithmetic):
         call(compiled_arrival(), part.points, cycles, period, near, n, steps, result)
         n += part.points.shape[1]
@@ -184,7 +189,7 @@ def arrival(points: Any, cycles: Any, period: Any, near: Any, done: int, total: 
     """Write to ``last`` how many steps each orbit had made when it was last away from its cycle.
 
     ``points`` (columns, steps, dim, n) are those of the steps after ``done`` of ``total``; ``cycles`` (columns, keep,
-    dim, n) the last ones of all; within ``near`` (columns, n) is not away.
+    dim, n) the last ones of all; within ``near`` (columns, dim, n) is not away.
     """
     columns, steps, dimension, lanes = points.shape
     keep = cycles.shape[1]
@@ -196,7 +201,7 @@ def arrival(points: Any, cycles: Any, period: Any, near: Any, done: int, total: 
             for i in range(dimension):
                 for n in range(steps):
                     k = keep - 1 - (total - 1 - done - n) % N
-                    if not abs(points[q, n, i, j] - cycles[q, k, i, j]) <= near[q, j]:
+                    if not abs(points[q, n, i, j] - cycles[q, k, i, j]) <= near[q, i, j]:
                         last[q, j] = max(last[q, j], done + n + 1)
 
 

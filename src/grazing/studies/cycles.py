@@ -20,6 +20,9 @@ from grazing.studies.recurrence import UNDECIDED, next_cycle
 
 #: Newton steps after which a cycle counts as not found.
 STEPS = 12
+#: A cycle contracts if its multipliers are this far inside the unit circle: they are known to ten digits at best, and
+#: nearer to 1 than that what drifts by equal steps for ever "approaches" a cycle beyond all numbers.
+INSIDE = 1e-9
 #: Share of the linear rate of contraction that an approaching orbit must show at least.
 RATE = 0.1
 #: Squarings of a matrix: 2^40 turns leave its spectral radius to rounding.
@@ -101,7 +104,7 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
     """
     keep, d, _n = x.shape
     radius = exp(log_radius(M))
-    if not radius < 1.0:
+    if not radius < 1.0 - INSIDE:
         return False
     Q = np.empty((d, d))
     contracting_norm(M, 0.5 * (1.0 + radius), Q)

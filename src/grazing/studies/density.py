@@ -207,7 +207,7 @@ def trial_range(runs: Runs, i: int) -> tuple[float, float]:
             low, high = min(low, float(seen.min())), max(high, float(seen.max()))
     if not low <= high:
         raise InputError("every orbit of a trial ended before its first point; give range=(low, high)")
-    room = ROOM * (high - low) or 1e-6 * max(abs(high), 1.0)
+    room = ROOM * (high - low) or 1e-6 * max(abs(high), runs.P.box[i][1] - runs.P.box[i][0])
     if not np.isfinite((high + room) - (low - room)):
         raise InputError("the orbits of a trial have no range that a double holds; give range=(low, high)")
     return low - room, high + room

@@ -1,7 +1,9 @@
 """How fast nearby orbits part: sums of logarithms of the stretching along an orbit, impacts included.
 
 The frame of d deviations is carried along by the map's derivative, which holds the saltation at every impact, and made
-orthonormal again after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9-20). Where the
+orthonormal again after every step (Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9-20). Each
+coordinate is measured by the side of the map's box: what is orthonormal, and a mean over finitely many steps, would
+else depend on the units of length and time. Where the
 derivative is exactly zero, through completed chatter or sticking, everything nearby falls on one orbit: minus
 infinity. Where it is undefined, at a graze, so are the sums: not a number.
 """
@@ -25,16 +27,17 @@ from grazing.studies.cycles import FOUND, finder, log_radius, room_for
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: The Newton step, relative to the greatest coordinate, with which a cycle counts as reached.
+#: The Newton step, relative to the greatest coordinate in units of the box, with which a cycle counts as reached.
 SMALL = 1e-12
 #: Sides are multiplied up between these.
 LEAST, MOST = 1e-200, 1e200
 
 
 @inlined
-def carried(d: int, J: Any, frame: Any, image: Any, j: int) -> None:
+def carried(d: int, J: Any, unit: Any, frame: Any, image: Any, j: int) -> None:
     """Write J frame to ``image``, both (d, d, n), for orbit j of n; J is a flat tuple, row by row.
 
+    Frames are in the units (d,) of the coordinates, J is not.
     Where J is zero every orbit nearby falls on this one, and stays: what was, or would be, undefined about its
     neighbours no longer matters.
     """
@@ -46,7 +49,7 @@ def carried(d: int, J: Any, frame: Any, image: Any, j: int) -> None:
         for k in range(d):
             total = 0.0
             for m in range(d):
-                total += J[i * d + m] * frame[m, k, j]
+                total += J[i * d + m] * (unit[m] / unit[i]) * frame[m, k, j]
             image[i, k, j] = 0.0 if fallen or falling else total
 
 
@@ -115,17 +118,18 @@ def stretcher(
     Returns
     -------
     callable
-        ``run(rows, lanes, steps, frames, sums, sides, areas, letters, outcomes)``: lanes (columns, dim, n) are advanced
-        by ``steps`` with their frames (columns, n, dim, dim); logarithms are added to sums (columns, n, dim), what is
-        not yet there is multiplied up in sides (columns, n, dim), logarithms of determinants are added to areas
-        (columns, n), letters to letters (columns, n), and outcomes (columns, n) are folded.
+        ``run(rows, unit, lanes, steps, frames, sums, sides, areas, letters, outcomes)``: lanes (columns, dim, n) are
+        advanced by ``steps`` with their frames (columns, n, dim, dim), in units (dim,); logarithms are added to sums
+        (columns, n, dim), what is not yet there is multiplied up in sides (columns, n, dim), logarithms of determinants
+        are added to areas (columns, n), letters to letters (columns, n), and outcomes (columns, n) are folded.
     """
     unpack, zero = unpacker(kind), (0.0,) * dimension
     constants = prepare if prepare is not None else _same
 
     def run(
-        rows: Any, lanes: Any, steps: int, frames: Any, sums: Any, sides: Any, areas: Any, letters: Any, outcomes: Any
-    ) -> None:
+        rows: Any, unit: Any, lanes: Any, steps: int, frames: Any, sums: Any, sides: Any, areas: Any, letters: Any,
+        outcomes: Any,
+    ) -> None:  # fmt: skip
         square = dimension, dimension, 1
         frame, image = np.empty(square), np.empty(square)
         total, side = np.empty((dimension, 1)), np.empty((dimension, 1))
@@ -142,7 +146,7 @@ def stretcher(
                     letters[q, j] += letter
                     outcomes[q, j] |= outcome
                     areas[q, j] += J[dimension * dimension]
-                    carried(dimension, J, frame, image, 0)
+                    carried(dimension, J, unit, frame, image, 0)
                     orthonormal(dimension, image, frame, side, 0)
                     relieved(total, side, 1)
                 for i in range(dimension):
@@ -155,23 +159,24 @@ def stretcher(
 
 @lru_cache(maxsize=256)
 def reacher(tangent: Callable[..., Any], dimension: int) -> Callable[..., bool]:
-    """Return ``reach(points, letters, j, N, c, tolerance, x, M, room)``: go from an orbit near a cycle to the cycle.
+    """Return ``reach(points, letters, j, N, c, unit, tolerance, x, M, room)``: go from an orbit near a cycle to it.
 
     The cycle has N points and the last N of the letters (keep, n) of orbit j, whose last point is that of points
     (keep, dim, n). x (dim, 1) becomes the point that Newton's method reaches, and M (dim, dim) the derivative of a
-    turn from there; without one x becomes the last point, and the answer is False. ``tolerance`` (dim, n) and ``room``
-    are for the search, see :func:`grazing.studies.cycles.finder`.
+    turn from there; without one x becomes the last point, and the answer is False. ``unit`` (dim,) measures the
+    coordinates, ``tolerance`` (dim, n) and ``room`` are for the search, see :func:`grazing.studies.cycles.finder`.
     """
     find = finder(tangent, dimension)
 
     def reach(
-        points: Any, letters: Any, j: int, N: int, c: Any, tolerance: Any, x: Any, M: Any, room: Any
+        points: Any, letters: Any, j: int, N: int, c: Any, unit: Any, tolerance: Any, x: Any, M: Any, room: Any
     ) -> bool:  # fmt: skip
         size, last = SMALL, points.shape[0] - 1
         for i in range(dimension):
-            size = max(size, abs(points[last, i, j]))
+            tolerance[i, j] = max(unit[i], abs(points[last, i, j]))
+            size = max(size, abs(points[last, i, j]) / tolerance[i, j])
         for i in range(dimension):
-            tolerance[i, j] = SMALL * size
+            tolerance[i, j] *= SMALL * size
         if find(points, letters, j, N, c, tolerance, x, M, room) == FOUND:
             return True
         for i in range(dimension):
@@ -190,7 +195,7 @@ def turner(
     Returns
     -------
     callable
-        ``run(rows, states, seen, steps, turns, logs, letters)``: states[i] (dim,), on or near a cycle of steps[i]
+        ``run(rows, unit, states, seen, steps, turns, logs, letters)``: states[i] (dim,), on or near a cycle of steps[i]
         points at the parameters rows[i], whose latest letters are seen[i] (keep,), is led to the cycle by Newton's
         method where that succeeds; turns[i] (dim, dim) becomes the derivative of one period from there, logs[i] the
         logarithm of its determinant, and letters[i] the sum of the letters.
@@ -198,8 +203,8 @@ def turner(
     unpack, zero, reach = unpacker(kind), (0.0,) * dimension, reacher(tangent, dimension)
     constants = prepare if prepare is not None else _same
 
-    def run(rows: Any, states: Any, seen: Any, steps: Any, turns: Any, logs: Any, letters: Any) -> None:
-        square = dimension, dimension, 1
+    def run(rows: Any, unit: Any, states: Any, seen: Any, steps: Any, turns: Any, logs: Any, letters: Any) -> None:
+        square, plain = (dimension, dimension, 1), np.ones(dimension)
         x, tolerance = np.empty((dimension, 1)), np.empty((dimension, 1))
         sums, sides = np.empty((dimension, 1)), np.ones((dimension, 1))
         M, frame, image = np.empty(square), np.empty(square), np.empty(square)
@@ -209,7 +214,7 @@ def turner(
             c = constants(unpack(rows[n]))
             letters[n], area = 0, 0.0
             near, latest = states[n].copy().reshape((1, dimension, 1)), seen[n].copy().reshape((keep, 1))
-            reach(near, latest, 0, steps[n], c, tolerance, x, turn, room)
+            reach(near, latest, 0, steps[n], c, unit, tolerance, x, turn, room)
             for i in range(dimension):
                 states[n, i], sums[i, 0] = x[i, 0], 0.0
                 for j in range(dimension):
@@ -219,11 +224,11 @@ def turner(
                 put(x, 0, state)
                 letters[n] += letter
                 area += J[dimension * dimension]
-                carried(dimension, J, M, image, 0)
+                carried(dimension, J, plain, M, image, 0)
                 for i in range(dimension):
                     for j in range(dimension):
                         M[i, j, 0] = image[i, j, 0]
-                carried(dimension, J, frame, image, 0)
+                carried(dimension, J, unit, frame, image, 0)
                 orthonormal(dimension, image, frame, sides, 0)
                 relieved(sums, sides, 1)
             summed(sums, sides, 0)
@@ -236,6 +241,11 @@ def turner(
     return compiled(run, "strict")
 
 
+def sides_of(P: Map) -> Floats:
+    """Return the side of a map's box along each coordinate: its own unit."""
+    return np.array([high - low for low, high in P.box])
+
+
 def turned(P: Map, rows: Floats, states: Floats, seen: Ints, periods: Ints) -> tuple[Floats, Floats, Floats, Ints]:
     """Return points on the cycles of orbits, with the derivatives of one period from there, see :func:`turner`."""
     n, d = states.shape
@@ -243,7 +253,7 @@ def turned(P: Map, rows: Floats, states: Floats, seen: Ints, periods: Ints) -> t
     points, latest = np.array(states, order="C"), np.ascontiguousarray(seen)
     derived, who = P.derivative(rows), f"the step of {P.name}"
     entry = turner(derived.tangent, derived.prepare, derived.kind, d)
-    call(entry, derived.rows, points, latest, periods, turns, logs, letters, who=who)
+    call(entry, derived.rows, sides_of(P), points, latest, periods, turns, logs, letters, who=who)
     return points, turns, logs, letters
 
 
@@ -270,10 +280,11 @@ def grower(
     Returns
     -------
     callable
-        ``run(rows, points, letters, which, period, steps, exponents)``: for each (column, rank, start) in ``which``
-        (n, 3), exponents[column, rank] becomes the largest exponent per step of that orbit: with period[column, rank]
-        above 0 that of the multipliers, on the cycle if it can be reached, else that of ``steps`` further steps.
-        Points and letters are those of :class:`grazing.maps.columns.Columns`, rows (columns, parameters).
+        ``run(rows, unit, points, letters, which, period, steps, exponents)``: for each (column, rank, start) in
+        ``which`` (n, 3), exponents[column, rank] becomes the largest exponent per step of that orbit: with
+        period[column, rank] above 0 that of the multipliers, on the cycle if it can be reached, else that of ``steps``
+        further steps. Points and letters are those of :class:`grazing.maps.columns.Columns`, rows (columns,
+        parameters), units (dim,).
     """
     unpack, zero, reach = unpacker(kind), (0.0,) * dimension, reacher(tangent, dimension)
     constants, packed = (prepare, False) if prepare is not None else (_same, True)
@@ -286,8 +297,10 @@ def grower(
     at_lane = own if packed else _shared
     together = BLOCK if packed else 1
 
-    def run(rows: Any, points: Any, letters: Any, which: Any, period: Any, steps: int, exponents: Any) -> None:
-        keep, square = points.shape[1], (dimension, dimension, BLOCK)
+    def run(
+        rows: Any, unit: Any, points: Any, letters: Any, which: Any, period: Any, steps: int, exponents: Any
+    ) -> None:  # fmt: skip
+        keep, square, plain = points.shape[1], (dimension, dimension, BLOCK), np.ones(dimension)
         x, tolerance = np.empty((dimension + fields, BLOCK)), np.empty((dimension, points.shape[3]))
         frame, image = np.empty(square), np.empty(square)
         sums, sides = np.empty((dimension, BLOCK)), np.empty((dimension, BLOCK))
@@ -301,14 +314,14 @@ def grower(
                 many += 1
                 continue
             c = constants(unpack(rows[q]))
-            if not reach(points[q], letters[q], j, N, c, tolerance, z, M, room):
+            if not reach(points[q], letters[q], j, N, c, unit, tolerance, z, M, room):
                 for i in range(dimension):
                     for k in range(dimension):
                         frame[i, k, 0] = 1.0 if i == k else 0.0
                 for _ in range(N):
                     state, _letter, _outcome, J = tangent(column(z, 0, zero), c)
                     put(z, 0, state)
-                    carried(dimension, J, frame, image, 0)
+                    carried(dimension, J, plain, frame, image, 0)
                     for i in range(dimension):
                         for k in range(dimension):
                             M[i, k] = frame[i, k, 0] = image[i, k, 0]
@@ -329,7 +342,7 @@ def grower(
                 for j in range(width):
                     state, _letter, _outcome, J = tangent(column(x, j, zero), at_lane(c, x, j))
                     put(x, j, state)
-                    carried(dimension, J, frame, image, j)
+                    carried(dimension, J, unit, frame, image, j)
                     orthonormal(dimension, image, frame, sides, j)
                 relieved(sums, sides, width)
             for j in range(width):

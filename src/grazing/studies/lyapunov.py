@@ -16,7 +16,7 @@ from grazing.outcome import InputError
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import ENDED, settled_columns
-from grazing.studies.growth import stretcher, turned
+from grazing.studies.growth import sides_of, stretcher, turned
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
@@ -257,16 +257,16 @@ def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     n, d = states.shape
     derived, who = P.derivative(rows), f"the step of {P.name}"
     entry = stretcher(derived.tangent, derived.prepare, derived.kind, d)
-    rows, lanes = derived.rows, np.ascontiguousarray(states)[:, :, None].copy()
+    rows, lanes, unit = derived.rows, np.ascontiguousarray(states)[:, :, None].copy(), sides_of(P)
     frames, areas = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1))
     sums, sides = np.zeros((n, 1, d)), np.ones((n, 1, d))
     letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
     found = frames, sums, sides, areas, letters, outcomes
-    call(entry, rows, lanes, WARM, *found, who=who)
+    call(entry, rows, unit, lanes, WARM, *found, who=who)
     first, tile = lanes[:, :, 0].copy(), max(1, TILE // n)
     sums[np.isfinite(sums)], sides[...], areas[np.isfinite(areas)], letters[...] = 0.0, 1.0, 0.0, 0
     for done in range(0, steps, tile):
-        call(entry, rows, lanes, min(tile, steps - done), *found, who=who)
+        call(entry, rows, unit, lanes, min(tile, steps - done), *found, who=who)
         yield
     exponents = completed((sums + np.log(sides))[:, 0], areas[:, 0]) / steps
     return exponents, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]
