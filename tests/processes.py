@@ -25,7 +25,7 @@ used = [0.0]
 def python(program, *arguments, env=None, cwd=None, timeout=120):
     """Run a program as ``python -c program arguments`` would; return its exit code and what it wrote, as text."""
     env, arguments = dict(os.environ if env is None else env), [str(each) for each in arguments]
-    changed = read(env).items() ^ read(_environment()).items()
+    changed = read(env).items() ^ read(os.environ).items()
     assert not changed, f"numba has read {sorted(changed)} when it was imported: start a process"
     if sys.platform != "linux":  # libraries elsewhere do not all allow a fork
         command = [sys.executable, "-c", program, *arguments]
@@ -38,9 +38,9 @@ def python(program, *arguments, env=None, cwd=None, timeout=120):
 
 
 def read(environment):
-    """Return what numba reads when it is imported, if it says anything."""
-    said = {name: value for name, value in environment.items() if name.startswith("NUMBA_")}
-    return {name: value for name, value in said.items() if name != "NUMBA_DISABLE_JIT" or value not in ("", "0")}
+    """Return what numba alone reads when it is imported: whether to compile, the package asks as well, and later."""
+    kept = {name for name in environment if name.startswith("NUMBA_")} - {"NUMBA_DISABLE_JIT"}
+    return {name: environment[name] for name in kept}
 
 
 def _forked(order, timeout):

@@ -456,7 +456,7 @@ def some_bits():
 def test_plain_python_gives_the_bits_of_strict_compiled_code():
     env = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     program = PLAIN.format(source=SOURCE, root=ROOT)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env=env)
     assert done.returncode == 0, done.stderr
     here, there = json.loads(some_bits()), json.loads(done.stdout)
     same_bits = [q for q in range(len(ROWS)) if q not in COMPLEX]
