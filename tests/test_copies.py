@@ -3,7 +3,6 @@
 import copy
 import inspect
 import pickle
-import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -14,6 +13,7 @@ import pytest
 import grazing as gz
 from grazing.copies import alike
 from grazing.orbits.one_impact import one_impact_orbits
+from tests.processes import python
 from tests.systems.balls import bouncing
 
 
@@ -234,7 +234,7 @@ def test_a_map_from_a_file_of_ones_own_travels_whole(tmp_path):
     )
     (tmp_path / "a.pickle").write_bytes(pickle.dumps(own_object(Named(f"{tmp_path}/mine.py:P"))))
     program = f"import pickle; print(pickle.load(open({str(tmp_path / 'a.pickle')!r}, 'rb')).iterate((8.0,), 3)[-1, 0])"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    done = python(program)
     assert (done.stdout, done.returncode) == ("1.0\n", 0), done.stderr
 
 

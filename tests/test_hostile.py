@@ -17,6 +17,7 @@ import grazing as gz
 from grazing.cli.app import main
 from grazing.export import to_csv
 from grazing.outcome import InputError
+from tests.processes import python
 
 # ---- results
 
@@ -116,7 +117,7 @@ def test_a_pipe_is_not_waited_for(tmp_path):
     for path in paths:
         os.mkfifo(path)
     program = "import sys; from grazing.cli import main; print([main(['info', path]) for path in sys.argv[1:]])"
-    done = subprocess.run([sys.executable, "-c", program, *paths], capture_output=True, text=True, timeout=60)
+    done = python(program, *paths)
     assert done.stdout == f"{[2] * len(paths)}\n", done
 
 
@@ -184,9 +185,7 @@ def test_a_file_that_another_process_cuts_off_while_it_is_read(tmp_path):
     """What is mapped into memory ends the process when it goes away."""
     gz.save(xr.Dataset({"x": ("d", np.ones(10**6))}), tmp_path / "a.nc")
     gz.plot.save(gz.plot.figure(), tmp_path / "a.pdf", title="a title")
-    done = subprocess.run(
-        [sys.executable, "-c", CUT, str(tmp_path / "a.nc"), str(tmp_path / "a.pdf")], capture_output=True, text=True
-    )
+    done = python(CUT, tmp_path / "a.nc", tmp_path / "a.pdf")
     assert (done.returncode, done.stdout) == (0, "1000000.0\na title\n"), done
 
 

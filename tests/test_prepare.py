@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import subprocess
 import sys
 import types
 from pathlib import Path
@@ -14,6 +13,7 @@ import grazing
 from grazing import prepare
 from grazing.kernel.prepared import stamp
 from grazing.kernel.wide import plain
+from tests.processes import python
 
 ROOT = Path(__file__).parents[1]
 SOURCE = str(Path(grazing.__file__).parents[1])
@@ -94,8 +94,7 @@ def compiled_by(text, folder):
     if plain() or not stamp().exists() or stamp().read_text() != prepare._made_from(""):
         pytest.skip("no kernels are prepared from these sources: make prepared")
     program = PROGRAM.format(source=SOURCE, text=text)
-    env = {**os.environ, "GRAZING_CACHE": str(folder)}
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env={**os.environ, "GRAZING_CACHE": str(folder)})
     assert done.returncode == 0 and "compiling" not in done.stderr, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 

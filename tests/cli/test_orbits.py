@@ -190,7 +190,20 @@ def test_a_branch_of_the_gap_map_is_drawn_stored_and_made_again(folder, capsys):
 
 
 def test_special_points_are_followed_in_two_parameters(folder, capsys):
-    tokens = ["branch", "d=0.08:0.14", "--word", "001", "--at", "0.11", *BALL, *FEW, "--locus", "V=0.3:0.5"]
+    tokens = [
+        "branch",
+        "d=0.08:0.14",
+        "--word",
+        "001",
+        "--at",
+        "0.11",
+        *BALL,
+        *FEW,
+        "--step",
+        "0.1",
+        "--locus",
+        "V=0.3:0.5",
+    ]
     found = told(capsys, *tokens, "-o", "a.png", "-o", "a.nc")
     assert {row["type"] for row in found["loci"]} == {"gr", "pd", "v0"}
     for row in found["loci"]:
@@ -210,7 +223,7 @@ def test_meetings_are_printed(folder, capsys):
         "def cubic(s, p):\n    (x,) = s\n    return (x + p.a + p.b * x - x * x * x,)\n"
         "P = gz.Map(cubic, params={'a': 0.0, 'b': 0.5}, coordinates=('x',), box=((-2.0, 2.0),), name='cubic map')\n"
     )
-    tokens = ["branch", "a=-0.5:0.5", "--map", "mine.py:P", "--period", "1", "--at", "0.1", "-q", *FEW]
+    tokens = ["branch", "a=-0.5:0.5", "--map", "mine.py:P", "--period", "1", "--at", "0.1", "-q", "--step", "0.1", *FEW]
     found = told(capsys, *tokens, "--locus", "b=-0.2:0.8", "-o", "a.png", "-o", "a.nc")
     cusps = [row for row in found["meetings"] if row["type"] == "cusp"]  # folds lie at 27 a^2 = 4 b^3
     assert cusps and all(abs(row["a"]) < 1e-6 and abs(row["b"]) < 1e-4 for row in cusps)
@@ -286,17 +299,17 @@ def test_a_window_of_a_parameter_without_default(capsys):
 
 
 def test_scan_and_branches_together(folder, capsys):
-    tokens = ["bifurcations", "mu=0.3:0.9:7", *GAP, "--starts", "8", "--period", "6"]
+    tokens = ["bifurcations", "mu=0.3:0.9:7", *GAP, "--starts", "8", "--period", "4"]
     found = told(capsys, *tokens, "-o", "a.png", "-o", "a.nc", "-o", "a.csv")
     expected = gz.bifurcation_diagram(
-        gz.gap_map(lam=0.8, mu=0.3, l=1.0), "mu", np.linspace(0.3, 0.9, 7), starts=8, period=6
+        gz.gap_map(lam=0.8, mu=0.3, l=1.0), "mu", np.linspace(0.3, 0.9, 7), starts=8, period=4
     )
     assert [row["word"] for row in found["windows"]] == expected.window_word.values.tolist() != []
     assert [row["reason"] for row in found["disagreements"]] == expected.disagreement_reason.values.tolist()
     said(capsys, 0, "plot", "a.nc", "-o", "b.png")
     assert (folder / "a.png").read_bytes() == (folder / "b.png").read_bytes()
     command = json.loads(said(capsys, 0, "info", "a.nc", "--json"))["command"]
-    assert command.startswith("grazing bifurcations mu=0.3:0.9:7 --map gap --lam 0.8 --l 1.0 --starts 8 --period 6")
+    assert command.startswith("grazing bifurcations mu=0.3:0.9:7 --map gap --lam 0.8 --l 1.0 --starts 8 --period 4")
     text = said(capsys, 0, *tokens)
     assert "\nwindow" in text and "unfinished" not in text
     assert "\nunfinished: " in said(capsys, 0, *tokens, "--points", "10")

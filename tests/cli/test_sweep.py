@@ -199,7 +199,7 @@ def process(*tokens):
 
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(folder, capsys):
-    long = STUDY.replace("0:0.1:40", "0:0.1:3000").replace("keep = 8", "keep = 8\ntransient = 100000")
+    long = STUDY.replace("0:0.1:40", "0:0.1:3000").replace("keep = 8", "keep = 8\ntransient = 30000")
     (folder / "long.toml").write_text(long)
     running = process("run", "long.toml", "a.zarr", "--chunk", "50", "--threads", "1")
     deadline = time.monotonic() + 60.0

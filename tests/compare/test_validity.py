@@ -9,7 +9,7 @@ import grazing as gz
 from grazing.compare.validity import AGREEMENT, BEYOND, NONE, OUTSIDE, PARTLY, SAME, UNUSED, plan, validity, write
 from grazing.outcome import InputError, OutsideForm
 from grazing.studies.plan import empty_arrays
-from tests.models import THREE
+from tests.models import TWO
 
 S = gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4)
 
@@ -99,7 +99,7 @@ def test_outside_its_form():
 
 
 def test_harmonics_and_a_wall_that_moves():
-    model = gz.Oscillator(2.5, 1.1, THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.2))
+    model = gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.2))
     graze = gz.normal_form(model, "sigma").graze
     found = validity(
         model, {"sigma": graze + np.array([-0.05, 2e-3, 5e-3]), "r": [0.5, 0.9]}, starts=4, rung="linearised"

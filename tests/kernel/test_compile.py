@@ -17,6 +17,7 @@ from grazing.kernel.content import digest
 from grazing.kernel.primitives import inlined
 from grazing.kernel.wide import plain
 from grazing.outcome import InputError, UserCodeError
+from tests.processes import python
 
 SOURCE = str(Path(grazing.__file__).parents[1])
 WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
@@ -103,7 +104,7 @@ print(json.dumps(said))
 def run_in_a_process(folder, cache, source=SOURCE, names=("outer",), **environment):
     program = PROGRAM.format(source=str(source), folder=str(folder), names=names)
     env = {**os.environ, "GRAZING_CACHE": str(cache), "PYTHONDONTWRITEBYTECODE": "1", **environment}
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), done.stderr
 
@@ -200,7 +201,7 @@ def test_cached_kernels_of_one_family_do_not_mix(tmp_path):
 
     def agree(names):
         program = SISTERS.format(source=SOURCE, root=str(Path(__file__).parents[2]), names=names)
-        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+        done = python(program, env=env)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)
 

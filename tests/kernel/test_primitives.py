@@ -1,8 +1,6 @@
 """What plain Python and a compiler say in two ways must be one thing: compiled and plain, bit for bit."""
 
 import os
-import subprocess
-import sys
 from collections import namedtuple
 from pathlib import Path
 
@@ -24,6 +22,7 @@ from grazing.kernel.primitives import (
     replaced,
 )
 from grazing.outcome import UserCodeError
+from tests.processes import python
 
 Three = namedtuple("Three", "a b c")
 unpack = unpacker(Three)
@@ -183,6 +182,5 @@ print(found == [kernel(*row) for row in rows])
 def test_strict_bits_do_not_depend_on_what_was_compiled_before(tmp_path, order):
     """The compiler shares its complex products between both arithmetics; ours are written out."""
     program = ORDER.format(source=str(Path(grazing.__file__).parents[1]), order=order)
-    env = {**os.environ, "GRAZING_CACHE": str(tmp_path), "NUMBA_DISABLE_JIT": "0"}
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env={**os.environ, "GRAZING_CACHE": str(tmp_path), "NUMBA_DISABLE_JIT": "0"})
     assert done.stdout.split() == ["True"], done.stderr

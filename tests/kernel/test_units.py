@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,6 +14,7 @@ from grazing.kernel.content import digest
 from grazing.kernel.primitives import unit
 from grazing.kernel.wide import plain
 from grazing.parameter import parameter_tuple
+from tests.processes import python
 
 pytestmark = pytest.mark.skipif(bool(plain()), reason=f"numba's own pipeline knows no units: {plain()}")
 
@@ -107,7 +106,7 @@ def in_a_process(folder):
     source, root = (str(Path(grazing.__file__).parents[1]), str(Path(__file__).parents[2]))
     program = PROGRAM.format(source=source, root=root)
     env = {**os.environ, "GRAZING_CACHE": str(folder)}
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), done.stderr
 

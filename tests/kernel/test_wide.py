@@ -3,8 +3,6 @@
 import json
 import os
 import re
-import subprocess
-import sys
 from importlib.metadata import version
 from pathlib import Path
 
@@ -19,6 +17,7 @@ from grazing.kernel.rows import all_passed
 from grazing.kernel.turns import eights
 from grazing.kernel.wide import forms
 from tests.kernel import wide_program
+from tests.processes import python
 
 ROOT = Path(__file__).parents[2]
 SOURCE = Path(grazing.__file__).parents[1]
@@ -28,9 +27,7 @@ def told(before="", **environment):
     """Return what a process prints, in which something is done before the forms are chosen."""
     paths = [str(SOURCE), str(ROOT)]
     program = f"import sys; sys.path[:0] = {paths}\n{before}\nfrom tests.kernel.wide_program import tell\ntell()"
-    env = {**os.environ, **environment}
-    env.pop("NUMBA_DISABLE_JIT", None)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env={**os.environ, **environment, "NUMBA_DISABLE_JIT": "0"})
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

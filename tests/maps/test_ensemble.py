@@ -23,6 +23,7 @@ from grazing.oscillator.reset import active_law, difference_of, triggered_law
 from grazing.outcome import BAD_LAW, CHATTER, FATAL, STUCK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 from tests.models import cubic
+from tests.processes import python
 from tests.reference import Problem, advance, newton
 
 SOURCE = str(Path(gz.__file__).parents[1])
@@ -397,7 +398,7 @@ def test_an_edit_below_a_law_is_never_answered_from_the_cache(tmp_path):
     """The law behind an address, its slope and its loop; the file keeps its length and its time stamp."""
     (tmp_path / "mine.py").write_text("from below import part\n\ndef law(v, p):\n    return -p.r * part(v)\n")
     env = {**os.environ, "GRAZING_CACHE": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
-    env.pop("NUMBA_DISABLE_JIT", None)
+    env["NUMBA_DISABLE_JIT"] = "0"
     program = LAW_PROGRAM.format(source=SOURCE, folder=str(tmp_path))
     stamp, kept = None, []
     for factor in (2.0, 2.0, 4.0):
@@ -406,7 +407,7 @@ def test_an_edit_below_a_law_is_never_answered_from_the_cache(tmp_path):
         if stamp is not None:
             os.utime(below, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
         stamp = below.stat()
-        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+        done = python(program, env=env)
         assert done.returncode == 0, done.stderr
         value, slope, after = map(float, done.stdout.split())
         assert (value, after) == (factor, factor)
@@ -455,7 +456,7 @@ def some_bits():
 def test_plain_python_gives_the_bits_of_strict_compiled_code():
     env = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     program = PLAIN.format(source=SOURCE, root=ROOT)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env)
+    done = python(program, env=env)
     assert done.returncode == 0, done.stderr
     here, there = json.loads(some_bits()), json.loads(done.stdout)
     same_bits = [q for q in range(len(ROWS)) if q not in COMPLEX]

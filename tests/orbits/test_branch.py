@@ -153,12 +153,12 @@ def test_branches_of_the_gap_map_agree_with_theory():
                 map=G, points=points.reshape(-1, 1), word="L" * (N - 1) + "R", period=N,
                 multipliers=np.array([J + 0j]), admissible=True, condition=1.0, residual=0.0,
             )  # fmt: skip
-            branch = continuation(G, orbit, "mu", (pd - 0.1, bc + 0.1))
+            branch = continuation(G, orbit, "mu", (pd - 0.1, bc + 0.1), step=0.1)
             types = {s.type: s.value for s in branch.special if s.admissible}
             assert types["pd"] == pytest.approx(pd, abs=1e-13)
             assert any(s.type == "bcb" and s.value == pytest.approx(bc, abs=1e-13) for s in branch.special)
             (switch,) = [s for s in branch.special if s.type == "pd" and s.admissible]
-            doubled = continuation(G, switch, "mu", (pd - 0.1, bc + 0.1))
+            doubled = continuation(G, switch, "mu", (pd - 0.1, bc + 0.1), step=0.1)
             for o in doubled:
                 here = o.map.params["mu"]
                 away = np.abs(o.points).min() > 1e-6  # from the border, where multipliers are infinite
@@ -184,12 +184,12 @@ def test_a_smooth_map_of_ones_own():
         map=P, points=np.array([[x, b * x]]), word="0", period=1, multipliers=np.linalg.eigvals(J) + 0j,
         admissible=True, condition=1.0, residual=0.0,
     )  # fmt: skip
-    branch = continuation(P, orbit, "a", (-0.3, 1.2))
+    branch = continuation(P, orbit, "a", (-0.3, 1.2), limit=200)  # beyond the fold it goes to infinity
     found = {one.type: one.value for one in branch.special}
     assert found["lp"] == pytest.approx(-((1.0 - b) ** 2) / 4.0, abs=1e-9)
     assert found["pd"] == pytest.approx(3.0 * (1.0 - b) ** 2 / 4.0, abs=1e-9)
     (pd,) = [one for one in branch.special if one.type == "pd"]
-    doubled = continuation(P, pd, "a", (-0.3, 1.2))
+    doubled = continuation(P, pd, "a", (-0.3, 1.2), limit=200)
     assert any(o.stable and o.period == 2 for o in doubled)
     (second,) = [one for one in doubled.special if one.type == "pd"]
     assert second.value == pytest.approx(((1.0 - b) ** 2 * 4.0 + (1.0 + b) ** 2) / 4.0, abs=1e-9)
@@ -327,11 +327,11 @@ def test_grazes_do_not_go_on_without_end_into_chatter():
 def test_a_parameter_followed_to_its_bound_and_a_ball_that_drifts():
     model = gz.pinball(alpha=0.1, k=0.0, d=-0.3, r=0.6, V=0.3, omega=2.0)
     orbit = next(o for o in gz.one_impact_orbits(model, 1) if o.admissible)
-    branch = continuation(orbit.map, orbit, "alpha", (0.0, 0.17))
+    branch = continuation(orbit.map, orbit, "alpha", (0.0, 0.17), step=0.1)
     assert min(o.map.params["alpha"] for o in branch) == 0.0
     passive = gz.pinball(alpha=0.2, k=0.0, d=-0.1, r=0.5, V=0.0)
     for orbit in gz.one_impact_orbits(passive, 1):
-        assert continuation(orbit.map, orbit, "d", (-0.9, -0.05)).pieces
+        assert continuation(orbit.map, orbit, "d", (-0.9, -0.05), step=0.1).pieces
 
 
 def test_a_branch_begins_at_a_fold_too():

@@ -174,7 +174,7 @@ def test_loci_of_the_gap_map_are_the_formulas_of_theory():
     bc = next(one for one in branch.special if one.type == "bcb" and one.admissible and one.value > mu)
     for special, formula in ((pd, gz.theory.mu_pd), (bc, gz.theory.mu_bc)):
         for name, low, high in (("l", 0.01, 0.5), ("lam", 0.2, 0.9)):
-            found = locus(special, ("mu", name), ((0.0, 2.0), (low, high)))
+            found = locus(special, ("mu", name), ((0.0, 2.0), (low, high)), step=0.1)
             for value, other in found.values:
                 arguments = {"lam": lam, "l": l, name: float(other)}
                 assert value == pytest.approx(formula(N, arguments["lam"], arguments["l"]), abs=1e-12)

@@ -1,8 +1,5 @@
 """Plans: every cell once, in any pieces; progress, exceptions, Ctrl-C, memory and labels."""
 
-import os
-import subprocess
-import sys
 import threading
 import time
 
@@ -14,6 +11,7 @@ import grazing as gz
 from grazing import memory
 from grazing.memory import physical_memory, refuse_too_large
 from grazing.studies.plan import Plan, Variable, empty_arrays, labelled, run_plan
+from tests.processes import python
 
 P = gz.gap_map(0.5, 0.1, 0.1)
 
@@ -187,7 +185,7 @@ def test_ctrl_c_stops_a_long_study_soon():
         "except KeyboardInterrupt:\n"
         "    print(time.time() - gone[0])\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env=os.environ)
+    done = python(code)
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < 3.0  # well under a second on an idle machine
 

@@ -2,13 +2,13 @@
 
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
 import grazing as gz
+from tests.processes import python
 
 SMALL = {"arithmetic": "strict", "transient": 25, "keep": 12}
 STARTS = {**SMALL, "starts": 3}
@@ -57,7 +57,7 @@ def test_plain_python_gives_the_bits_of_compiled_code(kind):
         f"print(json.dumps([numbers(result) for result in studies({kind!r})]))"
     )
     env = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=env, timeout=300)
+    done = python(code, env=env, timeout=300)
     assert done.returncode == 0, done.stderr[-3000:]
     theirs = json.loads(done.stdout.splitlines()[-1])
     assert len(theirs) == len(ours) == 7

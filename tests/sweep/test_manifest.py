@@ -171,7 +171,7 @@ def test_bytes_are_those_that_zarr_writes(tmp_path, dtype, shape, chunk):
 def test_other_versions_are_refused_by_name_and_shown_as_a_mixture(store, monkeypatch):
     for number in ("1", "3"):
         (store / "done" / "c" / number).unlink()
-    monkeypatch.setattr("grazing.studies.labels.version", lambda package: "9.8" if package == "numpy" else "1")
+    monkeypatch.setattr("grazing.studies.labels.installed", lambda package: "9.8" if package == "numpy" else "1")
     with pytest.raises(
         gz.InputError, match=r"was begun by other code: .*numpy is '.*' there and '9.8' here.*--other-code"
     ):

@@ -7,6 +7,7 @@ import hashlib
 import inspect
 import textwrap
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import CellType, FunctionType
 from typing import Any
@@ -78,6 +79,7 @@ def _cell(cell: CellType, seen: dict[str, str]) -> str:
     return _described(cell.cell_contents, seen)
 
 
+@cache
 def _source(function: FunctionType) -> str:
     """Return the source of a function as the parser sees it."""
     return ast.unparse(_without_docstrings(ast.parse(textwrap.dedent(inspect.getsource(function.__code__)))))

@@ -147,7 +147,8 @@ def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
     """Return the defects and their derivative (n, n + 1) in scaled coordinates."""
     x, p = unscaled(equations, z)
     F, J = equations.defects(x, p)
-    wide = np.column_stack([J * equations.scale, equations.slopes(x, p) * equations.spans])
+    wide = np.empty((len(F), len(z)))
+    wide[:, : len(x)], wide[:, len(x) :] = J * equations.scale, equations.slopes(x, p) * equations.spans
     return F, wide
 
 
@@ -185,8 +186,9 @@ def corrected(
         F, wide = linearised(equations, z)
         if not (np.isfinite(F).all() and np.isfinite(wide).all()):
             return None
-        rows = np.vstack([wide / rowwise(wide), across])
-        right = np.append(F / rowwise(wide)[:, 0], across @ (z - plane))
+        weight = rowwise(wide)
+        rows = np.vstack([wide / weight, across])
+        right = np.append(F / weight[:, 0], across @ (z - plane))
         move = solved_or_least(rows, right)
         size = float(np.abs(move).max())
         if not size < 1e3:

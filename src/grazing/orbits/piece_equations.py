@@ -129,6 +129,7 @@ class PieceEquations(PointEquations):
         self.rooted = np.array([P.formulas.rooted[k] for k in letters])
         self.some = bool(self.rooted.any())
         self.side = np.where(self.which == 0, -1.0, 1.0)  # of rooted pieces, which are two
+        self.before = np.arange(N) - 1
         #: Where the unknowns of each point begin, and where each coordinate and root is among them.
         self.starts = np.concatenate([[0], np.cumsum(d + self.rooted)])
         self.at_points = (self.starts[:N, None] + np.arange(d)).ravel()
@@ -147,8 +148,9 @@ class PieceEquations(PointEquations):
     def parted(self, x: Floats) -> tuple[Floats, Floats]:
         """Return points (..., N, dim) and roots (..., N) of unknowns; a piece that gets no root has 0."""
         roots = np.zeros((*x.shape[:-1], self.N))
-        if self.some:
-            roots[..., self.rooted] = x[..., self.at_roots]
+        if not self.some:
+            return x.reshape(*x.shape[:-1], self.N, -1).copy(), roots
+        roots[..., self.rooted] = x[..., self.at_roots]
         return x[..., self.at_points].reshape(*x.shape[:-1], self.N, -1), roots
 
     def unknowns(self, points: Floats, roots: Floats) -> Floats:
@@ -179,7 +181,7 @@ class PieceEquations(PointEquations):
         """Return the defects (k, n) of unknowns (k, n) with these images and borders."""
         points, roots = self.parted(x)
         F = np.empty(x.shape)
-        F[:, self.at_points] = (np.roll(images, 1, axis=1) - points).reshape(len(x), -1)
+        F[:, self.at_points] = (images[:, self.before] - points).reshape(len(x), -1)
         if self.some:
             F[:, self.at_roots] = (self.side * borders[..., 0] - roots**2)[:, self.rooted]
         return F
@@ -222,15 +224,17 @@ class PieceEquations(PointEquations):
             off[..., k:] = np.abs(values[1:] - p).sum(axis=-1).reshape(m, 2, L).transpose(1, 2, 0)[:, :, None]
         off[off == 0.0] = np.nan
         off = off[..., None]
-        rows, flat = self._plain.rows(values), states.reshape(-1, k)
-        letters = np.broadcast_to(self.which[:, None], which.shape).ravel()
-        root = (roots, flat[:, d]) if self.some else (0.0, 0.0)
-        here, borders = self._images(rows[:1], 0, points, self.which, root[0])
-        images, ends = self._images(rows, which.ravel(), flat[:, :d], letters, root[1])
-        both, middle = (
-            (np.column_stack([images, ends]), np.column_stack([here, borders])) if self.some else (images, here)
+        every, letters = (
+            np.concatenate([state, states.reshape(-1, k)]),
+            np.broadcast_to(self.which[:, None], which.shape),
         )
-        low, high = both.reshape(2, L, N, n, -1)
+        images, ends = self._images(
+            self._plain.rows(values), np.append(np.zeros(N, np.int64), which), every[:, :d],
+            np.append(self.which, letters), every[:, d] if self.some else 0.0,
+        )  # fmt: skip
+        here, borders = images[:N].copy(), ends[:N].copy()
+        both = np.column_stack([images, ends]) if self.some else images
+        middle, (low, high) = both[:N], both[N:].reshape(2, L, N, n, -1)
         if m and not (right := self._plain.allowed(values)).all():
             low[~right[which[0]]], high[~right[which[1]]] = np.nan, np.nan
         found = slope(middle[:, None], low, high, off[0], off[1])
@@ -241,7 +245,7 @@ class PieceEquations(PointEquations):
         """Return dF/dp by differences."""
         at, d = self.looked(x, p), self.P.dimension
         columns = np.empty((len(x), len(self.names)))
-        columns[self.at_points] = np.roll(at.along[:, :d], 1, axis=0).reshape(self.N * d, -1)
+        columns[self.at_points] = at.along[self.before, :d].reshape(self.N * d, -1)
         if self.some:
             columns[self.at_roots] = (self.side[:, None] * at.along[:, d])[self.rooted]
         return columns
@@ -410,7 +414,7 @@ class PieceEquations(PointEquations):
             multipliers=roots[np.argsort(-np.abs(roots), kind="stable")],
             admissible=bool(own.all()),
             condition=condition_of(J),
-            residual=float(np.abs(np.roll(at.images, 1, axis=0) - points).max()),
+            residual=float(np.abs(at.images[self.before] - points).max()),
             letters=self.letters,
             margins=margins,
         )

@@ -9,6 +9,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -145,13 +146,19 @@ def own_version() -> str:
 
 def versions() -> dict[str, str]:
     """Return the versions of what computes the numbers."""
-    found = {"grazing": own_version(), "python": ".".join(map(str, sys.version_info[:3]))}
-    for package in ("llvmlite", "numba", "numpy"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:  # pragma: no cover
-            found[package] = "unknown"
-    return found
+    python = ".".join(map(str, sys.version_info[:3]))
+    return {"grazing": own_version(), "python": python} | {
+        package: installed(package) for package in ("llvmlite", "numba", "numpy")
+    }
+
+
+@cache
+def installed(package: str) -> str:
+    """Return the version of a package, which is looked for in the folders of all packages: once."""
+    try:
+        return version(package)
+    except PackageNotFoundError:  # pragma: no cover
+        return "unknown"
 
 
 def fingerprint(array: NDArray[np.float64]) -> str:
