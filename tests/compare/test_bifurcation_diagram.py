@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.compare.bifurcation_diagram import bifurcation_diagram
+from grazing.compare.bifurcation_diagram import bifurcation_diagram, windows_of
 
 
 def windows(result):
@@ -148,3 +148,70 @@ def test_the_orbit_without_impacts_is_followed_though_no_start_reaches_it():
     assert result.disagreement_kind.values[rows].tolist() == ["branch only"]
     found = gz.response(P, "omega", values, starts=[[0.0, 2.0]])
     assert "0" in found.branch_word.values.tolist()
+
+
+def rig(omega):
+    """A mass of 2 on a spring of stiffness 8 and a damper of 0.8, shaken by a force of amplitude 1, a stop at 0.3."""
+    return gz.Oscillator.from_si(
+        m=2.0, c=0.8, k=8.0, force=1.0, gap=0.3, side="above", frequency=omega / (2.0 * np.pi), reset=gz.newton(0.8)
+    )
+
+
+def rig_grazes(omega):
+    """Whether the steady response has the amplitude 0.3 of the stop, to rounding."""
+    return 1.0 / np.hypot(8.0 - 2.0 * omega**2, 0.8 * omega) == pytest.approx(0.3, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def doubled():
+    """The branch of the rig that begins at the period doubling of its orbit with an impact a period."""
+    (orbit,) = (one for one in gz.one_impact_orbits(rig(2.5), 1) if one.stable and one.admissible)
+    P = gz.stroboscopic_map(rig(2.5))
+    branch = gz.continuation(P, orbit, "omega", (1.5, 3.5))
+    (pd,) = (one for one in branch.special if one.type == "pd" and one.admissible)
+    return gz.continuation(P.replace(omega=pd.value), pd, "omega", (1.5, 3.5))
+
+
+def window_of(branch, word):
+    (found,) = (one for one in windows_of(branch) if one.word == word)
+    return found
+
+
+def test_a_window_ends_at_its_special_point_where_a_loop_is_begun_at_a_graze(doubled):
+    loop = doubled.pieces[1]
+    assert loop.ends == ("closed", "closed") and {0, len(loop.orbits) - 1} <= set(loop.events)
+    found = window_of(doubled, "01")
+    values = {one.type: one.value for one in doubled.special if one.piece == 1 and one.admissible}
+    graze = doubled.special[0]
+    assert (found.low_type, found.high_type) == ("lp", "gr") == ("lp", graze.type)
+    assert (found.low, found.high) == pytest.approx((values["lp"], graze.value), abs=1e-12)
+    for beside, there in ((found.high - 1e-6, True), (found.high + 1e-6, False)):
+        assert any(one.stable and one.admissible and one.word == "01" for one in doubled.at(beside)) == there
+
+
+def test_a_window_is_not_cut_where_a_loop_was_begun(doubled):
+    (begun,) = (one for one in doubled.at(1.7) if one.stable and one.admissible)
+    P = gz.stroboscopic_map(rig(1.7))
+    again = gz.continuation(P, begun, "omega", (1.5, 3.5))
+    assert again.pieces[0].ends == ("closed", "closed") and 0 not in again.pieces[0].events
+    one, other = window_of(again, "01"), window_of(doubled, "01")
+    assert (one.low_type, one.high_type) == ("lp", "gr")
+    assert (one.low, one.high) == pytest.approx((other.low, other.high), abs=1e-12)
+
+
+def test_a_graze_in_each_of_two_periods_is_one_special_point(doubled):
+    met = [one for one in doubled.special if one.piece == 1 and rig_grazes(one.value)]
+    assert [one.value for one in met] == pytest.approx([1.5670669664553445, 2.320409688534429], abs=1e-12)
+    assert all(one.type == "gr" and one.converged for one in met)
+    assert [doubled.pieces[one.to].orbits[0].word for one in met] == ["0", "0"]
+
+
+def test_a_stable_orbit_on_several_branches_is_one_disagreement():
+    values = [1.5, 1.6, 1.88, 2.35, 2.4, 2.5]
+    inside = ((0.0, 0.001), (0.0, 0.001))  # all starts go to orbits with impacts
+    result = bifurcation_diagram(gz.stroboscopic_map(rig(2.5)), "omega", values, starts=1, period=2, box=inside)
+    lone = [result[f"disagreement_{key}"].values.tolist() for key in ("kind", "word", "low", "high", "reason")]
+    rows = list(zip(*lone, strict=True))
+    assert len(set(rows)) == len(rows) and ("branch only", "0", 2.35, 2.4) in {row[:4] for row in rows}
+    pieces = result.branch_piece.values[(result.branch_word.values == "0") & (result.branch_omega.values > 2.4)]
+    assert len(set(pieces.tolist())) > 1

@@ -21,6 +21,30 @@ def test_the_graze_of_the_steady_response_in_two_parameters():
     F, omega = found.values.T
     np.testing.assert_allclose(F, -sigma * np.hypot(k * k - omega**2, alpha * omega), rtol=1e-11)
     assert omega.min() == pytest.approx(0.8) and omega.max() == pytest.approx(3.0)
+    turned = locus(graze, ("omega", "cos1"), ((0.8, 3.0), (0.01, 10.0)))
+    assert np.sort(turned.values[[0, -1], 0]) == pytest.approx([0.8, 3.0], rel=1e-15)
+    omega, F = turned.values.T
+    np.testing.assert_allclose(F, -sigma * np.hypot(k * k - omega**2, alpha * omega), rtol=1e-11)
+
+
+def on_a_side(values, box):
+    """Whether a point lies within a box and on one of its sides, to rounding."""
+    low, high = np.transpose(box)
+    inner = np.minimum(values - low, high - values) / (high - low)
+    return abs(inner.min()) < 1e-14
+
+
+@pytest.mark.parametrize("names", [("omega", "sigma"), ("sigma", "omega")])
+def test_a_locus_goes_on_to_the_sides_of_its_box(names):
+    model = gz.Oscillator(alpha=0.4, k=2.0, forcing=gz.Forcing(omega=2.5, cos=(0.5,)), sigma=-0.3, reset=gz.newton(0.8))
+    (orbit,) = (one for one in gz.one_impact_orbits(model, 1) if one.stable and one.admissible)
+    special = [one for one in continuation(orbit.map, orbit, "omega", (1.8, 2.8)).special if one.admissible]
+    box = [{"omega": (1.2, 3.4), "sigma": (-0.6, -0.1)}[name] for name in names]
+    for one in special:
+        found = locus(one, names, tuple(box), step=0.1)
+        assert found.ends == ("bounds", "bounds")
+        assert on_a_side(found.values[0], box) and on_a_side(found.values[-1], box), one
+    assert {one.type for one in special} == {"lp", "pd", "gr"}
 
 
 @pytest.mark.parametrize("type", ["gr", "pd", "v0"])

@@ -7,6 +7,7 @@ import grazing as gz
 from grazing.orbits.windows import windows
 from grazing.proof.check import check_certificate
 from grazing.proof.enclose import enclose
+from grazing_checker.sentence import EVENTS
 from tests.models import THREE
 from tests.proof.orbits import without_impacts
 
@@ -81,6 +82,33 @@ def test_the_graze_of_the_steady_response_has_its_closed_form():
     assert low <= gz.normal_form(model, "d").graze <= high
     assert high - low <= 1e-12
     assert "touches the wall" in certificate.statement
+
+
+#: An orbit with a fold, where the parameter determines no orbit, and with grazes at which its impact has no speed.
+RIG = gz.Oscillator(alpha=0.4, k=2.0, forcing=gz.Forcing(omega=2.5, cos=(0.5,)), sigma=-0.3, reset=gz.newton(0.8))
+
+
+@pytest.mark.parametrize(
+    ("model", "N", "name", "bounds", "kinds"),
+    [
+        (RIG, 1, "omega", (1.5, 2.9), {"lp", "gr", "pd"}),
+        (gz.pinball(d=0.11, V=0.4), 3, "d", (0.09, 0.13), {"gr", "pd"}),
+    ],
+)
+def test_the_orbit_of_a_special_point_will_do(model, N, name, bounds, kinds):
+    (orbit,) = (one for one in gz.one_impact_orbits(model, N) if one.stable and one.admissible)
+    seen = set()
+    for one in gz.continuation(orbit.map, orbit, name, bounds).special:
+        if not one.admissible or one.type not in EVENTS:
+            continue
+        certificate = checked(enclose(one.orbit, one.type, name))
+        low, high = certificate.value
+        seen.add(one.type)
+        assert low - 1e-13 <= one.value <= high + 1e-13 and high - low <= 1e-12
+        if one.type == "gr" and model is RIG:  # the orbit without the impact that has lost its speed
+            assert one.orbit.impacts == 1 and certificate.document["data"]["impacts"] == 0
+            assert low <= gz.normal_form(one.orbit.model, name).graze <= high
+    assert seen == kinds
 
 
 def test_a_bifurcation_that_is_not_there_is_not_found():

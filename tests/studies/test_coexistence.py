@@ -198,6 +198,23 @@ def test_shifting_time_relabels_and_nothing_else(shift):
     assert {row[6] for row in told(found) if row[4] > -1 and row[5] > -1} == {"relabelled"}
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.7])
+def test_an_attractor_that_no_start_reaches_is_followed_to_where_it_begins(phase):
+    """The response without impacts has the amplitude F/|k^2 - omega^2 + i alpha omega|; only one start finds it."""
+    model = gz.Oscillator(
+        alpha=0.05, k=2.0, forcing=gz.Forcing(omega=2.5, cos=(0.5,)), sigma=-0.3, reset=gz.newton(0.8)
+    )
+    graze = gz.normal_form(model, "omega").graze
+    assert 0.5 / np.hypot(4.0 - graze**2, 0.05 * graze) == pytest.approx(0.3, rel=1e-12)
+    near, far = graze + np.array([-2e-5, 2e-5]), graze + np.array([0.04, 0.12])
+    P = gz.stroboscopic_map(model, phase)
+    z = 0.5 * np.exp(1j * far[-1] * phase) / (4.0 - far[-1] ** 2 + 0.05j * far[-1])
+    start = [z.real, -far[-1] * z.imag]
+    found = coexistence(P, "omega", [*near, *far], starts=[start], transient=300)
+    assert found.share.sel(attractor=found.word.values == "0").values.sum() == 1.0
+    assert (near[0], near[1], "", "0", 0, 1, "appears") in told(found)
+
+
 def test_a_bifurcation_is_not_a_relabelling():
     found = coexistence(BALL, "d", np.linspace(0.08, 0.14, 7), starts=30, transient=2000)
     assert len(told(found)) >= 2

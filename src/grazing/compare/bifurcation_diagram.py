@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -342,7 +341,7 @@ class Search:
         grid = np.sort(scan[self.name].values)
         for b, branch in enumerate(self.branches):
             for k, piece in enumerate(branch.pieces):
-                for window in windows_of_piece(piece, branch.special, k):
+                for window in windows_of_piece(piece):
                     inside = grid[(grid > window.low) & (grid < window.high)]
                     lost = [value for value in inside.tolist() if (value, b, k) not in self.reached]
                     lost = [v for v in lost if not self._elsewhere(v, piece)]
@@ -350,7 +349,7 @@ class Search:
                         reason = f"none of the starts reached it at {len(lost)} of {len(inside)} values"
                         word, N = window.word, window.period
                         found.append(Disagreement("branch only", min(lost), max(lost), len(lost), word, N, reason))
-        return found
+        return list(dict.fromkeys(found))  # one orbit may be on several branches
 
     def _elsewhere(self, value: float, piece: Piece) -> bool:
         """Whether the orbits of a piece at a value are on another branch as well, which the scan reached."""
@@ -395,37 +394,50 @@ def stable_at(piece: Piece, value: float) -> list[Orbit]:
     found = []
     for i in np.flatnonzero((values[:-1] - value) * (values[1:] - value) <= 0.0).tolist():
         ends = piece.orbits[i], piece.orbits[i + 1]
-        if not any(end.stable or j in piece.events for j, end in zip((i, i + 1), ends, strict=True)):
-            continue
-        share = (value - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
-        guess = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
-        x = closed(piece.equations, guess, np.array([value]))
-        if x is None:
-            continue
-        orbit = piece.equations.orbit(x, np.array([value]))
-        if orbit.stable and orbit.admissible:
-            found.append(orbit)
+        if any(end.stable or j in piece.events for j, end in zip((i, i + 1), ends, strict=True)):
+            orbit = between(piece, i, value)
+            if orbit is not None and orbit.stable and orbit.admissible:
+                found.append(orbit)
     return found
 
 
-def windows_of_piece(piece: Piece, special: Sequence[Special], number: int) -> list[Window]:
-    """Return the stretches of a piece that are stable and admissible, with the special points that end them."""
-    good = [
-        a.stable and a.admissible if i not in piece.events else b.stable and b.admissible
-        for i, (a, b) in enumerate(pairwise(piece.orbits))
-    ]
-    types = [one.type for one in special if one.piece == number]
-    types = types if len(types) == len(piece.events) else [piece.ends[0], *types]  # begun at a special point of another
-    kinds = dict(zip(piece.events, types, strict=True))
+def between(piece: Piece, i: int, value: float) -> Orbit | None:
+    """Return the orbit at a value between those of one orbit of a piece and the next, solved there; None if lost."""
+    low, high = piece.values[i], piece.values[i + 1]
+    share = (value - low) / (high - low) if high != low else 0.0
+    guess = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
+    x = closed(piece.equations, guess, np.array([value]))
+    return None if x is None else piece.equations.orbit(x, np.array([value]))
+
+
+def attracts(piece: Piece, i: int) -> bool:
+    """Whether a piece is stable and admissible between one of its orbits and the next."""
+    for j in (i, i + 1):
+        if j not in piece.events:
+            return piece.orbits[j].stable and piece.orbits[j].admissible
+    orbit = between(piece, i, 0.5 * float(piece.values[i] + piece.values[i + 1]))
+    return orbit is not None and orbit.stable and orbit.admissible
+
+
+def windows_of_piece(piece: Piece) -> list[Window]:
+    """Return the stretches of a piece that are stable and admissible, with the special points that end them.
+
+    A piece that comes back to where it was begun has no end there.
+    """
+    good = [attracts(piece, i) for i in range(len(piece.orbits) - 1)]
+    order, kinds = list(range(len(piece.orbits))), dict(zip(piece.events, piece.types, strict=True))
+    if piece.ends[0] == "closed" and 0 not in kinds and not all(good):
+        seam = good.index(False)
+        good, order = good[seam:] + good[:seam], [*order[seam:-1], *order[: seam + 1]]
     found = []
-    first = None
+    first: int | None = None
     for i, inside in enumerate([*good, False]):
         if inside and first is None:
             first = i
         if not inside and first is not None:
-            ends = [(float(piece.values[j]), kinds.get(j, "end"), j) for j in (first, i)]
-            (low, low_type, _j), (high, high_type, _k) = sorted(ends)
-            inner = piece.orbits[min(first + 1, i)]
+            ends = [(float(piece.values[j]), kinds.get(j, "end")) for j in (order[first], order[i])]
+            (low, low_type), (high, high_type) = sorted(ends)
+            inner = piece.orbits[order[min(first + 1, i)]]
             found.append(Window(low, high, low_type, high_type, inner.word, inner.period))
             first = None
     return found
@@ -434,8 +446,8 @@ def windows_of_piece(piece: Piece, special: Sequence[Special], number: int) -> l
 def windows_of(branch: Branch) -> list[Window]:
     """Return all windows of a branch by period and place, each once."""
     found: list[Window] = []
-    for number, piece in enumerate(branch.pieces):
-        for one in windows_of_piece(piece, branch.special, number):
+    for piece in branch.pieces:
+        for one in windows_of_piece(piece):
             close = 1e-9 * (branch.bounds[1] - branch.bounds[0])
             if one.high - one.low < close:
                 continue

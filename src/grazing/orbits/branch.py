@@ -51,6 +51,8 @@ Floats = NDArray[np.float64]
 NARROWEST = 1e-10
 #: Part of a period that accumulation and release may be apart at an onset of chatter.
 MET = 1e-3
+#: Part of the range and of its size by which a graze that is noted twice may differ: two test functions vanish there.
+ALIKE = 1e-9
 #: Points that following takes in all, unless more are asked for: some 100 s.
 POINTS = 20_000
 
@@ -59,8 +61,8 @@ POINTS = 20_000
 class Piece(ByValue):
     """A stretch of a branch on which the same equations hold: its orbits in order, and why it ends at either end.
 
-    ``events`` are the numbers of the orbits at special points, the first one among them where the piece begins at one;
-    ``ends`` then says of which type.
+    ``events`` are the numbers of the orbits at special points and ``types`` what happens there; where the piece begins
+    at a special point of another one, its first orbit is among them, and where it comes back to that, its last one.
     """
 
     equations: Equations
@@ -68,6 +70,7 @@ class Piece(ByValue):
     values: Floats
     orbits: tuple[Orbit, ...]
     events: tuple[int, ...]
+    types: tuple[str, ...]
     ends: tuple[str, str]
 
     def __repr__(self) -> str:
@@ -260,7 +263,8 @@ def followed(
 def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: RestEquations, value: float) -> Branch:
     """Return the branch of an orbit that rests on the wall, with the onset of chatter at its ends."""
     found = stretch(equations, value, bounds)
-    special, events = [], []
+    special: list[Special] = []
+    events: list[int] = []
     for onset, place in zip(found.onsets, (0, len(found.values) - 1), strict=True):
         if onset is not None:
             converged = onset.left < MET * equations.model.period
@@ -269,7 +273,8 @@ def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: Re
             events.append(place)
     begins, ends = (onset.reason if onset is not None else "bounds" for onset in found.onsets)
     unknowns = np.zeros((len(found.values), 1))
-    piece = Piece(equations, unknowns, found.values, found.orbits, tuple(events), (begins, ends))
+    types = tuple(one.type for one in special)
+    piece = Piece(equations, unknowns, found.values, found.orbits, tuple(events), types, (begins, ends))
     return Branch(P, name, bounds, (piece,), tuple(special), ())
 
 
@@ -358,6 +363,18 @@ def relabels(equations: Equations, event: Event) -> tuple[Equations, Point] | No
     return new, point._replace(tests=tests)
 
 
+def one_graze(one: Special, other: Special, span: float) -> bool:
+    """Whether two special points of a piece are one graze, at which an impact has no speed and a flight touches.
+
+    So it is where an orbit meets one of half its period or less that grazes.
+    """
+    if (one.type, one.piece) != ("gr", other.piece) or other.type != "gr" or one.direction @ other.direction < 0.0:
+        return False
+    points, others = one.orbit.points, other.orbit.points
+    size = np.abs(points).max(axis=0) + np.ptp(points, axis=0)
+    return bool(abs(one.value - other.value) <= ALIKE * span and (np.abs(points - others) <= ALIKE * size).all())
+
+
 class Crossing(NamedTuple):
     """Where a smooth map changes the letters of an orbit: those before and beyond, the value, and where it goes on."""
 
@@ -389,21 +406,26 @@ class _Search:
         if seed.origin >= 0:
             if self._known(seed):
                 return
-            self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         path = self._path(seed)
         equations = seed.equations
         middle = path.points[len(path.points) // 2]
         lost = path.ended == "lost" and len(path.points) < 2
         if seed.origin >= 0 and (lost or turns(equations, *unscaled(equations, middle.z)) > 1):
-            self.special[seed.origin] = self.special[seed.origin]._replace(to=-1)
             return  # all impacts lose their speed at once: what begins is a shorter orbit, gone round several times
+        if seed.origin >= 0:
+            self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         self._halved(path)
         solutions = [self._solution(path, point) for point in path.points]
         orbits = tuple(equations.orbit(x, p) for x, p in solutions)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
-        kept = [index for index, event in path.events if self._note(equations, path, event, number)]
-        events = (0, *kept) if path.began in SPECIAL and 0 not in kept else tuple(kept)
-        self.pieces.append(Piece(equations, unknowns, values, orbits, events, (path.began, path.ended)))
+        kinds = {index: kind for index, event in path.events if (kind := self._note(equations, path, event, number))}
+        if seed.type in SPECIAL:
+            kinds.setdefault(0, seed.type)
+            if path.ended == "closed":
+                kinds.setdefault(len(orbits) - 1, seed.type)
+        events = tuple(sorted(kinds))
+        types = tuple(kinds[index] for index in events)
+        self.pieces.append(Piece(equations, unknowns, values, orbits, events, types, (path.began, path.ended)))
         self._relabelled(path, orbits, number)
         for equations, point, leaves in path.beyond:
             self._beyond(path, equations, point, leaves, number)
@@ -458,8 +480,8 @@ class _Search:
         backward = self._followed(seed, back)
         return joined(backward, forward)
 
-    def _note(self, equations: Equations, path: Path, event: Event, number: int) -> bool:
-        """Keep an event as a special point, and what begins there as a seed; whether it is one."""
+    def _note(self, equations: Equations, path: Path, event: Event, number: int) -> str:
+        """Keep an event as a special point, and what begins there as a seed; its type, nothing if it is none."""
         x, p = path.unscaled(event.point.z)
         if event.where == HALVES:
             half, x, p, good = once(equations, x, p)
@@ -469,18 +491,24 @@ class _Search:
             low, high = min(event.low, value), max(event.high, value)
             one = Special("pd", value, low, high, good, orbit, allowed(half, x, p), -1, number)
             self.special.append(one)
-            return True
+            return one.type
         type, orbit = event.type, equations.orbit(x, p)
         if type == "ns" and not abs(orbit.multipliers[0].imag) > 0.0:
-            return False  # real multipliers whose product is 1: no bifurcation
+            return ""  # real multipliers whose product is 1: no bifurcation
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
         if type == "v0" and kick_of(orbit.map.model) == 0.0:  # type: ignore[arg-type]
             type = "gr"
         edge = on_the_edge(equations, event)
         found = float(p[-1]), event.low, event.high, event.converged
-        self.special.append(Special(type, *found, orbit, edge, event.where, number, direction=event.point.tangent))
-        self.waiting += [seed._replace(origin=len(self.special) - 1) for seed in seeds]
-        return True
+        one = Special(type, *found, orbit, edge, event.where, number, direction=event.point.tangent)
+        span = self.bounds[1] - self.bounds[0]
+        place = next((i for i, other in enumerate(self.special) if one_graze(one, other, span)), len(self.special))
+        if place == len(self.special):
+            self.special.append(one)
+        elif one.converged and not self.special[place].converged:
+            self.special[place] = one
+        self.waiting += [seed._replace(origin=place) for seed in seeds]
+        return type
 
     def _known(self, seed: Seed) -> bool:
         """Whether a piece that is known already passes through a seed: then a graze lies there with its impacts."""

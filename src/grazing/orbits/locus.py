@@ -14,7 +14,7 @@ from grazing.copies import ByValue
 from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import Point, closed, follow, joined, linearised, tangent_of
+from grazing.orbits.path import Path, Point, at_value, closed, follow, joined, linearised, tangent_of
 from grazing.orbits.piece_equations import PieceOrbit, border_units
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
@@ -273,6 +273,24 @@ def same_meeting(one: Meeting, other: Meeting, spans: Floats) -> bool:
     return len(a) == len(b) and any((np.abs(np.roll(b, k, axis=0) - a) <= ALIKE * size).all() for k in range(len(a)))
 
 
+def trim(path: Path, equations: LocusEquations) -> None:
+    """Move the ends of a path that lie beyond the range of the first parameter to its edge."""
+    low, high = (bound / float(equations.scale[-1]) for bound in equations.bounds)
+    for last, inner in ((0, 1), (-1, -2)):
+        value = float(path.points[last].z[-2])
+        if low <= value <= high:
+            continue
+        there = at_value(equations, path.points[inner], path.points[last], low if value < low else high, -2)
+        if there is not None:
+            path.points[last] = there
+            continue
+        path.points.pop(last)
+        if last == 0:
+            path.began = "lost"
+        else:
+            path.ended = "lost"
+
+
 def locus(
     special: Special,
     names: tuple[str, str],
@@ -361,9 +379,9 @@ def locus(
         if forward.ended == "closed"
         else joined(follow(equations, back, ranges[1], step=step, limit=most), forward)
     )
+    trim(path, equations)
+    solutions = [path.unscaled(q.z) for q in path.points]
     low, high = ranges[0]
-    inside = [q for q in path.points if low <= q.z[-2] * equations.scale[-1] <= high]
-    solutions = [path.unscaled(q.z) for q in inside]
     met = []
     for _index, event in path.events:
         X, q = path.unscaled(event.point.z)

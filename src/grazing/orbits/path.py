@@ -457,18 +457,21 @@ def advanced(equations: Equations, here: Point, h: float) -> tuple[Point | None,
     return Point(z, tangent_of(wide, here.tangent), equations.tests(*unscaled(equations, z))), steps
 
 
-def at_value(equations: Equations, a: Point, b: Point, value: float) -> Point | None:
-    """Return the point between two at which the scaled parameter has a value, by Newton's method at that value."""
-    share = (value - a.z[-1]) / (b.z[-1] - a.z[-1])
+def at_value(equations: Equations, a: Point, b: Point, value: float, index: int = -1) -> Point | None:
+    """Return the point between two at which a scaled coordinate has a value, by Newton's method at that value.
+
+    The coordinate is the parameter, if no other ``index`` is given.
+    """
+    share = (value - a.z[index]) / (b.z[index] - a.z[index])
     z = a.z + share * (b.z - a.z)
-    z[-1] = value
+    z[index] = value
     across = np.zeros(len(z))
-    across[-1] = 1.0
+    across[index] = 1.0
     found = corrected(equations, z, across, a.z)
     if found is None:
         return None
     z, wide, _steps = found
-    z[-1] = value
+    z[index] = value
     return Point(z, tangent_of(wide, a.tangent), equations.tests(*unscaled(equations, z)))
 
 

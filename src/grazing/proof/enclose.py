@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
+from grazing.orbits.signature import impact_equations
 from grazing.oscillator.exact import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name
@@ -39,6 +43,8 @@ if TYPE_CHECKING:
 
 #: Half-width of the pinned coordinate, as a power of 1/2, tried before a very small one.
 WIDTH = 44
+#: Impacts slower than this part of the model's speeds touch the wall.
+TOUCH = 1e-9
 
 
 class End(NamedTuple):
@@ -58,7 +64,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Parameters
     ----------
     orbit : Orbit
-        An orbit near the bifurcation, of the oscillator or of the gap map; from it the search starts.
+        An orbit near the bifurcation, of the oscillator or of the gap map; from it the search starts. It may be that of
+        the special point of a branch. Of an orbit at a graze, an impact without speed is taken for the touch.
     kind : str
         ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map
         ``"pd"``, ``"lp"``, ``"gr"`` or ``"bcb"``, the border collision.
@@ -101,6 +108,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     model = orbit.model
     checked_name(name, model.params, "the model")
     model.refuse_base("a proof", [name])
+    orbit = without_touches(orbit, name) if kind == "gr" else orbit
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
         if kind != "gr" and orbit.impacts == 0:
@@ -127,6 +135,19 @@ def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
     if not proofs:
         return GapProof(False, f"Nothing is proven: {orbit.word} has no {kind} at lam = {lam:g}, l = {l:g}.", None)
     return min(proofs, key=lambda one: abs(one.value[0] - mu) if one.value is not None else 0.0)
+
+
+def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
+    """Return an orbit without those of its impacts that have no speed and get none: there it touches the wall."""
+    slow = TOUCH * orbit.model.reach.speed
+    hits = np.maximum(np.abs(orbit.incoming), np.abs(orbit.outgoing)) > slow
+    if hits.all():
+        return orbit
+    p = np.array([orbit.model.params[name]])
+    equations = impact_equations(orbit.model, (name,), orbit.period, orbit.incoming[hits])
+    if isinstance(equations, FreeEquations):
+        return equations.orbit(equations.start(p), p)
+    return equations.orbit(np.concatenate([orbit.times[hits], orbit.outgoing[hits]]), p)
 
 
 def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:

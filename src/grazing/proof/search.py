@@ -43,9 +43,9 @@ class Search:
         self.equations, self.kind = equations, kind
         self.pinned = equations.size
         self.dip: Dip | None = None
+        if kind == "lp":  # the parameter turns round at a fold: there no orbit is alone at its value
+            self.pinned = self._steepest(start)
         self.start = self.solved(start)
-        if kind == "lp":
-            self.pinned = self._steepest(self.start)
 
     def solved(self, x: Point) -> Point:
         """Return the orbit at the pinned coordinate of a guess."""

@@ -9,13 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.orbit import Orbit
+from grazing.orbits.path import closed
+from grazing.orbits.signature import equations_of
 from grazing.orbits.word import word
 from grazing.oscillator.trajectory import trajectory
+from grazing.outcome import GrazingError
 from grazing.studies.classify import APERIODIC, classify
 
 Floats = NDArray[np.float64]
 #: Impacts of one orbit at neighbouring values are no farther apart than this, in periods.
 NEAR = 0.25
+#: Equal steps in which a periodic orbit is moved to the next value, tried one after the other.
+PARTS = (1, 8)
 #: Steps of the map that take as long as to compare two attractors.
 PAIR = 1000.0
 
@@ -38,7 +44,7 @@ def changes(
 ) -> list[Change]:  # fmt: skip
     """Return the changes between neighbouring values, in increasing order of the value.
 
-    An attractor that no start reaches at the next value may still be there: its own point is followed there first.
+    An attractor that no start reaches may still be there: it is followed up and down from the values where it is known.
 
     Parameters
     ----------
@@ -53,20 +59,21 @@ def changes(
     """
     found: list[Change] = []
     order = np.argsort(values, kind="stable").tolist()
+    maps = [P.replace(**{name: float(value)}) for value in values]
+    there = [
+        {k: _point(reached, last, n, k) for k in sorted(_attractors(reached[n], period))} for n in range(len(maps))
+    ]
+    for way in (order, order[::-1]):
+        for i, j in pairwise(way):
+            known = {k: x for k, x in there[i].items() if k not in there[j]}
+            if known:
+                there[j] |= _followed(maps[i], maps[j], name, known, period, words, transient, keep)
     for i, j in pairwise(order):
-        before, after = (P.replace(**{name: float(values[n])}) for n in (i, j))
-        here, there = (_attractors(reached[n], period) for n in (i, j))
-
-        def there_too(R: Map, n: int, k: int) -> bool:
-            x = _point(reached, last, n, k)
-            return _is_on(R, x, transient, keep, int(period[k]), str(words[k]))
-
-        gone = [k for k in sorted(here - there) if not there_too(after, i, k)]
-        new = [k for k in sorted(there - here) if not there_too(before, j, k)]
+        gone, new = sorted(there[i].keys() - there[j].keys()), sorted(there[j].keys() - there[i].keys())
         for a in list(gone):
             for b in list(new):
-                points = _point(reached, last, i, a), _point(reached, last, j, b)
-                kind = _kind((before, after), points, (int(period[a]), int(period[b])), (str(words[a]), str(words[b])))
+                points, both = (there[i][a], there[j][b]), (maps[i], maps[j])
+                kind = _kind(both, points, (int(period[a]), int(period[b])), (str(words[a]), str(words[b])))
                 if kind and a in gone:
                     found.append(_change(values, i, j, words, period, a, b, kind))
                     gone.remove(a)
@@ -80,9 +87,11 @@ def work_of(values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32
     """Return about how many steps of the map :func:`changes` takes, for orbits of so many steps."""
     total, order = 0.0, np.argsort(values, kind="stable").tolist()
     there = [_attractors(reached[n], period) for n in order]
+    for k in set().union(*there):  # followed between the values where it is reached, and one beyond
+        at = [n for n, here in enumerate(there) if k in here]
+        total += (at[-1] - at[0] + 3 - len(at)) * float(steps)
     for here, next_ in pairwise(there):
-        gone, new = len(here - next_), len(next_ - here)
-        total += (gone + new) * float(steps) + PAIR * gone * new
+        total += PAIR * len(here - next_) * len(next_ - here)
     return total
 
 
@@ -91,11 +100,59 @@ def _attractors(reached: NDArray[np.int64], period: NDArray[np.int32]) -> set[in
     return {k for k in np.unique(reached).tolist() if period[k] > 0 or period[k] == APERIODIC}
 
 
-def _is_on(P: Map, x: Floats, transient: int, keep: int, period: int, word: str) -> bool:
-    """Return whether an orbit from x settles on an attractor of this period and word."""
-    points, letters, outcomes = P.run(x.reshape(-1, 1).copy(), transient, keep)
-    found = classify(P, points, letters, outcomes[0])
-    return bool(found.period[0] == period and found.word[0] == word)
+def _followed(
+    P: Map, there: Map, name: str, known: dict[int, Floats], period: NDArray[np.int32], words: NDArray[np.object_],
+    transient: int, keep: int,
+) -> dict[int, Floats]:  # fmt: skip
+    """Return which attractors of a map are those of another one too, with a point of each there.
+
+    An orbit from a point of the attractor has to settle on one of its period and word: from the point of the periodic
+    orbit itself at the new parameter, where it is stable, for near the end of a window all other orbits may leave.
+    """
+    starts = []
+    for k, x in known.items():
+        moved = _moved(P, x, int(period[k]), str(words[k]), name, float(there.params[name])) if period[k] > 0 else None
+        starts.append(x if moved is None else moved)
+    points, letters, outcomes = there.run(np.array(starts).T.copy(), transient, keep)
+    found = classify(there, points, letters, outcomes[0])
+    return {
+        k: points[-1, :, n].copy()
+        for n, k in enumerate(known)
+        if found.period[n] == period[k] and found.word[n] == words[k]
+    }
+
+
+def _moved(P: Map, x: Floats, N: int, word: str, name: str, value: float) -> Floats | None:
+    """Return a point of a periodic orbit at another value of a parameter; None where it is not stable, or not found."""
+    orbit = Orbit(
+        map=P, points=P.orbit(x, N).points[:N], word=word, period=N, multipliers=np.zeros(P.dimension, np.complex128),
+        admissible=True, condition=1.0, residual=0.0,
+    )  # fmt: skip
+    try:
+        equations, unknowns = equations_of(orbit, (name,))
+    except GrazingError:  # it rests on the wall, or is no orbit of such a parameter
+        return None
+    now = float(P.params[name])
+    for parts in PARTS:
+        solved: Floats | None = unknowns
+        for share in np.arange(1.0, parts + 1.0) / parts:
+            p = np.array([now + share * (value - now)])
+            solved = None if solved is None else closed(equations, solved, p)
+        if solved is not None:
+            there = equations.orbit(solved, np.array([value]))
+            return _seen(P, there) if there.stable and there.admissible else None
+    return None
+
+
+def _seen(P: Map, orbit: Orbit) -> Floats | None:
+    """Return a point of an orbit as a map has it; of an oscillator's, at the map's own phase."""
+    point = np.asarray(orbit.points[0])
+    if P.section is None or P.params.get("phase") == 0.0:
+        return point
+    if P.section != "strobe" or orbit.map.model is None:
+        return None
+    flown = trajectory(orbit.map.model, (point[0], point[1]), start=0.0, until=P.params["phase"], samples=2)
+    return np.array([flown["u"].values[-1], flown["v"].values[-1]])
 
 
 def _kind(
