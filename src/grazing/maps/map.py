@@ -24,6 +24,7 @@ from grazing.maps.settle import Explain, Settle, settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import Derived
+from grazing.oscillator.walled import Walled
 from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
@@ -63,8 +64,8 @@ class Segment(NamedTuple):
 
 #: What two equal maps have in common; all else follows from it, or is compiled from it.
 VALUE = (
-    "name", "params", "coordinates", "box", "letters", "escape", "exact", "model", "section", "step", "prepare",
-    "tangent", "pieces", "border", "check",
+    "name", "params", "coordinates", "box", "letters", "escape", "exact", "model", "walled", "section", "step",
+    "prepare", "tangent", "pieces", "border", "check",
 )  # fmt: skip
 #: What may differ from the map that ``source`` makes.
 OWN = ("name", "coordinates", "box", "letters", "escape")
@@ -133,7 +134,9 @@ class Map(ByValue):
     describe : callable, optional
         ``describe(name)``: symbol, meaning and range of a parameter, for labels and options.
     model : Oscillator, optional
-        The oscillator behind the map.
+        The oscillator behind the map, over one wall at rest.
+    walled : Walled, optional
+        The oscillator behind the map, between walls of its own; the map sees it at the strobe.
     section : {"strobe", "impact"}, optional
         Where the map sees that oscillator, exactly; None for a map that only comes near it.
     clock : callable, optional
@@ -194,6 +197,7 @@ class Map(ByValue):
     pointed: Callable[..., Derived] | None = None
     describe: Callable[[str], Parameter] | None = None
     model: Oscillator | None = None
+    walled: Walled | None = None
     section: str | None = None
     clock: Callable[..., NDArray[np.float64]] | None = None
     boxes: Callable[[Floats], Floats] | None = None

@@ -81,7 +81,7 @@ def above_wall(state: Any, params: Any) -> None:
         )
 
 
-def stroboscopic_map(model: Oscillator | System, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Oscillator | Walled | System, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters

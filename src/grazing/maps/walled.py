@@ -178,6 +178,7 @@ def walled_map(model: Walled, phase: float) -> Map:
         source=partial(_again, model),
         pointed=partial(_pointed, model),
         describe=partial(Walled.describe, model),
+        walled=model,
         clock=partial(periods_passed, list(params).index("omega")),
     )
 

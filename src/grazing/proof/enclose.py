@@ -20,6 +20,7 @@ from grazing.proof.certify import (
     cleared_flight,
     guess_of,
     not_proven,
+    over_one_wall,
     with_impacts,
 )
 from grazing.proof.clearance import Clear
@@ -99,7 +100,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
-    model = orbit.model
+    model = over_one_wall(orbit)
     checked_name(name, model.params, "the model")
     model.refuse_base("a proof", [name])
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
@@ -136,7 +137,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     from flint import arb
 
-    model, n, N = orbit.model, orbit.impacts, orbit.period
+    model, n, N = over_one_wall(orbit), orbit.impacts, orbit.period
     equations = Equations(model, n, N, name, orbit.incoming.tolist())
     size = equations.size
     with Stage("the orbit near the bifurcation is singular"):
