@@ -250,3 +250,16 @@ def test_a_word_of_many_impacts_costs_bounded_work_and_says_so():
     assert "random guesses" not in gz.periodic_orbits(P, word="01", starts=50).statement
     with pytest.raises(gz.InputError, match=r"have 999 impacts; allowed are 200.*letter C"):
         gz.periodic_orbits(P, word="0(999)")
+
+
+def test_of_a_trigger_no_orbit_has_its_pieces_in_another_order_than_its_impacts():
+    force = gz.Forcing(omega=0.9, offset=-0.3, cos=(1.0,))
+    m = gz.Oscillator(alpha=0.1, k=1.0, forcing=force, reset=gz.triggered(0.6, 0.4, 0.5), sigma=-0.2)
+    found = gz.periodic_orbits(gz.stroboscopic_map(m), [1, 2], starts=200, virtual=True)
+    assert len(found) > 50 and max(orbit.residual for orbit in found) < 1e-9
+
+
+def test_a_ball_that_falls_for_ever_has_no_orbit_without_impacts():
+    # exp(-B T) has the multiplier 1 but for rounding: the orbit would lie 1e16 deep in the wall
+    m = gz.Oscillator(alpha=0.1, k=0, forcing=gz.Forcing(omega=1.0, offset=-1.0, cos=(2.0,)), reset=gz.newton(0.8))
+    assert all(orbit.impacts for orbit in gz.periodic_orbits(gz.stroboscopic_map(m), 1, starts=50))

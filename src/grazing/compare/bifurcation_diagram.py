@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece, Work, followed
 from grazing.orbits.branch_table import branch_table
+from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
@@ -206,14 +207,14 @@ class Search:
 
     def _free(self, grid: list[float], met: list[Attractor]) -> None:
         """Follow the stable orbits without impacts that no start has reached, each of which is known in closed form."""
-        if self.P.model is None:
+        if model_of(self.P) is None:
             return
         reached = {one.value for one in met if one.period == 1 and one.word == FREE}
         for value in grid:
             if value in reached:
                 continue
             P = self.P.replace(**{self.name: value})
-            orbit = free_orbit(P.model)
+            orbit = free_orbit(model_of(P))
             if orbit is not None and orbit.admissible and orbit.stable and not self._passes(value, orbit):
                 try:
                     self._add(self._followed(P, orbit))

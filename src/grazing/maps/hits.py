@@ -105,6 +105,17 @@ class Hits:
             raise InputError(f"letter {letter} has no symbol between the walls {' and '.join(self.names)}")
         return found if len(found) == 1 else (f"({found})" if found else "0")
 
+    def longer(self, letter: int, wall: int) -> int:
+        """Return the letter of a step with one impact more, at a wall by its number."""
+        if letter == MANY or letter * self.base + 1 >= self.base**self.most:
+            return MANY
+        return letter * self.base + 1 + wall
+
+    def walls(self, letter: int) -> tuple[int, ...]:
+        """Return the numbers of the walls that are hit in a step, in order; none for a letter that is no impacts."""
+        symbol = self.symbol(letter)
+        return () if letter <= 0 else tuple(self.names.index(name) for name in symbol.strip("()"))
+
     def read(self, text: str, position: int) -> tuple[int, int]:
         """Return the letter that stands at a position of a text, and where the next one begins."""
         found = self._symbols.match(text, position)

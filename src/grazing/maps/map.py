@@ -38,6 +38,7 @@ from grazing.pool import Progress, Task
 
 if TYPE_CHECKING:
     from grazing.oscillator.model import Oscillator
+    from grazing.oscillator.walled import Walled
 
 #: Letters that are not counts: completed chatter and stuck throughout.
 CHATTER_LETTER = -1
@@ -227,6 +228,11 @@ class Map(ByValue):
     def model(self) -> Oscillator | None:
         """The oscillator over one wall that the map shows, exactly or nearly; None for any other map."""
         return self.origin.model  # type: ignore[no-any-return]
+
+    @property
+    def walled(self) -> Walled | None:
+        """The oscillator that the map shows at the strobe, between walls of its own; None for any other map."""
+        return self.origin.walled  # type: ignore[no-any-return]
 
     @property
     def section(self) -> str | None:

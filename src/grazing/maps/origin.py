@@ -55,7 +55,9 @@ class Origin(ByValue):
     sized : bool
         Whether orbits that leave the box by many times its size, and go on growing, have diverged.
     model : Oscillator, optional
-        The oscillator that the map shows.
+        The oscillator over one wall at rest that the map shows.
+    walled : Walled, optional
+        The oscillator between walls of its own that the map shows at the strobe.
     section : {"strobe", "impact"}, optional
         Where the map shows that oscillator, exactly; None for a map that only comes near it.
     """
@@ -71,6 +73,7 @@ class Origin(ByValue):
     exact: bool = True
     sized: ClassVar[bool] = False
     model: Any = None
+    walled: Any = None
     section: ClassVar[str | None] = None
 
     def __bool__(self) -> bool:

@@ -137,7 +137,7 @@ class Strobed(OfOscillator):
         return said[0] if said else f"the reset law {law.name} returned what it must not"
 
 
-def stroboscopic_map(model: Oscillator | System, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Oscillator | Walled | System, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters

@@ -167,6 +167,8 @@ def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
 class Strobed(Origin):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
+    walled: Walled
+
     def __init__(self, walled: Walled) -> None:
         self.walled = walled
         self.exact = all(wall.law.exact_slope for wall in walled.walls)

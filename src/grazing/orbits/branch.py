@@ -27,8 +27,10 @@ from grazing.orbits.switching import (
     ZERO,
     Seed,
     allowed,
+    called,
     doubled,
-    kick_of,
+    evened,
+    nearly_even,
     on_the_edge,
     once,
     partners,
@@ -431,15 +433,18 @@ class _Search:
             self._beyond(path, equations, point, leaves, number)
 
     def _halved(self, path: Path) -> None:
-        """Put the points at which an orbit is one of half its period where that one doubles, to rounding."""
+        """Put points at which an orbit is one of half its period, or its own mirror image, where that one branches."""
         equations = path.equations
         for number, (i, event) in enumerate(path.events):
-            if event.where != HALVES:
-                continue
             x, p = path.unscaled(event.point.z)
-            half, x, p, good = once(equations, x, p)
-            if good:
+            if event.where != HALVES and not (event.type == "bp" and nearly_even(equations, x, p)):
+                continue
+            if event.where == HALVES:
+                half, x, p, good = once(equations, x, p)
                 _twice, x = doubled(half, x, p)
+            else:
+                x, p, good = evened(equations, x, p)
+            if good:
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
                 path.points[i] = point
                 path.events[number] = i, event._replace(point=point, converged=True)
@@ -496,11 +501,11 @@ class _Search:
         if type == "ns" and not abs(orbit.multipliers[0].imag) > 0.0:
             return ""  # real multipliers whose product is 1: no bifurcation
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
-        if type == "v0" and kick_of(orbit.map.model) == 0.0:  # type: ignore[arg-type]
-            type = "gr"
+        type, wall = called(equations, type, event.where, p)
         edge = on_the_edge(equations, event)
-        found = float(p[-1]), event.low, event.high, event.converged
-        one = Special(type, *found, orbit, edge, event.where, number, direction=event.point.tangent)
+        value, where = float(p[-1]), max(event.where, -1)
+        found = value, min(event.low, value), max(event.high, value), event.converged
+        one = Special(type, *found, orbit, edge, where, number, direction=event.point.tangent, wall=wall)
         span = self.bounds[1] - self.bounds[0]
         place = next((i for i, other in enumerate(self.special) if one_graze(one, other, span)), len(self.special))
         if place == len(self.special):

@@ -13,6 +13,7 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
+from grazing.oscillator.walled import Walled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +57,10 @@ def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[st
         return "impact", _joined(values, np.float64), hit[0][1].model.describe(name).attributes if hit else {}
 
     rows = [np.full(one.impacts, i) for i, one in hit]
+    walls = np.array([letter for _i, one in hit for letter in one.walls], dtype=object)
+    named = isinstance(hit[0][1].model, Walled) if hit else False
     return {
+        **({"impact_wall": ("impact", walls, {"long_name": "wall that is hit"})} if named else {}),
         "impact_point": ("impact", _joined(rows, np.int64), {"long_name": "row of the orbit"}),
         "impact_time": column([one.times + rolls[i] * one.model.period for i, one in hit], "t"),
         "v_minus": column([one.incoming for _i, one in hit], "v_minus"),
@@ -142,6 +146,8 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "relabelling_before": text("relabelling", [one.before for one in branch.relabellings], "word before"),
         "relabelling_after": text("relabelling", [one.after for one in branch.relabellings], "word after"),
     }
+    if P.walled is not None:
+        table["special_wall"] = text("special", [one.wall for one in special], "wall of the impact or of the graze")
     table |= impact_columns(orbits, rolls)
     for j, coordinate in enumerate(coordinates):
         said = P.describe(coordinate).attributes

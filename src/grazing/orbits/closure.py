@@ -20,8 +20,9 @@ from typing import Any, NamedTuple
 from grazing.kernel.elementary import exp, length, sincos
 from grazing.kernel.primitives import replaced
 from grazing.oscillator.constants import Constants, forcing
-from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
+from grazing.oscillator.contact import placed, window_of, window_sign
 from grazing.oscillator.flight import anchored, divided2, divided3, flight, modes
+from grazing.oscillator.frames import Frames, first_contact, frame_of
 from grazing.oscillator.windows import free_distance, series, window_edges
 
 TWO_PI = 2.0 * pi
@@ -249,17 +250,19 @@ def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> tuple[float, flo
     return new, y
 
 
-def first_contact(tau: float, w: float, N: int, c: Constants) -> float:
-    """Return the time from an impact to the next contact, by the exact advance; infinite if none within N + 1 periods.
+def contact_after(tau: float, w: float, b: bool, N: int, c: Frames) -> tuple[float, bool]:
+    """Return the time from an impact to the next contact, by the exact advance, and whether the second wall is hit.
 
-    0 for a ball that leaves with w = 0 while the forcing presses it on the wall: it sticks.
+    Infinite if none within N + 1 periods; 0 for a ball that leaves with w = 0 while the forcing presses it on the wall:
+    it sticks. ``b`` says whether it leaves the second wall.
     """
-    ball = placed(tau, 0.0, w, window_of(tau, 0, c))
-    if w == 0.0 and window_sign(ball.i, c) < 0.0:
-        return 0.0
+    here = frame_of(b, c)
+    ball = placed(tau, 0.0, w, window_of(tau, 0, here))
+    if w == 0.0 and window_sign(ball.i, here) < 0.0:
+        return 0.0, b
     for period in range(N + 2):
-        hit, ball, _flags, _near = next_contact(ball, c)
+        hit, b, ball, _flags, _near = first_contact(ball, b, c)
         if hit:
-            return period * c.T + ball.t - tau
+            return period * here.T + ball.t - tau, b
         ball = placed(0.0, ball.y, ball.v, 0)
-    return float("inf")
+    return float("inf"), b

@@ -87,6 +87,10 @@ class Equations(ABC):
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         return None
 
+    def mirrored(self, x: Floats, p: Floats) -> Floats | None:
+        """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
+        return None
+
     def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
         """Whether these are the equations at each of several points, x (k, n) and p (k, names), with small defects."""
         return np.ones(len(x), np.bool_)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.orbits.contacts import Model, flight_row, frames_at, oscillators_of
 from grazing.orbits.equations import Equations
-from grazing.oscillator.constants import HEAD, constants_of
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import flight_fields, flight_kind
+from grazing.oscillator.constants import HEAD
+from grazing.oscillator.frames import Frames, frame_of
 from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
@@ -21,7 +21,7 @@ class FlightEquations(Equations):
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
         Gives the values of all parameters that do not vary.
     names : tuple of str
         Parameters that vary.
@@ -29,7 +29,7 @@ class FlightEquations(Equations):
         Size of each of them.
     """
 
-    def __init__(self, model: Oscillator, names: tuple[str, ...], spans: Any = None) -> None:
+    def __init__(self, model: Model, names: tuple[str, ...], spans: Any = None) -> None:
         params = model.params
         for name in names:
             if name not in params:
@@ -52,15 +52,10 @@ class FlightEquations(Equations):
         return self.model.made_from_base(values)
 
     def row(self, values: Floats) -> Floats:
-        """Return the numbers that a flight needs, in the order of :func:`grazing.oscillator.pointed.flight_fields`."""
-        row = np.zeros(len(flight_fields(self.model.harmonics)))
-        head = (
-            len(HEAD) + 2 * self.model.harmonics + 1
-        )  # alpha to sigma; the section's phase and the law's fields are 0
-        row[:head] = values[:head]
-        return row
+        """Return the numbers that a flight needs, see :func:`grazing.orbits.contacts.flight_row`."""
+        return flight_row(self.model, values)
 
-    def model_at(self, p: Floats) -> Oscillator:
+    def model_at(self, p: Floats) -> Model:
         """Return the model with these values of the parameters that vary."""
         return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
 
@@ -68,12 +63,18 @@ class FlightEquations(Equations):
         """Return the period of the forcing, which changes with its frequency."""
         return float(2.0 * np.pi / self.values(p)[HEAD.index("omega")])
 
-    def constants(self, p: Floats) -> Any:
-        """Return the constants of flights, in plain Python."""
-        kind = flight_kind(self.model.harmonics)
-        return constants_of(self.model.harmonics)(kind(*self.row(self.values(p)).tolist()))
+    def frames(self, p: Floats) -> Frames:
+        """Return what the walls see, in plain Python."""
+        return frames_at(self.model, self.values(p))
 
-    def sizes(self) -> tuple[float, float]:
-        """Return the sizes of positions and velocities, > 0: of a ball that nothing moves those of its starts."""
-        c, at = self.constants(self.own), self.model.reach
-        return (c.size, c.size * c.rate) if c.size > 0.0 else (at.height, at.speed)
+    def constants(self, p: Floats) -> Any:
+        """Return the constants of flights as the first wall sees them, in plain Python."""
+        return self.frames(p).a
+
+    def sizes(self, wall: int = 0) -> tuple[float, float]:
+        """Return the sizes of positions and velocities that a wall sees, > 0: of a still ball those of its starts."""
+        c = frame_of(bool(wall), self.frames(self.own))
+        if c.size > 0.0:
+            return c.size, c.size * c.rate
+        at = oscillators_of(self.model)[wall].reach
+        return at.height, at.speed

@@ -10,61 +10,76 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.lanes import unpacker
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import lowest_dip
+from grazing.orbits.contacts import Model, framer, walls_of
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
-from grazing.oscillator.constants import constants_of
+from grazing.oscillator.constants import Constants
+from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import flight_kind
+from grazing.oscillator.frames import frame_of, seen_across, seen_at_strobe
+from grazing.oscillator.walled import Walled
 
 Floats = NDArray[np.float64]
 
 #: Instants of a period among which the fastest rise is sought: from there every local minimum lies inside the period.
 INSTANTS = 16
+#: Of the size of the motion, beyond which a steady response has too few digits to be one.
+FAR = 1e9
 
 
 class FreeEquations(FlightEquations):
-    """The state (y, v) at the strobe, y = u - sigma, that one period of free flight repeats."""
+    """The state (y, v) at the strobe, as the first wall sees it, that one period of free flight repeats."""
 
-    def __init__(self, model: Oscillator, names: tuple[str, ...], spans: Any = None) -> None:
+    def __init__(self, model: Model, names: tuple[str, ...], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.n, self.N = 0, 1
-        self._turn = turner(model.harmonics)
+        self._turn = turner(model.harmonics, isinstance(model, Walled))
         self.scale = np.array(self.sizes())
 
-    def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, float, float]:
-        """Return the state after a period, its derivative, the lowest local minimum and its time in [0, T)."""
-        out = np.empty(8)
+    def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the state after a period, its derivative, and for each wall the lowest dip and its time in [0, T)."""
+        out, walls = np.empty(10), len(walls_of(self.model))
         call(self._turn, self.row(self.values(p)), np.ascontiguousarray(x, np.float64), out, who="the free flight")
-        return out[:2], out[2:6].reshape(2, 2), float(out[6]), float(out[7])
+        return out[:2], out[2:6].reshape(2, 2), out[6:].reshape(2, 2)[:walls]
 
     def start(self, p: Floats) -> Floats:
         """Return the solution, which is unique where the free flight has no multiplier 1; else NaN."""
-        end, E, _low, _when = self.turned(np.zeros(2), p)
+        end, E, _dips = self.turned(np.zeros(2), p)
         try:
-            return np.asarray(np.linalg.solve(np.eye(2) - E, end))
+            found = np.linalg.solve(np.eye(2) - E, end)
         except np.linalg.LinAlgError:  # no stiffness: the ball drifts
-            return np.full(2, np.nan)
+            found = np.full(2, np.nan)
+        # a multiplier that is 1 but for rounding puts it so far away that none of its digits counts
+        return np.asarray(found if (np.abs(found) < FAR * self.scale).all() else np.full(2, np.nan))
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the state after a period differs, and the derivative of that."""
-        end, E, _low, _when = self.turned(x, p)
+        end, E, _dips = self.turned(x, p)
         return end - x, E - np.eye(2)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, lp and ns, and the clearance of the wall."""
-        _end, E, low, _when = self.turned(x, p)
+        """Return pd, lp and ns, and the clearance of each wall."""
+        _end, E, dips = self.turned(x, p)
         trace, det = float(np.trace(E)), self._area(p)
         return (
-            Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det), Test("gr", low, 0),
+            Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det),
+            *(Test("gr", float(low), wall) for wall, (low, _when) in enumerate(dips)),
         )  # fmt: skip
+
+    def touched(self, type: str, where: int) -> tuple[int, int]:
+        """Return which flight a test function is about, and at which wall."""
+        return (0, where) if type == "gr" else (where, -1)
+
+    def state(self, orbit: ImpactOrbit) -> Floats:
+        """Return the unknowns of an orbit without impacts."""
+        (u, v), c = orbit.points[0], self.frames(self.own)
+        return np.array([c.side * (u - c.za), c.side * (v - c.wa)])
 
     def _area(self, p: Floats) -> float:
         """Return exp(-alpha T), by which areas shrink in a period: exactly 1 where nothing damps."""
@@ -77,14 +92,14 @@ class FreeEquations(FlightEquations):
 
     def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
         """Return the orbit, admissible if it stays off the wall."""
-        end, E, low, _when = self.turned(x, p)
-        trace, det = float(np.trace(E)), self._area(p)
+        end, E, dips = self.turned(x, p)
+        trace, det, low = float(np.trace(E)), self._area(p), float(dips[:, 0].min())
         none = np.empty(0)
-        model = self.model_at(p)
+        P = stroboscopic_map(self.model_at(p))
         return ImpactOrbit(
-            map=stroboscopic_map(model),
-            points=(x + np.array([model.sigma, 0.0]))[None],
-            word=word((0,)),
+            map=P,
+            points=np.array([seen_at_strobe(placed(0.0, float(x[0]), float(x[1]), 0), False, self.frames(p))]),
+            word=word((0,), P.letters),
             period=1,
             multipliers=multipliers(trace, det),
             admissible=low > 0.0,
@@ -97,7 +112,7 @@ class FreeEquations(FlightEquations):
         )
 
 
-def free_orbit(model: Oscillator | None) -> ImpactOrbit | None:
+def free_orbit(model: Model | None) -> ImpactOrbit | None:
     """Return the orbit without impacts, admissible or not; None where there is none, or one from every state."""
     if model is None:
         return None
@@ -107,22 +122,29 @@ def free_orbit(model: Oscillator | None) -> ImpactOrbit | None:
 
 
 @lru_cache(maxsize=64)
-def turner(harmonics: int) -> Callable[..., None]:
+def turner(harmonics: int, walled: bool) -> Callable[..., None]:
     """Compile ``turn(row, x, out)``: one period from (y, v); see :meth:`FreeEquations.turned`."""
-    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
+    frames = framer(harmonics, walled)
 
-    def turn(row: Any, x: Any, out: Any) -> None:
-        c = constants(unpack(row))
-        anchor = anchored(0.0, x[0], x[1], c)
-        out[0], out[1] = flight(c.T, anchor, c)
-        out[2], out[3], out[4], out[5] = modes(c.T, c)
-        begin, fastest, height = 0.0, -float("inf"), x[0]
+    def dip(y: float, v: float, c: Constants) -> tuple[float, float]:
+        """Return the lowest local minimum of a periodic flight that is at (y, v) at time 0, and its time in [0, T)."""
+        anchor, begin, fastest, height = anchored(0.0, y, v, c), 0.0, -float("inf"), y
         for i in range(INSTANTS):
             y, v = flight(i * c.T / INSTANTS, anchor, c)
             if v > fastest:
                 begin, fastest, height = i * c.T / INSTANTS, v, y
         low, _dip, _dips, when = lowest_dip(begin, height, fastest, c.T, c)
-        out[6] = low
-        out[7] = begin + when - (c.T if begin + when >= c.T else 0.0)
+        return low, begin + when - (c.T if begin + when >= c.T else 0.0)
+
+    def turn(row: Any, x: Any, out: Any) -> None:
+        c = frames(row)
+        here = c.a
+        out[0], out[1] = flight(here.T, anchored(0.0, x[0], x[1], here), here)
+        out[2], out[3], out[4], out[5] = modes(here.T, here)
+        out[6], out[7] = dip(x[0], x[1], here)
+        out[8], out[9] = float("inf"), 0.0
+        if c.two:
+            y, v = seen_across(0.0, x[0], x[1], c)
+            out[8], out[9] = dip(y, v, frame_of(True, c))
 
     return compiled(turn)

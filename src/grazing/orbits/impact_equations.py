@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from math import ceil, floor, gcd
+from math import floor, gcd
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,20 +12,30 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call
 from grazing.maps.period import product, saltation
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, PROFILE, SLOPE, closer
-from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
+from grazing.orbits.closure import FIRED, WHOLE
+from grazing.orbits.contacts import (
+    Model,
+    addresses,
+    frames_at,
+    law_numbers,
+    letters_of_walls,
+    numbers_seen,
+    piece_of,
+    wall_of,
+    walls_of,
+)
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
+from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import law_addresses
-from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
+from grazing.oscillator.frames import Frames, frame_of, seen_at_strobe
 from grazing.oscillator.trajectory import refuse_swings
-from grazing.parameter import parameter_tuple
+from grazing.oscillator.walled import Walled
 
 Floats = NDArray[np.float64]
 
@@ -35,9 +44,10 @@ SHORTEST = 1e-9
 
 
 def force_turns(params: Mapping[str, float]) -> int:
-    """Return how often the force repeats itself in a period T, by its active harmonics; 0 if it is constant."""
-    names = (name for name in params if name[:3] in ("cos", "sin") and name[3:].isdigit())
-    return gcd(*(int(name[3:]) for name in names if params[name] != 0.0))
+    """Return how often force and walls repeat themselves in a period T, by active harmonics; 0 if nothing moves."""
+    waves = ((name.rpartition(".")[2], value) for name, value in params.items())
+    return gcd(*(int(name[3:]) for name, value in waves
+                 if value != 0.0 and name[:3] in ("cos", "sin") and name[3:].isdigit()))  # fmt: skip
 
 
 class Profile(NamedTuple):
@@ -54,50 +64,58 @@ class ImpactEquations(FlightEquations):
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
         Gives the values of all parameters that do not vary.
     names : tuple of str
         Parameters that vary.
     N : int
         Periods of the forcing.
     pieces : sequence of int
-        For each impact which piece of the reset law acts: WHOLE, or for a trigger FIRED or PASSIVE.
+        For each impact which piece of the reset law acts: WHOLE, or for a trigger FIRED or PASSIVE; for the second
+        wall PIECES more, see :mod:`grazing.orbits.contacts`.
     spans : array_like
         Size of each parameter that varies.
     """
 
-    def __init__(
-        self, model: Oscillator, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None
-    ) -> None:
+    def __init__(self, model: Model, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         refuse_swings(model)
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
-        self.scale = np.repeat([model.period, self.sizes()[1]], self.n)
-        self._gaps, self._close, self._profile = closer(model.harmonics)
+        self.walls = [wall_of(piece) for piece in self.pieces]
+        self.scale = np.array([self.period_at(self.own)] * self.n + [self.sizes(wall)[1] for wall in self.walls])
+        self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
 
-    def _laws(self, values: Floats) -> Floats:
-        """Return for each impact the addresses of its law, of its slope and of their numbers, which must live."""
+    def _laws(self, values: Floats) -> tuple[Floats, Any]:
+        """Return for each impact the addresses of its law, of its slope and of their numbers, its wall; and numbers.
+
+        The numbers must live as long as their addresses are used.
+        """
         at, slope = addresses(self.model, self.pieces)
-        return np.column_stack([at, slope, np.full(self.n, float(values.ctypes.data))])
+        numbers = [row for _kind, row in numbers_seen(self.model, values)]
+        rows = [float(numbers[wall].ctypes.data) for wall in self.walls]
+        return np.column_stack([at, slope, rows, np.array(self.walls, np.float64)]), numbers
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""
         values, F, J = self.values(p), np.full(2 * self.n, np.nan), np.full((2 * self.n, 2 * self.n), np.nan)
-        call(self._gaps, self.row(values), x, self.N, self._laws(values), F, J, who="the closing equations")
+        laws, _numbers = self._laws(values)
+        call(self._gaps, self.row(values), x, self.N, laws, F, J, who="the closing equations")
         return F, J
 
     def solve(self, guesses: Floats, p: Floats) -> Floats:
         """Solve by Newton's method from each row of guesses (k, 2n), which they become; residuals, NaN for none."""
         values, residuals = self.values(p), np.full(len(guesses), np.nan)
-        arguments = self.row(values), guesses, self.N, self._laws(values), residuals
+        laws, _numbers = self._laws(values)
+        arguments = self.row(values), guesses, self.N, laws, residuals
         call(self._close, *arguments, who="the closing equations")
         return residuals
 
     def profile(self, x: Floats, p: Floats, contacts: bool = False) -> Profile:
         """Return what a solution's flights do; with ``contacts`` each is flown by the exact advance as well."""
         values, table, out = self.values(p), np.empty((self.n, PROFILE)), np.empty(3)
-        arguments = self.row(values), x, self.N, self._laws(values), contacts, table, out
+        laws, _numbers = self._laws(values)
+        arguments = self.row(values), x, self.N, laws, contacts, table, out
         call(self._profile, *arguments, who="the closing equations")
         return Profile(table, *out.tolist())
 
@@ -110,22 +128,32 @@ class ImpactEquations(FlightEquations):
             Test("lp", sign * (scale - trace + det)),
             Test("ns", sign * (scale - det)),
         ]
-        trigger = self.values(p)[-1] if self.model.reset.law is triggered_law else 0.0
-        # without a kick both pieces of a trigger are one law
-        kicks = "V" not in self.model.params or self.values(p)[list(self.model.params).index("V")] != 0.0
+        laws = [law_numbers(self.model, j, self.values(p)) for j in range(len(walls_of(self.model)))]
         for i in range(self.n):
             k = (i + 1) % self.n
-            speed = -table[i, ENDING]
+            speed, law = -table[i, ENDING], laws[self.walls[k]]
             found.append(Test("v0", speed, k))
-            if self.pieces[k] != WHOLE:
-                over = speed - trigger if self.pieces[k] == FIRED else trigger - speed
-                found.append(Test("law", over if kicks else 1.0, k))
+            if piece_of(self.pieces[k]) != WHOLE:
+                trigger = law["trigger"]
+                over = speed - trigger if piece_of(self.pieces[k]) == FIRED else trigger - speed
+                found.append(Test("law", over if law["V"] != 0.0 else 1.0, k))  # without a kick both are one law
             # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
             low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
-            found.append(Test("gr", low if np.isfinite(low) else 1.0, i))
+            lows = [low] if len(laws) == 1 else [low, float(table[i, LOW + OTHER])]
+            walls = (self.walls[i], 1 - self.walls[i])
+            found += [
+                Test("gr", low if np.isfinite(low) else 1.0, wall * self.n + i)
+                for low, wall in zip(lows, walls, strict=False)
+            ]
             if x[self.n + i] == 0.0:
                 found.append(Test("st", table[i, FORCE], i))
         return tuple(found)
+
+    def touched(self, type: str, where: int) -> tuple[int, int]:
+        """Return which impact or flight a test function is about, and at which wall."""
+        if type == "gr":
+            return where % self.n, where // self.n
+        return where, self.walls[where] if type in ("v0", "law", "st") else -1
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return the solution, begun at another impact or period, that is nearest to another, and its order."""
@@ -145,9 +173,28 @@ class ImpactEquations(FlightEquations):
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         n, T = self.n, self.period_at(p)
         h = n // 2
-        turns = force_turns(dict(zip(self.model.params, self.values(p), strict=False)))
+        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
         if n % 2 or turns * self.N % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
+        return self.apart(x, T)
+
+    def mirrored(self, x: Floats, p: Floats) -> Floats | None:
+        """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same.
+
+        The image of an orbit is half a period T later, at the other wall each time. One that is its own image repeats
+        itself so after N/2 periods, and as many impacts: N is odd.
+        """
+        h, T = self.n // 2, self.period_at(p)
+        if self.n % 2 or self.N % 2 == 0 or [1 - wall for wall in self.walls[h:]] != self.walls[:h]:
+            return None
+        if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
+            return None
+        model = self.model_at(p)
+        return self.apart(x, T) if isinstance(model, Walled) and model.symmetric else None
+
+    def apart(self, x: Floats, T: float) -> Floats:
+        """Return by how much the second half of the impacts differs from the first one, scaled."""
+        n, h = self.n, self.n // 2
         apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
 
@@ -163,21 +210,26 @@ class ImpactEquations(FlightEquations):
 
     def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
         """Return the orbit of a solution: admissible if the exact advance from each impact ends at the next one."""
-        n, N, c, model = self.n, self.N, self.constants(p), self.model_at(p)
-        profile = self.profile(x, p, contacts=True)
+        n, N, c, model = self.n, self.N, self.frames(p), self.model_at(p)
+        T, profile = c.a.T, self.profile(x, p, contacts=True)
         table = profile.table
-        times, outgoing, incoming = x[:n] - c.T * floor(x[0] / c.T), x[n:], np.roll(table[:, ENDING], 1)
-        late = np.abs(table[:, CONTACT] - np.diff(np.append(times, times[0] + N * c.T)))
+        times, outgoing, incoming = x[:n] - T * floor(x[0] / T), x[n:], np.roll(table[:, ENDING], 1)
+        late = np.abs(table[:, CONTACT] - np.diff(np.append(times, times[0] + N * T)))
+        next_walls = np.roll(self.walls, -1)
+        size = np.array([frame_of(bool(wall), c).size for wall in next_walls])
         with np.errstate(divide="ignore"):
-            arrives = (table[:, ENDING] < 0.0) & (late <= 1e-9 * c.T + 1e-14 * c.size / np.abs(table[:, ENDING]))
+            arrives = (table[:, ENDING] < 0.0) & (late <= 1e-9 * T + 1e-14 * size / np.abs(table[:, ENDING]))
+        arrives &= table[:, STRUCK] == next_walls
         tests = [test.value for test in self.tests(x, p) if test.type in ("law", "st")]
-        points, letters = strobed(times, outgoing, N, c)
-        J = monodromy(times, incoming, outgoing, np.roll(table[:, SLOPE], 1), N, c)
+        flown = Flown(times, outgoing, self.walls, N)
+        points, letters = strobed(flown, model, c, 0.0)
+        J = monodromy(flown, incoming, np.roll(table[:, SLOPE], 1), c)
         scale = profile.scale if profile.scale != 0.0 else np.nan
+        P = stroboscopic_map(model)
         return ImpactOrbit(
-            map=stroboscopic_map(model),
+            map=P,
             points=points,
-            word=word(letters),
+            word=word(letters, P.letters),
             period=N,
             multipliers=multipliers(profile.trace / scale, profile.det / scale),
             admissible=bool(arrives.all() and (outgoing >= 0.0).all() and all(value >= 0.0 for value in tests)),
@@ -186,51 +238,52 @@ class ImpactEquations(FlightEquations):
             times=times,
             incoming=incoming,
             outgoing=outgoing,
-            clearance=float(table[:, LOW].min()),
+            clearance=float(table[:, [LOW, LOW + OTHER]].min()),
+            walls="".join(str(walls_of(model)[wall].name) for wall in self.walls),
         )
 
 
-@lru_cache(maxsize=64)
-def _addresses(law: Any, slope: Any, name: str, kind: type) -> tuple[float, float]:
-    """Return the addresses of a law and its slope in strict arithmetic."""
-    at, slope_at, _strike = law_addresses(law, slope, name, kind, "strict")
-    return at, slope_at
+class Flown(NamedTuple):
+    """The impacts of N periods of the forcing: times, velocities after them, numbers of their walls."""
+
+    times: Floats
+    outgoing: Floats
+    walls: Sequence[int]
+    N: int
 
 
-def addresses(model: Oscillator, pieces: Sequence[int]) -> tuple[list[float], list[float]]:
-    """Return for each impact the address of the piece of the law that acts there, and of its slope.
+def strobed(flown: Flown, model: Model, c: Frames, phase: float) -> tuple[Floats, list[int]]:
+    """Return the states (u, v) at phase, phase + T, ..., and the letters of the periods that end there.
 
-    A piece of a trigger goes on smoothly beyond the trigger's speed, so that Newton's method and virtual orbits can.
+    An impact at the strobe belongs to the period before it: (phase + jT, phase + (j + 1) T].
     """
-    kind, law = parameter_tuple(tuple(model.params)), model.reset
-    known = {
-        WHOLE: (law.law, law.slope, law.name),
-        FIRED: (active_law, newton_slope, "active"),
-        PASSIVE: (newton_law, newton_slope, "newton"),
-    }
-    pairs = [_addresses(*known[piece], kind) for piece in pieces]
-    return [at for at, _slope in pairs], [slope for _at, slope in pairs]
-
-
-def strobed(times: Floats, outgoing: Floats, N: int, c: Any) -> tuple[Floats, list[int]]:
-    """Return the states (u, v) at 0, T, ..., (N - 1) T, and the impacts in each period (jT, (j + 1) T]."""
-    points, letters = np.empty((N, 2)), [0] * N
-    for t in times:
-        letters[(ceil(t / c.T) - 1) % N] += 1
+    times, N, T = flown.times, flown.N, c.a.T
+    points, letters, hits = np.empty((N, 2)), [0] * N, letters_of_walls(model)
+    passed = (times - phase) / T
+    period = np.ceil(passed) - 1.0
+    for i in np.argsort(passed - period, kind="stable"):
+        j = int(period[i]) % N
+        letters[j] = letters[j] + 1 if hits is None else hits.longer(letters[j], flown.walls[i])
+    strobe = c if phase == 0.0 else frames_at(model, np.array([*model.params.values()]), phase)
     for j in range(N):
-        s = np.mod(j * c.T - times, N * c.T)  # time since each impact; an impact at the strobe has just happened
+        s = np.mod(phase + j * T - times, N * T)  # time since each impact; one at the strobe has just happened
         i = int(np.argmin(s))
-        points[j] = flight(float(s[i]), anchored(times[i], 0.0, outgoing[i], c), c)
-    return points + np.array([c.sigma, 0.0]), letters
+        b = flown.walls[i] > 0
+        here = frame_of(b, c)
+        y, v = flight(float(s[i]), anchored(times[i], 0.0, flown.outgoing[i], here), here)
+        points[j] = seen_at_strobe(placed(0.0, y, v, 0), b, strobe)
+    return points, letters
 
 
-def monodromy(times: Floats, incoming: Floats, outgoing: Floats, slopes: Floats, N: int, c: Any) -> Floats:
+def monodromy(flown: Flown, incoming: Floats, slopes: Floats, c: Frames) -> Floats:
     """Return the derivative (2, 2) of N periods at the orbit's state at time 0; NaN where an impact has v = 0."""
-    J, now = (1.0, 0.0, 0.0, 1.0), 0.0
-    when = np.where(times > 0.0, times, times + N * c.T)
-    when = when - N * c.T * np.floor((when - 1e-300) / (N * c.T))
+    J, now, end = (1.0, 0.0, 0.0, 1.0), 0.0, flown.N * c.a.T
+    times, outgoing = flown.times, flown.outgoing
+    when = np.where(times > 0.0, times, times + end)
+    when = when - end * np.floor((when - 1e-300) / end)
     for i in np.argsort(when):
-        jump = saltation(times[i], float(incoming[i]), float(outgoing[i]), float(slopes[i]), c)
-        J = product(jump, product(modes(when[i] - now, c), J))
+        here = frame_of(flown.walls[i] > 0, c)
+        jump = saltation(times[i], float(incoming[i]), float(outgoing[i]), float(slopes[i]), here)
+        J = product(jump, product(modes(when[i] - now, here), J))
         now = when[i]
-    return np.array(product(modes(N * c.T - now, c), J)).reshape(2, 2)
+    return np.array(product(modes(end - now, c.a), J)).reshape(2, 2)

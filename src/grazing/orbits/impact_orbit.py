@@ -7,8 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.orbits.contacts import Model, model_of
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.wall import NAMES
+from grazing.oscillator.walled import Walled
+
+#: An orbit and its mirror image that differ by less, in parts of a period and of its speed, are one.
+ALIKE = 1e-7
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -21,31 +26,64 @@ class ImpactOrbit(Orbit):
         Times of the impacts, increasing, the first in [0, T) and all within ``period`` T of it. Empty for an orbit
         without impacts. Read-only, as are the next two.
     incoming, outgoing : ndarray, shape (n,)
-        Velocity just before each impact, < 0 on an admissible orbit, and just after it, >= 0.
+        Velocity just before each impact, < 0 on an admissible orbit, and just after it, >= 0: relative to the wall and
+        away from it.
     clearance : float
-        Lowest local minimum of u - sigma between impacts, at flights' ends excepted; negative for a virtual orbit that
-        passes through the wall, infinite where no flight has a local minimum. Zero at a graze.
+        Lowest local minimum of the distance to a wall between impacts, at flights' ends excepted; negative for a
+        virtual orbit that passes through a wall, infinite where no flight has a local minimum. Zero at a graze.
+    walls : str
+        The wall of each impact, by its letter; with one wall all are the same.
     """
 
     times: NDArray[np.float64]
     incoming: NDArray[np.float64]
     outgoing: NDArray[np.float64]
     clearance: float
+    walls: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        object.__setattr__(self, "walls", self.walls or NAMES[0] * len(self.times))
         for name in ("times", "incoming", "outgoing"):
             array = np.array(getattr(self, name), np.float64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
     @property
-    def model(self) -> Oscillator:
+    def model(self) -> Model:
         """The oscillator."""
-        assert self.map.model is not None
-        return self.map.model
+        model = model_of(self.map)
+        assert model is not None
+        return model
 
     @property
     def impacts(self) -> int:
         """Number of impacts in ``period`` periods of the forcing."""
         return len(self.times)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether it is its own mirror image: half a period later it does the same at the other walls.
+
+        Only between the walls of a model that is its own mirror image, ``model.symmetric``.
+        """
+        n, h, N, model = len(self.times), len(self.times) // 2, self.period, self.model
+        if not isinstance(model, Walled) or n % 2 or N % 2 == 0 or not model.symmetric:
+            return False
+        if n == 0:
+            return True
+        if self.walls[h:].translate(str.maketrans(model.names, model.names[::-1])) != self.walls[:h]:
+            return False
+        late = self.times[h:] - self.times[:h] - 0.5 * N * model.period
+        speed = float(np.abs(self.outgoing).max(initial=0.0))
+        apart = np.abs(self.outgoing[h:] - self.outgoing[:h])
+        return bool((np.abs(late) <= ALIKE * model.period).all() and (apart <= ALIKE * speed).all())
+
+    def __repr__(self) -> str:
+        said = super().__repr__()
+        return said.replace(f"period {self.period}", f"period {self.period}, symmetric") if self.symmetric else said
+
+    @property
+    def depth(self) -> float:
+        """How far a virtual orbit passes through a wall; 0 for one that does not."""
+        return max(0.0, -self.clearance)

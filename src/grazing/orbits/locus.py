@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from grazing.copies import ByValue
 from grazing.orbits.branch import checked_bounds, checked_step
+from grazing.orbits.contacts import model_of, sizes_of
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Path, Point, at_value, closed, follow, joined, linearised, tangent_of
 from grazing.orbits.piece_equations import PieceOrbit, border_units
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
-from grazing.orbits.switching import ZERO, kick_of
+from grazing.orbits.switching import ZERO, called
 from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import whole
 
@@ -219,8 +220,8 @@ def edge(orbit: Orbit) -> bool:
     clearance = getattr(orbit, "clearance", None)
     if clearance is None:
         return orbit.admissible
-    fast, model = getattr(orbit, "incoming", np.empty(0)), orbit.map.model
-    height, speed = (1.0, 1.0) if model is None else (model.reach.height, model.reach.speed)  # units of its own
+    fast, model = getattr(orbit, "incoming", np.empty(0)), model_of(orbit.map)
+    height, speed = (1.0, 1.0) if model is None else sizes_of(model)  # units of its own
     if isinstance(orbit, PieceOrbit):
         height = float(border_units(orbit.map).max())
     return bool(clearance > -1e-9 * height and (fast < 1e-9 * speed).all())
@@ -235,13 +236,9 @@ def on_the_circle(orbit: Orbit) -> bool:
     return any(abs(a * b - 1.0) < DOUBLE and (a.imag != 0.0 or abs(a - b) < DOUBLE) for a, b in pairs)
 
 
-def name_of(parts: Iterable[str], orbit: Orbit) -> str:
-    """Return the one name of a point of codimension two, whichever locus it is found on: a cusp first, then by letter.
-
-    Where nothing kicks a ball that touches the wall, an impact of no speed is a graze: gr, as on branches.
-    """
-    passive = orbit.map.model is not None and kick_of(orbit.map.model) == 0.0
-    each = sorted("gr" if part == "v0" and passive else part for part in parts)
+def name_of(parts: Iterable[str]) -> str:
+    """Return the one name of a point of codimension two on whichever locus: a cusp first, then by letter."""
+    each = sorted(parts)
     once = list(dict.fromkeys(each))
     once = each if len(once) == 1 else once  # two things of one type, as two grazes
     if "cusp" in once:
@@ -256,7 +253,7 @@ def met_once(met: Iterable[Meeting], spans: Floats) -> tuple[Meeting, ...]:
         for i, known in enumerate(found):
             if same_meeting(one, known, spans):
                 parts = {*known.type.split("+"), *one.type.split("+")}
-                kind = known.type if len(parts) == 1 else name_of(parts, known.orbit)
+                kind = known.type if len(parts) == 1 else name_of(parts)
                 found[i] = known._replace(type=kind, converged=known.converged and one.converged)
                 break
         else:
@@ -394,7 +391,9 @@ def locus(
         if kind.endswith("+ns") and not on_the_circle(orbit):
             continue
         if low <= X[-1] <= high:
-            kind = name_of(kind.split("+"), orbit)
+            own, *others = kind.split("+")
+            both = np.array([X[-1], q[-1]])
+            kind = name_of([own, *(called(base, other, event.where, both)[0] for other in others)])
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
     orbits = tuple(equations.orbit(X, q) for X, q in solutions)

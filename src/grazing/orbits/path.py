@@ -47,8 +47,11 @@ VANISHED = 1e-6
 ASTRAY = 0.05
 #: How often the way between two neighbouring points is looked at.
 LOOKS = 16
-#: Place of a period doubling at which an orbit becomes one of half its period.
-HALVES = -2
+#: Place of a period doubling at which an orbit becomes one of half its period, and of a branch point at which it
+#: becomes its own mirror image.
+HALVES, MIRRORS = -2, -3
+#: An orbit and its mirror image that differ by less, in scaled unknowns, are one: symmetric.
+ALIKE = 1e-7
 
 
 class Point(NamedTuple):
@@ -496,6 +499,18 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
         one = located(equations, a, along, length, "pd", HALVES, uneven)
         if one is not None:
             return [one[1]]
+    images = [equations.mirrored(*unscaled(equations, q.z)) for q in (a, b)]
+    if images[0] is not None and images[1] is not None and float(images[0] @ images[1]) < 0.0:
+        if min(np.abs(one).max() for one in images if one is not None) > ALIKE:
+            beside = images[0]
+
+            def lopsided(q: Point) -> float:
+                apart = equations.mirrored(*unscaled(equations, q.z))
+                assert apart is not None
+                return float(beside @ apart)
+
+            found.append(located(equations, a, along, length, "bp", MIRRORS, lopsided))
+            folds = folds and found[-1] is None  # there the branch turns round into its mirror image
     if folds:
         found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
     for i, (before, after) in enumerate(zip(a.tests, b.tests, strict=False)):

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from grazing.maps.hits import Hits
 from grazing.maps.map import Map
+from grazing.orbits.contacts import model_of, section_of
 from grazing.orbits.gap_orbits import gap_orbits
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_impacts import Tally
@@ -115,11 +117,11 @@ class Orbits(tuple[Orbit, ...]):
             which = "the word" if asked else "each word of the length" if len(solved) == len(s.periods) else ""
             which = which or (f"each word of period {_listed(tuple(solved))}" if solved else "")
             how += f", with the pieces of {which} beyond the border too" if which else ""
-        if self.map.model is not None and self.map.section is not None and s.signatures:
+        if model_of(self.map) is not None and s.signatures:
             how += f", with up to {max(n for n, _N in s.signatures)} impacts"
             letters = letters_of(self.word, self.map.letters) if self.word is not None else ()
-            impacts = max((n * sum(map(abs, letters)) // max(len(letters), 1) for n in s.periods), default=0)
-            if self.map.section == "strobe" and aimed_guesses(impacts) < AIMED:
+            impacts = max((n * impacts_in(self.map, letters) // max(len(letters), 1) for n in s.periods), default=0)
+            if section_of(self.map) == "strobe" and aimed_guesses(impacts) < AIMED:
                 how += f", {aimed_guesses(impacts)} random guesses of the word instead of {AIMED}, as each costs "
                 how += f"the cube of its {impacts} impacts"
         if len(self) == 0:
@@ -192,7 +194,8 @@ def periodic_orbits(
     starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0, 2**64 - 1)
     asked, letters = checked_word(P, word)
     periods = _checked_periods(P, period, letters)
-    impacts = sum(letters) * periods[-1] // len(letters) if letters is not None and P.section == "strobe" else 0
+    strobe = letters is not None and section_of(P) == "strobe"
+    impacts = impacts_in(P, letters) * periods[-1] // len(letters) if strobe else 0  # type: ignore[arg-type]
     if impacts > MOST_IMPACTS:
         raise InputError(
             f"word {shown(word)} and period {periods[-1]} have {impacts} impacts; allowed are {MOST_IMPACTS}: the "
@@ -206,8 +209,8 @@ def periodic_orbits(
         found = [orbit for n in periods for orbit in gap_orbits(P, n)]
         tally.signatures.update((n, n) for n in periods)
         met = sum(not orbit.admissible for orbit in found)
-    elif P.model is not None and P.section is not None:
-        search = Search(P, P.model, periods, starts, seed, threads, letters)
+    elif (model := model_of(P)) is not None:
+        search = Search(P, model, periods, starts, seed, threads, letters)
         solutions = solutions_of(search, tally)
         found, met = orbits_of(search, solutions, virtual)
         found += [orbit for orbit in resting_orbits(P, periods[-1]) if orbit.period in periods]
@@ -221,6 +224,13 @@ def periodic_orbits(
         periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed
     )
     return Orbits(_listing(found, asked, virtual), P, asked, searched)
+
+
+def impacts_in(P: Map, letters: Sequence[int]) -> int:
+    """Return how many impacts a word of a stroboscopic map has; one that rests counts as one, as it is no sequence."""
+    if isinstance(P.letters, Hits):
+        return sum(len(P.letters.walls(letter)) for letter in letters)
+    return sum(map(abs, letters))
 
 
 def _listing(found: list[Orbit], asked: str | None, virtual: bool) -> list[Orbit]:

@@ -19,9 +19,9 @@ from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.contacts import addresses, on_wall
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
-from grazing.orbits.impact_equations import addresses
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
 from grazing.oscillator.constants import constants_of, forcing
@@ -93,6 +93,8 @@ def settler(harmonics: int) -> Callable[..., None]:
 class RestEquations(FlightEquations):
     """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
 
+    model: Oscillator
+
     def __init__(self, model: Oscillator, names: tuple[str, ...], release: int, spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.release = release
@@ -145,9 +147,10 @@ class RestEquations(FlightEquations):
         if found is None:
             raise InputError("the ball does not come to rest")
         P = stroboscopic_map(model)
-        flown = trajectory(model, (model.sigma, 0.0), start=found.release, until=model.period)
+        start = on_wall(model, 0, found.release)
+        flown = trajectory(model, start, start=found.release, until=model.period)
         first = np.array([float(flown.u.values[-1]), float(flown.v.values[-1])])
-        path = P.orbit(np.maximum(first, [model.sigma, -np.inf]), max(self.N, 1))
+        path = P.orbit(np.maximum(first, [start[0], -np.inf]), max(self.N, 1))
         return Orbit(
             map=P,
             points=path.points[:-1],

@@ -1,11 +1,11 @@
 """Solutions of the closing equations of an oscillator, gathered from many guesses: each orbit once, and what was tried.
 
-A signature is the number of impacts in so many periods, with the piece of the reset law that acts at each impact.
+A signature is the number of impacts in so many periods, with the wall of each and the piece of its law that acts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import nan
@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.random import uniform
-from grazing.orbits.closing import DIPS, ENDING, LOW, WHEN
-from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.closing import DIPS, ENDING, LOW, OTHER, WHEN
+from grazing.orbits.closure import FIRED, PASSIVE
+from grazing.orbits.contacts import PIECES, Model, contacts_of, piece_of, pieces_of, wall_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
 from grazing.orbits.search_flights import Flights
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.reset import triggered_law
+from grazing.oscillator.reset import Reset
+from grazing.oscillator.walled import Walled
 from grazing.outcome import UserCodeError
 
 Floats = NDArray[np.float64]
@@ -30,7 +31,7 @@ Pieces = tuple[int, ...]
 CLOSED = 1e-10
 #: Solutions that differ by less than this, in natural units, are one.
 SAME = 1e-7
-#: Triggers give 2^n signatures; only up to so many impacts are all of them tried at random.
+#: Triggers and second walls give 2^n signatures; only up to so many impacts are all of them tried at random.
 ALL_PIECES = 4
 #: Solutions of a signature whose neighbours are looked at.
 NEIGHBOURS = 40
@@ -56,11 +57,11 @@ class Tally:
 class Solutions:
     """Distinct solutions of one model, by periods and pieces of the law; none repeats a shorter one."""
 
-    def __init__(self, model: Oscillator, tally: Tally) -> None:
+    def __init__(self, model: Model, tally: Tally) -> None:
         self.model, self.tally = model, tally
         c = FreeEquations(model, ()).constants(NOTHING)
         self.T, self.speed = model.period, float(c.size * c.rate)
-        self.trigger = model.params["trigger"] if model.reset.law is triggered_law else None
+        self.contacts = contacts_of(model)
         self.found: dict[tuple[int, Pieces], Floats] = {}
         self._equations: dict[tuple[int, Pieces], ImpactEquations] = {}
 
@@ -70,12 +71,6 @@ class Solutions:
         if key not in self._equations:
             self._equations[key] = ImpactEquations(self.model, (), N, pieces)
         return self._equations[key]
-
-    def pieces(self, incoming: Floats) -> Pieces:
-        """Return which piece of the law acts at impacts with these velocities."""
-        if self.trigger is None:
-            return (WHOLE,) * len(incoming)
-        return tuple(FIRED if -v >= self.trigger else PASSIVE for v in incoming)
 
     def add(self, N: int, pieces: Pieces, guesses: Floats) -> Floats:
         """Solve from guesses (k, 2n), times then velocities, and keep what is new; return the new solutions."""
@@ -120,12 +115,12 @@ class Solutions:
                 continue
             seen = np.concatenate([seen, at[None]])
             new.append(i)
-        return ordered(x[new], equations.N * self.T, self.T)
+        return ordered(x[new], equations.pieces, equations.N * self.T, self.T)
 
     def prints(self, x: Floats, equations: ImpactEquations) -> Floats:
         """Return numbers (k, 6) that do not depend on which impact comes first, nor in which period."""
         n = x.shape[1] // 2
-        angle, w = x[:, :n] * (2.0 * np.pi / self.T), x[:, n:] / equations.scale[-1]
+        angle, w = x[:, :n] * (2.0 * np.pi / self.T), x[:, n:] / equations.scale[n:]
         c, s = np.cos(angle), np.sin(angle)
         return np.asarray(np.stack([c, s, w, w * w, w * c, w * s]).sum(axis=2).T)
 
@@ -137,21 +132,31 @@ class Solutions:
             rows = np.flatnonzero(found.counts == n)[: WORK // (n + 2) ** 3 + A_FEW]
             groups: dict[Pieces, list[int]] = {}
             for row in rows:
-                groups.setdefault(self.pieces(found.incoming[row, :n]) if self.trigger is not None else (WHOLE,) * n, []
-                                  ).append(row)  # fmt: skip
+                walls = found.walls[row, :n].astype(np.int64).tolist()
+                pieces = (
+                    self.contacts * n
+                    if len(self.contacts) == 1
+                    else pieces_of(self.model, found.incoming[row, :n], walls)
+                )
+                groups.setdefault(pieces, []).append(row)
             for pieces, members in sorted(groups.items()):
                 self.add(N, pieces, np.hstack([found.times[members, :n], found.outgoing[members, :n]]))
 
-    def from_outgoing(self, N: int, guesses: Floats) -> None:
+    def from_outgoing(self, N: int, guesses: Floats, walls: Sequence[int] | None = None) -> None:
         """Try times and velocities after the impacts, from which it shows which piece of a trigger acted."""
         n = guesses.shape[1] // 2
-        if self.trigger is None or n == 0:
-            self.add(N, (WHOLE,) * n, guesses)
+        at = [0] * n if walls is None else list(walls)
+        own = [[contact for contact in self.contacts if wall_of(contact) == wall] for wall in at]  # FIRED first
+        if n == 0 or all(len(pieces) == 1 for pieces in own):
+            self.add(N, tuple(pieces[0] for pieces in own), guesses)
             return
-        p = self.model.params
-        fired = guesses[:, n:] >= p["r"] * p["trigger"] + 0.5 * p["V"]
+        fired = np.zeros((len(guesses), n), bool)
+        for i, wall in enumerate(at):
+            p = walls_of(self.model)[wall].law.params
+            if len(own[i]) > 1:
+                fired[:, i] = guesses[:, n + i] >= p["r"] * p["trigger"] + 0.5 * p["V"]
         for row in np.unique(fired, axis=0):
-            pieces = tuple(FIRED if one else PASSIVE for one in row)
+            pieces = tuple(some[0] if kicks else some[-1] for some, kicks in zip(own, row, strict=True))
             self.add(N, pieces, guesses[(fired == row).all(axis=1)])
 
     def at_random(self, N: int, n: int, speed: float, count: int, seed: int) -> None:
@@ -162,13 +167,19 @@ class Solutions:
             self.add(N, pieces, np.hstack([times, after]))
 
     def _signatures(self, n: int) -> list[Pieces]:
-        """Return which pieces of the law are tried for n impacts, one rotation of each."""
-        if self.trigger is None:
-            return [(WHOLE,) * n]
-        if n > ALL_PIECES:
-            return [(FIRED,) * n, (PASSIVE,) * n]
-        every = product((FIRED, PASSIVE), repeat=n)
-        return sorted({min(one[k:] + one[:k] for k in range(n)) for one in every})
+        """Return which contacts are tried for n impacts, one rotation of each: all, or of many impacts equal ones.
+
+        Between two walls also those that go to and fro.
+        """
+        if len(self.contacts) == 1:
+            return [self.contacts * n]
+        if n <= ALL_PIECES:
+            every = product(self.contacts, repeat=n)
+            return sorted({min(one[k:] + one[:k] for k in range(n)) for one in every})
+        low = [contact for contact in self.contacts if wall_of(contact) == 0]
+        high = [contact for contact in self.contacts if wall_of(contact) > 0]
+        turns = [pair * (n // 2) for pair in product(low, high)] if n % 2 == 0 else []
+        return [(contact,) * n for contact in self.contacts] + turns
 
     def neighbours(self, N: int, most: int) -> int:
         """Try solutions of N periods with an impact more, at a dip, or one less; return how many are new."""
@@ -189,20 +200,24 @@ class Solutions:
         n, equations = len(pieces), self.equations(N, pieces)
         table = equations.profile(x, NOTHING).table
         slow = 0.05 * self.speed
-        kicks = {WHOLE: self._kick(slow)} if self.trigger is None else {FIRED: self._kick(self.trigger), PASSIVE: slow}
+        laws = [wall.law for wall in walls_of(self.model)]
         for i in range(n):
-            if n < most and table[i, DIPS] > 0:
-                times = np.insert(x[:n], i + 1, x[i] + table[i, WHEN])
-                for piece, kick in kicks.items():
+            for contact in self.contacts if n < most else ():
+                wall = wall_of(contact)
+                row = table[i] if wall == equations.walls[i] else np.roll(table[i], -OTHER)
+                if row[DIPS] > 0:
+                    speed = laws[wall].params["trigger"] if piece_of(contact) == FIRED else slow
+                    kick = slow if piece_of(contact) == PASSIVE else self._kick(laws[wall], speed)
+                    times = np.insert(x[:n], i + 1, x[i] + row[WHEN])
                     after = np.insert(x[n:], i + 1, kick)
-                    yield (*pieces[: i + 1], piece, *pieces[i + 1 :]), np.concatenate([times, after])
+                    yield (*pieces[: i + 1], contact, *pieces[i + 1 :]), np.concatenate([times, after])
             if n > 1:
                 less = np.concatenate([np.delete(x[:n], i), np.delete(x[n:], i)])
                 yield (*pieces[:i], *pieces[i + 1 :]), less
 
-    def _kick(self, speed: float) -> float:
+    def _kick(self, law: Reset, speed: float) -> float:
         try:
-            return self.model.reset(-speed)
+            return law(-speed)
         except UserCodeError:  # a law that fails at this speed gives no guess
             return nan
 
@@ -225,11 +240,23 @@ class Solutions:
             if guesses:
                 self.add(N, pieces * 2, np.array(guesses))
 
+    def images(self, N: int) -> None:
+        """Add the mirror images of the known solutions of N periods, where the model has them."""
+        if not (isinstance(self.model, Walled) and self.model.symmetric):
+            return
+        for (periods, pieces), found in sorted(self.found.items()):
+            if periods == N and len(found):
+                swapped = tuple(PIECES * (1 - wall_of(one)) + piece_of(one) for one in pieces)
+                self.add(N, swapped, found + np.repeat([0.5 * self.T, 0.0], len(pieces)))
+
     def surely_virtual(self, x: Floats, equations: ImpactEquations) -> bool:
         """Whether a solution comes out of the wall, passes through it, or has a velocity into it, beyond doubt."""
-        n, speed, size = equations.n, 1e-6 * equations.scale[-1], 1e-6 * equations.scale[-1] * self.T
+        n, speed = equations.n, 1e-6 * float(equations.scale[equations.n :].min())
+        size = speed * self.T
         table = equations.profile(x, NOTHING).table
-        return bool((x[n:] < -speed).any() or (table[:, ENDING] > speed).any() or (table[:, LOW] < -size).any())
+        return bool(
+            (x[n:] < -speed).any() or (table[:, ENDING] > speed).any() or (table[:, [LOW, LOW + OTHER]] < -size).any()
+        )
 
 
 def turned(x: Floats, k: int, turn: float) -> Floats:
@@ -244,13 +271,17 @@ def flights(x: Floats, turn: float) -> Floats:
     return np.diff(x[:, :n], axis=1, append=x[:, :1] + turn)
 
 
-def ordered(x: Floats, turn: float, T: float) -> Floats:
-    """Return solutions begun at the impact whose phase is least, the first time in [0, T): the same for every guess."""
+def ordered(x: Floats, pieces: Pieces, turn: float, T: float) -> Floats:
+    """Return solutions begun at the impact whose phase is least, the first time in [0, T): the same for every guess.
+
+    Of the impacts those count from which the same contacts follow.
+    """
     n = x.shape[1] // 2
+    starts = [k for k in range(n) if pieces[k:] + pieces[:k] == pieces]
     out = np.empty_like(x)
     for i, one in enumerate(x):
         phase, w = np.round(np.mod(one[:n] / T, 1.0), 7) % 1.0, np.round(one[n:], 7)
-        k = min(range(n), key=lambda j: (phase[j], w[j]))
+        k = min(starts, key=lambda j: (phase[j], w[j]))
         out[i] = turned(one[None], k, turn)[0]
         out[i, :n] -= T * np.floor(out[i, 0] / T)
     return out

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
@@ -35,21 +36,23 @@ def presses(model: Oscillator) -> list[float]:
     return found if len(signs) > 1 else []
 
 
-def resting_starts(P: Map, model: Oscillator) -> list[Floats]:
+def resting_starts(P: Map, model: Model) -> list[Floats]:
     """Return states of a map of an oscillator from which the ball rests, or has just rested, before each release."""
-    if model.reset(0.0) != 0.0:  # the bumper kicks a ball that touches it
-        return []
-    c = FreeEquations(model, ()).constants(np.empty(0))
-    times = presses(model)
-    if P.section == "impact":
-        return [np.array([t, 0.0]) for t in times]
-    if not times:
-        return [np.array([model.sigma, 0.0])] if c.first < 0.0 else []
     starts, phase = [], float(P.params.get("phase", 0.0))
-    for t in times:
-        until = phase + c.T * (np.floor((t - phase) / c.T) + 1.0)
-        path = trajectory(model, (model.sigma, 0.0), start=t, until=until, samples=2)
-        starts.append(np.array([max(float(path.u[-1]), model.sigma), float(path.v[-1])]))
+    for j, seen in enumerate(oscillators_of(model)):
+        if kick_of(model, j) != 0.0:  # the bumper kicks a ball that touches it
+            continue
+        c = FreeEquations(seen, ()).constants(np.empty(0))
+        times = presses(seen)
+        if section_of(P) == "impact":
+            return [np.array([t, 0.0]) for t in times]
+        if not times and c.first < 0.0:
+            starts.append(np.array(on_wall(model, j, phase)))
+        for t in times:
+            until = phase + c.T * (np.floor((t - phase) / c.T) + 1.0)
+            path = trajectory(model, on_wall(model, j, t), start=t, until=until, samples=2)
+            u = float(path.u[-1])
+            starts.append(np.array([max(u, seen.sigma) if seen is model else u, float(path.v[-1])]))
     return starts
 
 
@@ -58,7 +61,7 @@ def resting_orbits(P: Map, longest: int) -> list[Orbit]:
 
     Two rests are the same bits, so an orbit closes exactly.
     """
-    model = P.model
+    model = model_of(P)
     assert model is not None
     found: list[Orbit] = []
     for start in resting_starts(P, model):

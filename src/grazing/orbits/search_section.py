@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import ceil, floor
+from math import floor
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +13,17 @@ from numpy.typing import NDArray
 from grazing.kernel.random import uniform
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.contacts import (
+    Model,
+    frames_at,
+    letters_of_walls,
+    oscillators_of,
+    pieces_of,
+    section_of,
+    walls_of,
+)
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.impact_equations import Flown, ImpactEquations, strobed
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.orbit import Orbit, condition_of
@@ -22,8 +31,9 @@ from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import A_FEW, NOTHING, WORK, Solutions, Tally
 from grazing.orbits.search_windows import WIDE, drawn, recurrences, simulated
 from grazing.orbits.word import word
+from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.frames import seen_at_strobe
 from grazing.outcome import OutsideForm
 
 Floats = NDArray[np.float64]
@@ -44,7 +54,7 @@ class Search(NamedTuple):
     """What is looked for: a map of an oscillator, periods in its steps, how hard, and a word's letters if any."""
 
     P: Map
-    model: Oscillator
+    model: Model
     periods: tuple[int, ...]
     starts: int
     seed: int
@@ -56,12 +66,13 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     """Return all solutions of the closing equations that are found."""
     found = Solutions(search.model, tally)
     wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
-    P = search.P if search.P.section == "impact" else stroboscopic_map(search.model)
+    impacts = section_of(search.P) == "impact"
+    P = search.P if impacts else stroboscopic_map(search.model)
     runs = simulated(P, _starts(search, P), wanted[-1], search.threads)
     tally.starts, tally.steps = runs.starts, runs.steps
     for n in wanted:
         window = recurrences(runs, n, search.starts)
-        if search.P.section == "impact":
+        if impacts:
             times, after = _impacts_of(window.points, window.letters, search.model)
             N = window.letters.sum(axis=1)
             speed = 2.0 * float(np.max(after, initial=found.speed))
@@ -77,25 +88,28 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
         most = min(int(flown.counts.max(initial=0)) + 1, MOST * n + 2)
         _others(found, search, n, list(range(1, most + 1)), speed)
         if search.letters is not None and n in search.periods:
-            found.from_outgoing(n, _aimed(search, n, speed))
+            aimed, walls = _aimed(search, n, speed)
+            found.from_outgoing(n, aimed, walls)
+        found.images(n)
     return found
 
 
 def _starts(search: Search, P: Map) -> Floats:
     """Return random states, half of them in the map's box, half as far as forcing and impacts can carry the ball."""
     half = search.starts // 2
-    c = FreeEquations(search.model, ()).constants(NOTHING)
+    frames = FreeEquations(search.model, ()).frames(NOTHING)
+    c, low = frames.a, frames.za
     speed = c.size * c.rate
     box = np.array(P.box)
-    wide = (
-        np.array([[0.0, c.T], [0.0, WIDE * speed]])
-        if P.section == "impact"
-        else np.array([[c.sigma, c.sigma + WIDE * c.size], [-WIDE * speed, WIDE * speed]])
-    )
+    if section_of(P) == "impact":
+        wide = np.array([[0.0, c.T], [0.0, WIDE * speed]])
+    else:
+        far = frames.zb if frames.two else low + frames.side * (WIDE * c.size)
+        wide = np.array([sorted((low, far)), [frames.wa - WIDE * speed, frames.wa + WIDE * speed]])
     return np.hstack([drawn(search.seed, search.starts - half, box, 0.0), drawn(search.seed, half, wide, 1.0)])
 
 
-def _impacts_of(points: Floats, letters: NDArray[np.int64], model: Oscillator) -> tuple[Floats, Floats]:
+def _impacts_of(points: Floats, letters: NDArray[np.int64], model: Model) -> tuple[Floats, Floats]:
     """Return times and velocities of the impacts of stretches of the impact map."""
     passed = np.cumsum(letters, axis=1) - letters
     return points[:, :, 0] + passed * model.period, points[:, :, 1]
@@ -103,18 +117,18 @@ def _impacts_of(points: Floats, letters: NDArray[np.int64], model: Oscillator) -
 
 def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: float) -> None:
     """Add what closed forms, random guesses, neighbours and doubled orbits give for N periods."""
-    if 1 in counts:
+    for j, seen in enumerate(oscillators_of(search.model)) if 1 in counts else ():
         try:
-            known = one_impact_orbits(search.model, N)
+            known = one_impact_orbits(seen, N)
         except OutsideForm:
             known = ()
         for orbit in known:
             guess = np.concatenate([orbit.times, orbit.outgoing])[None]
-            found.add(N, found.pieces(orbit.incoming), guess)
+            found.add(N, pieces_of(search.model, orbit.incoming, [j]), guess)
     for n in counts:
         found.at_random(N, n, speed, GUESSES, search.seed)
     found.doublings(N)
-    if search.P.section != "impact" and found.neighbours(N, max(counts)):
+    if section_of(search.P) != "impact" and found.neighbours(N, max(counts)):
         found.neighbours(N, max(counts))
 
 
@@ -123,14 +137,15 @@ def aimed_guesses(n: int) -> int:
     return min(AIMED, MORE * WORK // (n + 2) ** 3 + A_FEW)
 
 
-def _aimed(search: Search, N: int, speed: float) -> Floats:
-    """Return random guesses whose impacts fall into the periods that a word wants, (k, 2n)."""
+def _aimed(search: Search, N: int, speed: float) -> tuple[Floats, list[int]]:
+    """Return random guesses whose impacts fall into the periods that a word wants, (k, 2n), and their walls."""
     assert search.letters is not None
-    letters = search.letters * (N // len(search.letters))
-    where = np.repeat(np.arange(N), np.maximum(letters, 0))
+    letters, hits = search.letters * (N // len(search.letters)), letters_of_walls(search.model)
+    struck = [(0,) * max(letter, 0) if hits is None else hits.walls(letter) for letter in letters]
+    where = np.repeat(np.arange(N), [len(walls) for walls in struck])
     numbers = uniform(search.seed, (float(N), -1.0, *map(float, letters)), aimed_guesses(len(where)), 2 * len(where))
     times = np.sort(where + numbers[:, : len(where)], axis=1) * search.model.period
-    return np.hstack([times, numbers[:, len(where) :] * speed])
+    return np.hstack([times, numbers[:, len(where) :] * speed]), [wall for walls in struck for wall in walls]
 
 
 def orbits_of(search: Search, found: Solutions, virtual: bool) -> tuple[list[Orbit], int]:
@@ -152,13 +167,14 @@ def orbits_of(search: Search, found: Solutions, virtual: bool) -> tuple[list[Orb
 
 def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations | FreeEquations, Floats]]:
     """Yield the solutions of the wanted periods with their equations."""
-    if search.P.section != "impact" and 1 in search.periods:
+    impacts = section_of(search.P) == "impact"
+    if not impacts and 1 in search.periods:
         free = FreeEquations(search.model, ())
         start = free.start(NOTHING)
         if np.isfinite(start).all():  # in resonance there is no free orbit, or one from every state
             yield free, start
     for (N, pieces), solutions in sorted(found.found.items()):
-        if (len(pieces) if search.P.section == "impact" else N) in search.periods:
+        if (len(pieces) if impacts else N) in search.periods:
             for x in solutions:
                 yield found.equations(N, pieces), x
 
@@ -166,7 +182,7 @@ def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations 
 def seen(orbit: ImpactOrbit, P: Map) -> Orbit:
     """Return an orbit of the oscillator as a map of it sees it: at its own phase, or from impact to impact."""
     phase, T = float(P.params.get("phase", 0.0)), orbit.model.period
-    if P.section == "impact":
+    if section_of(P) == "impact":
         points = np.column_stack([np.mod(orbit.times, T), orbit.outgoing])
         passed = np.floor(np.append(orbit.times[1:], orbit.times[0] + orbit.period * T) / T) - np.floor(orbit.times / T)
         letters = [int(letter) for letter in passed]
@@ -191,19 +207,15 @@ def seen(orbit: ImpactOrbit, P: Map) -> Orbit:
 
 
 def _strobed(orbit: ImpactOrbit, phase: float) -> tuple[Floats, list[int]]:
-    """Return the states at phase, phase + T, ..., and the impacts in the periods between."""
-    model, N, T = orbit.model, orbit.period, orbit.model.period
-    c = FreeEquations(model, ()).constants(NOTHING)
-    points, letters = np.empty((N, 2)), [0] * N
-    for t in orbit.times:
-        letters[(ceil((t - phase) / T) - 1) % N] += 1
-    for j in range(N):
-        now = phase + j * T
-        if orbit.impacts == 0:
-            anchor, s = anchored(0.0, orbit.points[0, 0] - model.sigma, orbit.points[0, 1], c), now - T * floor(now / T)
-        else:
-            ages = np.mod(now - orbit.times, N * T)
-            i = int(np.argmin(ages))
-            anchor, s = anchored(orbit.times[i], 0.0, orbit.outgoing[i], c), float(ages[i])
-        points[j] = flight(s, anchor, c)
-    return points + np.array([model.sigma, 0.0]), letters
+    """Return the states at phase, phase + T, ..., and the letters of the periods between."""
+    model, T = orbit.model, orbit.model.period
+    free = FreeEquations(model, ())
+    c = free.frames(NOTHING)
+    if orbit.impacts:
+        letters = [str(wall.name) for wall in walls_of(model)]
+        walls = [letters.index(name) for name in orbit.walls]
+        return strobed(Flown(orbit.times, orbit.outgoing, walls, orbit.period), model, c, phase)
+    y, v = free.state(orbit).tolist()
+    y, v = flight(phase - T * floor(phase / T), anchored(0.0, y, v, c.a), c.a)
+    strobe = frames_at(model, np.array([*model.params.values()]), phase)
+    return np.array([seen_at_strobe(placed(0.0, y, v, 0), False, strobe)]), [0]

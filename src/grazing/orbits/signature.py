@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.contacts import Model, model_of, pieces_of, relative, section_of, walls_of
 from grazing.orbits.equations import Equations
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
@@ -17,27 +18,20 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.piece_equations import equations_of_pieces
 from grazing.orbits.resting import resting_equations
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.reset import triggered_law
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import CHATTER, STUCK, InputError
 
 Floats = NDArray[np.float64]
 
 
-def pieces_of(model: Oscillator, incoming: Floats) -> tuple[int, ...]:
-    """Return which piece of the reset law acts at each impact."""
-    if model.reset.law is not triggered_law:
-        return (WHOLE,) * len(incoming)
-    return tuple(FIRED if -v >= model.params["trigger"] else PASSIVE for v in incoming)
-
-
 def impact_equations(
-    model: Oscillator, names: tuple[str, ...], N: int, incoming: Floats, spans: Any = None
-) -> ImpactEquations | FreeEquations:
+    model: Model, names: tuple[str, ...], N: int, incoming: Floats, walls: Sequence[int] | None = None,
+    spans: Any = None,
+) -> ImpactEquations | FreeEquations:  # fmt: skip
     """Return the equations of an orbit with these impacts in N periods, none of them for the one without impacts."""
     if len(incoming) == 0:
         return FreeEquations(model, names, spans)
-    return ImpactEquations(model, names, N, pieces_of(model, incoming), spans)
+    return ImpactEquations(model, names, N, pieces_of(model, incoming, walls), spans)
 
 
 def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tuple[Equations, Floats]:
@@ -50,18 +44,32 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
     """
     P = orbit.map
     if isinstance(orbit, ImpactOrbit):
-        equations = impact_equations(orbit.model, names, orbit.period, orbit.incoming, spans)
+        walls = numbered(orbit.model, orbit.walls)
+        equations = impact_equations(orbit.model, names, orbit.period, orbit.incoming, walls, spans)
         if isinstance(equations, FreeEquations):
-            return equations, orbit.points[0] - np.array([orbit.model.sigma, 0.0])
+            return equations, equations.state(orbit)
         return equations, np.concatenate([orbit.times, orbit.outgoing])
-    if P.model is not None and P.section is not None:
-        if P.section == "strobe" and P.params.get("phase") == 0.0 and rests(orbit):
+    if model_of(P) is not None:
+        if section_of(P) == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
+            if P.walled is not None:
+                return mapped(orbit, names, spans)
             return resting_equations(P, names, orbit.points, spans), np.zeros(1)
         return equations_of(flown(orbit), names, spans)
     if P.formulas is not None:
         return equations_of_pieces(orbit, names, spans)
-    letters = tuple(P.orbit(point, 1).letters[0] for point in orbit.points)
-    return MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
+    return mapped(orbit, names, spans)
+
+
+def mapped(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
+    """Return the equations of an orbit as its map has them, between grazes."""
+    letters = tuple(orbit.map.orbit(point, 1).letters[0] for point in orbit.points)
+    return MapEquations(orbit.map, names, letters, spans), orbit.points.ravel().copy()
+
+
+def numbered(model: Model, names: Iterable[str]) -> list[int]:
+    """Return the numbers of walls by their names; in a model over one wall there is one only."""
+    letters = [str(wall.name) for wall in walls_of(model)]
+    return [letters.index(name) for name in names]
 
 
 def rests(orbit: Orbit) -> bool:
@@ -77,9 +85,9 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     InputError
         For an orbit that comes to rest on the wall, or does not close.
     """
-    P, model = orbit.map, orbit.map.model
+    P, model = orbit.map, model_of(orbit.map)
     assert model is not None
-    if P.section == "impact":
+    if isinstance(model, Oscillator) and section_of(P) == "impact":
         start, state = float(orbit.points[0, 0]), (model.sigma, float(orbit.points[0, 1]))
         letters = P.orbit(orbit.points[0], orbit.period).letters
         N, count = int(letters.sum()), orbit.period
@@ -90,9 +98,11 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     path = trajectory(model, state, start=start, until=start + (N + beyond) * model.period, samples=2)
     if path.attrs["grazing_outcome"] & (CHATTER | STUCK):
         raise InputError(f"{orbit!r} comes to rest on the wall; give it as one of gz.stroboscopic_map(model), phase 0")
-    times, incoming, outgoing = (path[key].values[:count] for key in ("impact_time", "v_minus", "v_plus"))
+    times = path["impact_time"].values[:count]
+    walls = numbered(model, path["impact_wall"].values) if "impact_wall" in path else [0] * len(times)
+    incoming, outgoing = (relative(model, walls, times, path[key].values[:count]) for key in ("v_minus", "v_plus"))
     shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
-    equations = impact_equations(model, (), N if len(times) else 1, incoming)
+    equations = impact_equations(model, (), N if len(times) else 1, incoming, walls)
     nothing = np.empty(0)
     if isinstance(equations, FreeEquations):
         x = equations.start(nothing)

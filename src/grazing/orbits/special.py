@@ -42,13 +42,16 @@ class Special(NamedTuple):
     admissible : bool
         Whether it is one of the map, or on the edge of being one; False on a virtual part of the branch.
     where : int
-        Which impact (v0, law, st), flight (gr) or point (bcb) it is about; -1 for the whole orbit.
+        Which impact (v0, law, st), flight (gr) or point (bcb) it is about; -1 for the whole orbit. Between two walls,
+        flights to the upper one are counted on after those to the lower one.
     piece : int
         The piece of the branch that it lies on.
     to : int
         The piece that begins there, -1 for none.
     direction : ndarray
         Unit tangent of the branch, in scaled unknowns and the parameter.
+    wall : str
+        The wall of an impact or of a graze, by its letter; empty for what is not about one.
     """
 
     type: str
@@ -62,6 +65,7 @@ class Special(NamedTuple):
     piece: int
     to: int = -1
     direction: Any = None
+    wall: str = ""
 
     @property
     def meaning(self) -> str:

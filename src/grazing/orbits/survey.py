@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, first_contact, impact_state, simple_zeros, turning
+from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, contact_after, impact_state, simple_zeros, turning
 from grazing.oscillator.constants import constants_of
+from grazing.oscillator.frames import alone
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
 from grazing.oscillator.windows import series
@@ -120,7 +121,7 @@ def _surveyor(kind: type, harmonics: int) -> Callable[..., None]:
                 for column in range(len(state)):
                     table[i, j, 2 + column] = state[column]
                 if contacts:
-                    table[i, j, 16] = first_contact(state[0], max(state[1], 0.0), N, c)
+                    table[i, j, 16], _b = contact_after(state[0], max(state[1], 0.0), False, N, alone(c))
 
     return compiled(run)
 

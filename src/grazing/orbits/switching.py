@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
-from grazing.orbits.closing import DIPS, WHEN
+from grazing.orbits.closing import DIPS, OTHER, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
+from grazing.orbits.contacts import PIECES, kick_of, walls_of
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
@@ -18,7 +20,7 @@ from grazing.orbits.piece_equations import PieceEquations
 from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import triggered_law
 from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
@@ -33,6 +35,8 @@ MOST = 12
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
 REPEATED = 1e-5
+#: An orbit this near to its mirror image, in scaled unknowns, at a branch point is its own one there.
+EVEN = 1e-3
 #: A test function that begins at its zero is put on the side that the path goes to.
 BARELY = 1e-300
 
@@ -103,17 +107,57 @@ def halved(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Float
 def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
     """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding."""
     half, x = halved(equations, x, p)
+    return half, *vanishing(half, closed, 0, x, p)
+
+
+def evened(equations: Equations, x: Floats, p: Floats) -> tuple[Floats, Floats, bool]:
+    """Return where an orbit that is its own mirror image has a multiplier 1, to rounding, from one that nearly is."""
+    return vanishing(equations, closed_evenly, 1, x, p)
+
+
+def nearly_even(equations: Equations, x: Floats, p: Floats) -> bool:
+    """Whether an orbit is its own mirror image, or nearly so."""
+    apart = equations.mirrored(x, p)
+    return apart is not None and bool(np.abs(apart).max() < EVEN)
+
+
+def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
+    """Return the solution nearby that is its own mirror image; None where Newton's method does not converge.
+
+    Where symmetry breaks the derivative is singular, but not among symmetric solutions.
+    """
+    assert isinstance(equations, ImpactEquations)
+    n, h, turn = equations.n, equations.n // 2, equations.N / 2 * equations.period_at(p)
+    times, after = 0.5 * (x[:h] + x[h:n] - turn), 0.5 * (x[n : n + h] + x[n + h :])
+    both, first = np.kron(np.eye(2), np.tile(np.eye(h), (2, 1))), np.r_[:h, n : n + h]
+    x, before = np.concatenate([times, times + turn, after, after]), np.inf
+    for _ in range(30):
+        F, J = equations.defects(x, p)
+        if not np.isfinite(J).all():
+            return None
+        move = both @ np.linalg.lstsq((J @ both)[first], F[first])[0]
+        size, x = float(np.abs(move / equations.scale).max()), x - move
+        if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
+            return x
+        before = size
+    return None
+
+
+def vanishing(
+    equations: Equations, solve: Callable[..., Floats | None], test: int, x: Floats, p: Floats
+) -> tuple[Floats, Floats, bool]:
+    """Return the solution and parameter nearby at which a test function, by its number, is zero; and whether it is."""
 
     def height(value: float) -> float:
-        found = closed(half, x, np.array([value]))
-        return float("nan") if found is None else half.tests(found, np.array([value]))[0].value
+        found = solve(equations, x, np.array([value]))
+        return float("nan") if found is None else equations.tests(found, np.array([value]))[test].value
 
     with np.errstate(invalid="ignore"):
         found = root_scalar(height, x0=float(p[0]), x1=float(p[0]) + 1e-6 * float(equations.spans[0]), method="secant")
     near = found.converged and abs(found.root - p[0]) < 1e-4 * equations.spans[0]
     p = np.array([found.root]) if near else p
-    solved = closed(half, x, p)
-    return half, x if solved is None else solved, p, bool(near and solved is not None)
+    solved = solve(equations, x, p)
+    return x if solved is None else solved, p, bool(near and solved is not None)
 
 
 def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[Seed]:
@@ -161,9 +205,18 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     return seeds
 
 
-def kick_of(model: Oscillator) -> float:
-    """Return the velocity that the law gives a ball that touches the wall with no speed."""
-    return model.reset(0.0)
+def called(equations: Equations, type: str, where: int, p: Floats) -> tuple[str, str]:
+    """Return the type of a special point, and the letter of the wall that it is about; empty for none.
+
+    An impact that loses its speed at a wall that does not kick the ball is a graze, as one dip that meets it.
+    """
+    if not isinstance(equations, (ImpactEquations, FreeEquations)):
+        return type, ""
+    wall = equations.touched(type, where)[1]
+    if wall < 0:
+        return type, ""
+    grazes = type == "v0" and kick_of(equations.model_at(p), wall) == 0.0
+    return "gr" if grazes else type, str(walls_of(equations.model)[wall].name)
 
 
 def allowed(equations: Equations, x: Floats, p: Floats) -> bool:
@@ -196,7 +249,9 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
         return []
     if isinstance(equations, PieceEquations):
         return flipped(equations, event, x, p)
-    if not isinstance(equations, (ImpactEquations, FreeEquations)) or kick_of(equations.model_at(p)) != 0.0:
+    if not isinstance(equations, (ImpactEquations, FreeEquations)):
+        return []
+    if kick_of(equations.model_at(p), equations.touched(event.type, event.where)[1]) != 0.0:
         return []
     new = grown(equations, event, x, p) if event.type == "gr" else shrunk(equations, event, x, p)
     return [] if new is None else [new]
@@ -204,16 +259,17 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
 
 def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
     """Return the branch with one impact more, which begins with speed 0 where a flight touches the wall."""
-    model = equations.model
-    piece = PASSIVE if isinstance(equations, ImpactEquations) and WHOLE not in equations.pieces else WHOLE
+    model, (i, wall) = equations.model, equations.touched(event.type, event.where)
+    piece = PIECES * wall + (PASSIVE if walls_of(model)[wall].law.law is triggered_law else WHOLE)
     if isinstance(equations, FreeEquations):
-        _end, _E, _low, when = equations.turned(x, p)
+        _end, _E, dips = equations.turned(x, p)
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
-        return begins(new, np.array([when, 0.0]), p, 0)
-    n, i = equations.n, event.where
+        return begins(new, np.array([dips[wall, 1], 0.0]), p, 0)
+    n = equations.n
     if n >= MOST * equations.N:
         return None
     row = equations.profile(x, p).table[i]
+    row = row if wall == equations.walls[i] else np.roll(row, -OTHER)
     if row[DIPS] == 0:
         return None
     times = np.insert(x[:n], i + 1, x[i] + row[WHEN])
@@ -230,13 +286,15 @@ def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, 
     if n == 1:
         free = FreeEquations(equations.model, equations.names, equations.spans)
         start = free.start(p)
-        if not np.isfinite(start).all() or abs(free.turned(start, p)[2]) > 1e-6 * free.scale[0]:
+        wall = equations.walls[0]
+        if not np.isfinite(start).all() or abs(free.turned(start, p)[2][wall, 0]) > 1e-6 * free.scale[0]:
             return None
-        return begins(free, start, p, 0)
+        return begins(free, start, p, wall)
     times, after = np.delete(x[:n], k), np.delete(x[n:], k)
     pieces = (*equations.pieces[:k], *equations.pieces[k + 1 :])
     new = ImpactEquations(equations.model, equations.names, equations.N, pieces, equations.spans)
-    return begins(new, np.concatenate([times, after]), p, (k - 1) % (n - 1))
+    flight = (k - 1) % (n - 1)
+    return begins(new, np.concatenate([times, after]), p, equations.walls[k] * (n - 1) + flight)
 
 
 def flipped(equations: PieceEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
@@ -288,9 +346,9 @@ def turns(equations: Equations, x: Floats, p: Floats) -> int:
             continue
         if isinstance(equations, ImpactEquations):
             n = equations.n
-            if n % k:
-                continue
             m = n // k
+            if n % k or equations.walls[m:] + equations.walls[:m] != equations.walls:
+                continue
             period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
             times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
             if abs(period - equations.period_at(p)) > 0.1 * equations.period_at(p):
@@ -312,6 +370,8 @@ def same_solution(one: Equations, x: Floats, other: Equations, y: Floats, p: Flo
     if isinstance(one, ImpactEquations) and isinstance(other, ImpactEquations):
         n, T = one.n, one.period_at(p)
         for k in range(n):
+            if other.walls[k:] + other.walls[:k] != one.walls:
+                continue
             times = np.concatenate([y[k:n], y[:k] + one.N * T])
             gap = np.mod(times - x[:n] + 0.5 * T, T) - 0.5 * T
             after = np.concatenate([y[n + k :], y[n : n + k]])

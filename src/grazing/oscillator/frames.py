@@ -51,13 +51,26 @@ def frame_of(b: bool, c: Frames) -> Constants:
     return c.b if b else c.a
 
 
+def alone(c: Constants) -> Frames:
+    """Return the frames of an oscillator over one wall below it, at rest."""
+    return Frames(
+        c, c, False, 1.0, c.sigma, 0.0, c.sigma, 0.0, 0.0, c.cos, c.sin, 0.0, 0.0, 0.0, 0.0, float("inf")
+    )  # fmt: skip
+
+
+def seen_across(t: float, y: float, v: float, c: Frames) -> tuple[float, float]:
+    """Return distance and velocity, as one wall sees them at time t, as the other sees them."""
+    gap, rate = series(t, c.gap, c.cos, c.sin, c.a.omega, c.a.theta)
+    return gap - y, rate - v
+
+
 def across(ball: Ball, c: Frames) -> Ball:
     """Return the ball as the other wall sees it."""
-    gap, rate = series(ball.t, c.gap, c.cos, c.sin, c.a.omega, c.a.theta)
+    y, v = seen_across(ball.t, ball.y, ball.v, c)
     old = ball.launch
     launch = Launch(old.t, -old.w, -old.lift, old.late, old.off)
     error_y, error_v = ball.error_y + c.blur, ball.error_v + c.blur_w
-    return Ball(ball.t, gap - ball.y, rate - ball.v, 0, error_y, error_v, launch)
+    return Ball(ball.t, y, v, 0, error_y, error_v, launch)
 
 
 @unit

@@ -54,7 +54,7 @@ POINT, LEG_SIZE = 136, 800
 
 
 def trajectory(
-    model: Oscillator | System,
+    model: Oscillator | Walled | System,
     state: ArrayLike,
     start: float = 0.0,
     until: float = 50.0,

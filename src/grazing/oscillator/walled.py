@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grazing.oscillator.forcing import Forcing, series_said
 from grazing.oscillator.model import Oscillator, Reach
 from grazing.oscillator.parameters import COORDINATES, describe_parameter, means_model
-from grazing.oscillator.wall import Wall, checked_walls, harmonics_of
+from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, parameter_tuple, updated
 
@@ -165,6 +165,13 @@ class Walled:
             walls.append(replace(one, position=row[place.sigma], motion=motion, law=law))
         return Walled(row[0], row[1], forcing, walls)
 
+    def made_from_base(self, values: Floats) -> Floats:
+        """Return all parameters: no force of it is made from a moving base."""
+        return values
+
+    def refuse_made(self, names: Sequence[str]) -> None:
+        """Do nothing: each of its parameters can vary by itself."""
+
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
         front, _dot, last = name.rpartition(".")
@@ -175,6 +182,33 @@ class Walled:
             meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
             known = replace(known, name=name, symbol=f"{known.symbol.rstrip()}^{{{front}}}", meaning=meaning)
         return replace(known, units="1")
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the model is its own mirror image half a period later, as far as rounding tells.
+
+        Then (u, t) -> (2 m - u, t + T/2) takes motions to motions, with m the middle between the walls: both have the
+        same law, and what the upper one sees is what the lower one saw half a period before.
+        """
+        if len(self.walls) < 2:
+            return False
+        low, high = (one.law for one in self.walls)
+        if (low.law, dict(low.params)) != (high.law, dict(high.params)):
+            return False
+        rows, stop = np.array([list(self.params.values())]), HEAD + 2 * self.harmonics
+        seen = [self.rows_seen_from(j, rows)[0, HEAD - 1 : stop + 1] for j in (0, 1)]
+        pulls = self.k * self.k * np.abs([one[-1] for one in seen]).max()
+        for one in seen:
+            one[0] -= self.k * self.k * one[-1]  # the constant force on a ball at the wall
+        seen = [one[:-1] for one in seen]
+        later = np.concatenate([[1.0], np.repeat((-1.0) ** np.arange(1, self.harmonics + 1), 2)])
+        between = self.waves(1, rows)[0] - self.waves(0, rows)[0]
+        size = np.abs(self.waves(0, rows)).max() + abs(self.walls[1].position - self.walls[0].position)
+        odd = later[1:] < 0.0
+        return bool(
+            np.abs(seen[1] - later * seen[0]).max() <= SAME * (np.abs(seen).max() + pulls)
+            and np.abs(between[odd]).max(initial=0.0) <= SAME * size
+        )
 
     # ---- the model as each wall sees it
 

@@ -14,6 +14,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
+from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, shown
 from grazing.proof.clearance import Clear, Through, clear
 from grazing.proof.equations import Equations, Flight, Matrix
@@ -172,6 +173,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
 def with_impacts(orbit: object) -> ImpactOrbit:
     """Return an orbit of the oscillator with its impacts, or raise InputError."""
     if isinstance(orbit, ImpactOrbit):
+        over_one_wall(orbit)
         return orbit
     if isinstance(orbit, Orbit) and orbit.map.model is not None and orbit.map.section is not None:
         if rests(orbit):
@@ -181,6 +183,16 @@ def with_impacts(orbit: object) -> ImpactOrbit:
         f"orbit is {shown(orbit)}; give a periodic orbit of the oscillator, "
         "such as one of gz.one_impact_orbits(model, N)"
     )
+
+
+def over_one_wall(orbit: ImpactOrbit) -> Oscillator:
+    """Return the oscillator of an orbit, or raise InputError for one with walls of its own."""
+    if not isinstance(orbit.model, Oscillator):
+        raise InputError(
+            f"{orbit!r} is one of {shown(orbit.model)}; proofs are for an oscillator over one wall, below the ball "
+            "and at rest"
+        )
+    return orbit.model
 
 
 def not_proven(name: str, error: NotProven) -> Certificate:
@@ -251,13 +263,13 @@ def guess_of(orbit: ImpactOrbit) -> list[arb]:
     if orbit.impacts:
         return [arb(float(x)) for x in (*orbit.times, *orbit.outgoing)]
     u, v = orbit.points[0]
-    return [arb(float(u)) - arb(orbit.model.sigma), arb(float(v))]
+    return [arb(float(u)) - arb(over_one_wall(orbit).sigma), arb(float(v))]
 
 
 def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     n, N = orbit.impacts, orbit.period
-    equations = Equations(orbit.model, n, N, speeds=orbit.incoming.tolist())
+    equations = Equations(over_one_wall(orbit), n, N, speeds=orbit.incoming.tolist())
     guess = guess_of(orbit)
     with Stage("the equations of the orbit are singular: two orbits meet, or it is one of a family"):
         try:

@@ -23,6 +23,7 @@ from grazing.proof.certify import (
     cleared_flight,
     guess_of,
     not_proven,
+    over_one_wall,
     with_impacts,
 )
 from grazing.proof.clearance import Clear
@@ -105,7 +106,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
-    model = orbit.model
+    model = over_one_wall(orbit)
     checked_name(name, model.params, "the model")
     model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
@@ -139,7 +140,7 @@ def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
 
 def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
     """Return an orbit without those of its impacts that have no speed and get none: there it touches the wall."""
-    slow = TOUCH * orbit.model.reach.speed
+    slow = TOUCH * over_one_wall(orbit).reach.speed
     hits = np.maximum(np.abs(orbit.incoming), np.abs(orbit.outgoing)) > slow
     if hits.all():
         return orbit
@@ -154,7 +155,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     from flint import arb
 
-    model, n, N = orbit.model, orbit.impacts, orbit.period
+    model, n, N = over_one_wall(orbit), orbit.impacts, orbit.period
     equations = Equations(model, n, N, name, orbit.incoming.tolist())
     size = equations.size
     with Stage("the orbit near the bifurcation is singular"):

@@ -1,0 +1,199 @@
+"""What equations know of walls: which of them an impact is at, which piece of its law acts there, what each sees.
+
+An oscillator over one wall at rest is a model with one wall below the ball; its frames are made of less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.kernel.lanes import unpacker
+from grazing.maps.hits import Hits
+from grazing.maps.map import Map
+from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.oscillator.constants import HEAD, constants_of
+from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows, plain_frames
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses
+from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
+from grazing.oscillator.wall import NAMES, Wall
+from grazing.oscillator.walled import Walled
+from grazing.parameter import parameter_tuple
+
+Floats = NDArray[np.float64]
+Model = Oscillator | Walled
+#: Pieces of a law: WHOLE, FIRED, PASSIVE. A contact is a piece of the law of a wall: PIECES times its number, and that.
+PIECES = 3
+
+
+def model_of(P: Map) -> Model | None:
+    """Return the oscillator that a map sees exactly, over one wall or between several; None for another map."""
+    return P.walled if P.walled is not None else P.model if P.section is not None else None
+
+
+def section_of(P: Map) -> str | None:
+    """Return where a map sees its oscillator: "strobe" or "impact"; None for another map."""
+    return "strobe" if P.walled is not None else P.section
+
+
+def walls_of(model: Model) -> tuple[Wall, ...]:
+    """Return the walls of a model, from below."""
+    if isinstance(model, Oscillator):
+        return (Wall(model.sigma, model.reset, "below", None, NAMES[0]),)
+    return tuple(model.walls)
+
+
+def oscillators_of(model: Model) -> list[Oscillator]:
+    """Return the oscillator above one wall at rest that each wall sees."""
+    return [model] if isinstance(model, Oscillator) else [model.seen_from(j) for j in range(len(model.walls))]
+
+
+def on_wall(model: Model, j: int, t: float) -> tuple[float, float]:
+    """Return the state (u, v) of a ball that lies on a wall at a time."""
+    if isinstance(model, Oscillator):
+        return model.sigma, 0.0
+    at, speed = model.places_at(np.array([t]))
+    return float(at[j, 0]), float(speed[j, 0])
+
+
+def letters_of_walls(model: Model) -> Hits | None:
+    """Return the letters of a stroboscopic map, the walls that are hit; None for one wall, whose impacts count."""
+    return Hits(model.names) if isinstance(model, Walled) and len(model.walls) > 1 else None
+
+
+def wall_of(contact: int) -> int:
+    """Return the number of the wall of a contact, from below."""
+    return contact // PIECES
+
+
+def piece_of(contact: int) -> int:
+    """Return which piece of the wall's law acts."""
+    return contact % PIECES
+
+
+def contacts_of(model: Model) -> tuple[int, ...]:
+    """Return every contact that an impact can be: of a trigger the pieces apart."""
+    found: list[int] = []
+    for j, wall in enumerate(walls_of(model)):
+        pieces = (FIRED, PASSIVE) if wall.law.law is triggered_law else (WHOLE,)
+        found += [PIECES * j + piece for piece in pieces]
+    return tuple(found)
+
+
+def pieces_of(model: Model, incoming: Floats, walls: Sequence[int] | None = None) -> tuple[int, ...]:
+    """Return the contacts of impacts with these velocities before them, at walls by number; without, at the first."""
+    laws = [wall.law for wall in walls_of(model)]
+    found = []
+    for j, v in zip([0] * len(incoming) if walls is None else walls, incoming, strict=True):
+        piece = WHOLE
+        if laws[j].law is triggered_law:
+            piece = FIRED if -v >= laws[j].params["trigger"] else PASSIVE
+        found.append(PIECES * int(j) + piece)
+    return tuple(found)
+
+
+def law_numbers(model: Model, j: int, values: Floats) -> dict[str, float]:
+    """Return the parameters of the law of wall j by name, of all parameters of the model."""
+    law = walls_of(model)[j].law.params
+    place = model.places[j].law if isinstance(model, Walled) else slice(len(values) - len(law), len(values))
+    return dict(zip(law, values[place].tolist(), strict=True))
+
+
+def numbers_seen(model: Model, values: Floats) -> list[tuple[type, Floats]]:
+    """Return for each wall the parameters that it sees, as its law gets them, and their names."""
+    if isinstance(model, Oscillator):
+        return [(parameter_tuple(tuple(model.params)), values)]
+    rows = values[None]
+    return [
+        (model.kind_seen_from(j), np.append(model.rows_seen_from(j, rows)[0], 0.0)) for j in range(len(model.walls))
+    ]
+
+
+def flight_row(model: Model, values: Floats) -> Floats:
+    """Return the numbers that flights need, as :func:`framer` takes them; the fields of laws are 0."""
+    n, head = len(flight_fields(model.harmonics)), len(HEAD) + 2 * model.harmonics + 1  # alpha to sigma
+    seen = [numbers for _kind, numbers in numbers_seen(model, values)]
+    ends = (seen[0],) if isinstance(model, Oscillator) else (seen[0], seen[-1])
+    row = np.zeros(n * len(ends))
+    for j, numbers in enumerate(ends):
+        row[j * n : j * n + head] = numbers[:head]
+    return row if isinstance(model, Oscillator) else np.append(row, link_rows(model, values[None])[0])
+
+
+@lru_cache(maxsize=64)
+def framer(harmonics: int, walled: bool) -> Callable[[Any], Frames]:
+    """Return the kernel ``frames(row) -> Frames`` for rows of :func:`flight_row`.
+
+    ``walled`` says whether the model has walls of its own, :class:`grazing.oscillator.walled.Walled`.
+    """
+    if walled:
+        unpack_walls, of_walls = unpacker(frames_kind(harmonics)), frames_of(harmonics)
+
+        def between(row: Any) -> Any:
+            return of_walls(unpack_walls(row))
+
+        return between
+    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
+
+    def over(row: Any) -> Any:
+        return alone(constants(unpack(row)))
+
+    return over
+
+
+def frames_at(model: Model, values: Floats, phase: float = 0.0) -> Frames:
+    """Return the frames of a model in plain Python; local time 0 is the phase."""
+    if isinstance(model, Walled):
+        return plain_frames(model, np.append(values, phase))
+    return alone(constants_of(model.harmonics)(flight_kind(model.harmonics)(*flight_row(model, values).tolist())))
+
+
+def addresses(model: Model, contacts: Sequence[int]) -> tuple[list[float], list[float]]:
+    """Return for each impact the address of the piece of the law that acts there, and of its slope.
+
+    A piece of a trigger goes on smoothly beyond the trigger's speed, so that Newton's method and virtual orbits can.
+    """
+    walls, kinds = walls_of(model), [kind for kind, _numbers in numbers_seen(model, np.array([*model.params.values()]))]
+    pairs = []
+    for contact in contacts:
+        law = walls[wall_of(contact)].law
+        known = {
+            WHOLE: (law.law, law.slope, law.name),
+            FIRED: (active_law, newton_slope, "active"),
+            PASSIVE: (newton_law, newton_slope, "newton"),
+        }
+        pairs.append(_addresses(*known[piece_of(contact)], kinds[wall_of(contact)]))
+    return [at for at, _slope in pairs], [slope for _at, slope in pairs]
+
+
+@lru_cache(maxsize=64)
+def _addresses(law: Any, slope: Any, name: str, kind: type) -> tuple[float, float]:
+    """Return the addresses of a law and its slope in strict arithmetic."""
+    at, slope_at, _strike = law_addresses(law, slope, name, kind, "strict")
+    return at, slope_at
+
+
+def sizes_of(model: Model) -> tuple[float, float]:
+    """Return how far and how fast the ball goes, by an estimate; of two walls as the one sees it that sees less."""
+    if isinstance(model, Oscillator):
+        return model.reach.height, model.reach.speed
+    reach = model.reach_at(list(model.params.values()))
+    return min(one.height for one in reach), min(one.speed for one in reach)
+
+
+def relative(model: Model, walls: Sequence[int], times: Floats, velocities: Floats) -> Floats:
+    """Return velocities as the walls see them that are hit at these times."""
+    if isinstance(model, Oscillator):
+        return velocities
+    speed = model.places_at(times)[1][walls, np.arange(len(times))] if len(times) else times
+    return np.array([model.walls[wall].sign for wall in walls]) * (velocities - speed)
+
+
+def kick_of(model: Model, wall: int = 0) -> float:
+    """Return the velocity that the law of a wall gives a ball that touches it with no speed."""
+    return walls_of(model)[wall].law(0.0)
