@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
+from grazing.maps.columns import Columns
+from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
+from grazing.oscillator.between import fill_frames, impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
@@ -27,7 +30,8 @@ from grazing.oscillator.frames import (
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
-from grazing.oscillator.pointed import POINTED, Derived
+from grazing.oscillator.impacts import impacts_of
+from grazing.oscillator.pointed import POINTED, Derived, law_addresses
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
     AMBIGUOUS,
@@ -42,6 +46,7 @@ from grazing.outcome import (
 from grazing.outcome import (
     CHATTER as CHATTERED,
 )
+from grazing.pool import Task
 
 INFINITY = float("inf")
 NAN = float("nan")
@@ -159,6 +164,55 @@ def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
     return step
 
 
+def no_table(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
+    """Fill no table: all is left to the scalar routine."""
+    return False
+
+
+def no_impacts(
+    w: Any, tables: Any, runs: Any, awake: int, columns: int, stride: int, strikes: Any, counted: bool
+) -> int:  # fmt: skip
+    """Take no orbit through its impacts."""
+    return 0
+
+
+@lru_cache(maxsize=64)
+def between_walls(harmonics: int, walls: int) -> Setting:
+    """Return the setting of an oscillator with one wall of any kind, or between two; of none for the scalar routine.
+
+    That alone is compiled sooner, and is all that single orbits need.
+    """
+    fill, impacts = no_table, no_impacts
+    if walls > 0:
+        fill, impacts = fill_frames, impacts_between_of(harmonics) if walls > 1 else impacts_of(harmonics)
+    period = walled_of(POINTED, POINTED, False)
+    return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
+
+
+def walled_tasks(
+    model: Walled,
+    _kind: type,
+    rows: Floats,
+    lanes: Floats,
+    transient: int,
+    found: Columns,
+    arithmetic: str,
+    block: bool,
+) -> list[Task]:
+    """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does, for a model with walls."""
+    numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
+    strikes = [
+        law_addresses(one.law.law, one.law.slope, one.law.name, model.kind_seen_from(j), arithmetic)[2]
+        for j, one in enumerate(model.walls)
+    ]
+    setting = between_walls(model.harmonics, len(model.walls) if block else 0)
+    who = " or ".join(f"the reset law {one.law.name}" for one in model.walls)
+    ends = strikes[0], strikes[-1]
+    return block_tasks(
+        setting, model.harmonics, numbers, source, ends, lanes, transient, found, arithmetic, block, who
+    )  # fmt: skip
+
+
 def walled_map(model: Walled, phase: float) -> Map:
     """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
@@ -172,6 +226,7 @@ def walled_map(model: Walled, phase: float) -> Map:
         boxes=partial(_boxes, model),
         prepare=partial(_plain, model),
         tangent=walled_tangent_of(laws[0], laws[-1]),
+        block=partial(walled_tasks, model),
         name="stroboscopic map",
         check=partial(_between, model),
         exact=all(wall.law.exact_slope for wall in model.walls),
