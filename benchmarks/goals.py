@@ -6,7 +6,23 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .measure import Result, ratio
-from .rows import BATCH, FEW, FORMER, FORMER_STRICT, GAP, MAIN, OWN, PASSIVE_ROW, ROOTS, STRICT, THREE, TWO, UNDER
+from .rows import (
+    BATCH,
+    FEW,
+    FORMER,
+    FORMER_STRICT,
+    GAP,
+    MAIN,
+    OWN,
+    PASSIVE_ROW,
+    ROOTS,
+    STRICT,
+    THREE,
+    TIGHT,
+    TWO,
+    UNDER,
+    WALLS,
+)
 
 
 class Goal(NamedTuple):
@@ -25,6 +41,8 @@ def goals(other: str | None = None) -> list[Goal]:
         Goal(MAIN, 130.0, BATCH),
         Goal(MAIN + UNDER, 30.0, BATCH + UNDER),
         Goal(MAIN + THREE, 30.0, BATCH + THREE),
+        Goal(MAIN + WALLS, 50.0, BATCH + WALLS),
+        Goal(MAIN + TIGHT, 50.0, BATCH + TIGHT),
         Goal(TWO, 1.9, MAIN),
         Goal(PASSIVE_ROW, 0.8, MAIN),
         Goal(FEW, 0.7, MAIN),

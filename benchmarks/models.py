@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 class Model:
     """u'' + alpha u' + k^2 u = d + sum_j cos[j-1] cos(j omega t) + sin[j-1] sin(j omega t) above u = 0.
 
-    An impact turns the velocity v into -r v + V. The constant force d belongs to the orbit, not to the model.
+    An impact turns the velocity v into -r v + V. The constant force d belongs to the orbit, not to the model. With a
+    ``gap`` a second wall like the first, its mirror image, is above the ball, at u = gap.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Model:
     V: float
     cos: tuple[float, ...] = (1.0,)
     sin: tuple[float, ...] = (0.0,)
+    gap: float | None = None
 
     @property
     def period(self) -> float:
@@ -45,6 +47,9 @@ UNDER_DAMPED = Model("under-damped", alpha=0.5, k=1.0, omega=2.2, r=0.8, V=0.4)
 THREE_HARMONICS = Model(
     "three harmonics", alpha=3.0, k=1.0, omega=2.2, r=0.8, V=0.4, cos=(1.0, 0.4, 0.2), sin=(0.0, 0.3, -0.1)
 )
+BETWEEN = Model("two walls", alpha=3.0, k=1.0, omega=2.2, r=0.8, V=0.4, gap=0.4)
+NARROW = Model("two walls, narrow", alpha=3.0, k=1.0, omega=2.2, r=0.8, V=0.4, gap=0.35)
+#: The models of the fixed set.
 MODELS = {model.name: model for model in (STANDARD, PASSIVE, UNDER_DAMPED, THREE_HARMONICS)}
 
 

@@ -62,6 +62,9 @@ def oscillator(model: Model, own_law: bool = False) -> gz.Oscillator:
     """Return a model in the words of the library."""
     law = gz.reset(bumper, r=model.r, V=model.V) if own_law else gz.active(r=model.r, V=model.V)
     forcing = gz.Forcing(omega=model.omega, cos=model.cos, sin=model.sin)
+    if model.gap is not None:
+        walls = gz.wall(0.0, law), gz.wall(model.gap, law)
+        return gz.Oscillator(model.alpha, model.k, forcing, walls=walls)  # type: ignore[call-arg]
     return gz.Oscillator(alpha=model.alpha, k=model.k, forcing=forcing, reset=law)
 
 

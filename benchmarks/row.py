@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from .fixed import EACH, ORBITS, Verdict, judge
-from .models import Model, family
+from .models import MODELS, Model, family
 from .program import Program
 
 
@@ -56,7 +56,8 @@ def oscillator_row(
 
     def prepare(share: float) -> Job:
         ready = program()
-        verdict = judge(ready, model, part(each, share), part(orbits, share))
+        known = model in MODELS.values()
+        verdict = judge(ready, model, part(each, share), part(orbits, share)) if known else None
         work = family(max(part(columns, share), least), starts)
         return Job(lambda: ready(work, *periods), work.u.size * sum(periods), verdict)
 

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from . import against, gap, ours, plain
-from .models import PASSIVE, STANDARD, THREE_HARMONICS, UNDER_DAMPED, Model
+from .models import BETWEEN, NARROW, PASSIVE, STANDARD, THREE_HARMONICS, UNDER_DAMPED, Model
 from .peers import diffrax, heyoka, scipy, sundae
 from .program import Program, foreign
 from .row import Job, Row, oscillator_row
 
 MAIN, STRICT, SCALAR = "grazing, block fast", "grazing, block strict", "grazing, scalar strict"
 FORMER, FORMER_STRICT = "{}, as it stands", "{}, no contraction"
-UNDER, THREE = ", under-damped", ", three harmonics"
+UNDER, THREE, WALLS, TIGHT = ", under-damped", ", three harmonics", ", two walls", ", two walls, narrow"
 PASSIVE_ROW, FEW, TWO, OWN = MAIN + ", V = 0", MAIN + ", 10 starts", MAIN + ", two threads", MAIN + ", own law"
 BATCH = "heyoka, batch of 16"
 GAP, ROOTS = "gap map, fast", "square roots alone"
@@ -43,6 +43,8 @@ def our_rows() -> list[Row]:
         row(MAIN + UNDER, UNDER_DAMPED, columns=400),
         row(MAIN + THREE, THREE_HARMONICS, columns=400),
         row(OWN, own_law=True),
+        row(MAIN + WALLS, BETWEEN, columns=400),
+        row(MAIN + TIGHT, NARROW, columns=400),
         row(SCALAR, columns=10, arithmetic="strict", algorithm="scalar"),
         row(SCALAR + ", two threads", columns=10, arithmetic="strict", algorithm="scalar", threads=2),
     ]
@@ -75,6 +77,8 @@ def peer_rows() -> list[Row]:
         row(BATCH + ", fast_math", partial(heyoka.batch, fast_math=True), 40, 16),
         row(BATCH + UNDER, heyoka.batch, 40, 16, model=UNDER_DAMPED),
         row(BATCH + THREE, heyoka.batch, 40, 16, model=THREE_HARMONICS),
+        row(BATCH + WALLS, heyoka.batch, 40, 16, model=BETWEEN),
+        row(BATCH + TIGHT, heyoka.batch, 40, 16, model=NARROW),
         row("heyoka, scalar", heyoka.scalar, 40, 4),
         row("diffrax Dopri8", partial(diffrax.solver, method="Dopri8"), **many),
         row("diffrax Tsit5", partial(diffrax.solver, method="Tsit5"), **many),

@@ -22,7 +22,7 @@ def equations(hy: Any, model: Model) -> tuple[list[Any], Any]:
 
 
 def batch(model: Model, **options: Any) -> Program:
-    """Return heyoka in batch mode: the kernel advances LANES orbits at once, the wall is a terminal event."""
+    """Return heyoka in batch mode: the kernel advances LANES orbits at once, walls are terminal events."""
     hy = peer("heyoka")
     motion, u = equations(hy, model)
 
@@ -31,9 +31,16 @@ def batch(model: Model, **options: Any) -> Program:
         state[1, lane] = model.V - model.r * state[1, lane]
         return True
 
-    wall = hy.t_event_batch(u, direction=hy.event_direction.negative, callback=impact)
+    def above(solver: Any, sign: int, lane: int) -> bool:
+        state[0, lane] = model.gap
+        state[1, lane] = -model.V - model.r * state[1, lane]
+        return True
+
+    walls = [hy.t_event_batch(u, direction=hy.event_direction.negative, callback=impact)]
+    if model.gap is not None:
+        walls.append(hy.t_event_batch(u - model.gap, direction=hy.event_direction.positive, callback=above))
     start = np.full((2, LANES), 0.1)
-    solver = hy.taylor_adaptive_batch(motion, state=start, pars=np.zeros((1, LANES)), t_events=[wall], **options)
+    solver = hy.taylor_adaptive_batch(motion, state=start, pars=np.zeros((1, LANES)), t_events=walls, **options)
     state = solver.state  # a view of the solver's own memory, as is solver.pars
 
     def program(columns: Columns, transient: int, keep: int) -> tuple[Array, Array]:

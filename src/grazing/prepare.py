@@ -54,7 +54,7 @@ def two_waves() -> None:
 
 
 def walls() -> None:
-    """Compile for two walls and a force of one harmonic."""
+    """Compile for two walls, and one that moves, and a force of one harmonic."""
     import numpy as np
 
     import grazing as gz
@@ -69,6 +69,9 @@ def walls() -> None:
     gz.lyapunov(P, transient=20)
     orbits = gz.periodic_orbits(P, 1, starts=20)
     gz.continuation(P, orbits[0], "offset", (0.0, 0.01))
+    table = gz.wall(-0.3, gz.newton(0.8), motion=gz.Forcing(omega=1.7, cos=(0.1,)))
+    m = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=[table])  # type: ignore[call-arg]
+    gz.orbit_diagram(gz.stroboscopic_map(m), "offset", np.linspace(0.0, 0.1, 3), starts=4, transient=10)
 
 
 def formulas() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.hits import Hits
 from grazing.maps.impact import impact_map
 from grazing.maps.map import CHATTER_LETTER, Map
 from grazing.maps.stroboscopic import stroboscopic_map
@@ -265,7 +266,8 @@ def _check_block(P: Map, starts: NDArray[np.float64], steps: int) -> None:
     states = np.ascontiguousarray(states[:, np.isfinite(states).all(axis=0)])
     one = P.run_columns(row, states[None].copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
     constants = P.prepare(parameters(P.params)) if P.prepare is not None else None
-    scale = np.abs(states).max() + np.nanmax(np.abs(one.points), initial=getattr(constants, "size", 0.0))
+    seen = getattr(constants, "a", constants)  # between walls: as the first one sees the ball
+    scale = np.abs(states).max() + np.nanmax(np.abs(one.points), initial=getattr(seen, "size", 0.0))
     for arithmetic in ("strict", "fast"):
         two = P.run_columns(row, states[None].copy(), 0, 1, arithmetic=arithmetic, algorithm="block", threads=1)
         for i, state in enumerate(states.T):
@@ -277,7 +279,8 @@ def _check_block(P: Map, starts: NDArray[np.float64], steps: int) -> None:
             slopes = P.jacobian(state)
             grown = max(1.0, float(np.abs(slopes).max())) if np.isfinite(slopes).all() else np.inf
             error = float(np.abs(two.points[0, 0, :, i] - one.points[0, 0, :, i]).max())
-            flights = 1 + max(0, int(one.letters[0, 0, i]))
+            letter = max(0, int(one.letters[0, 0, i]))
+            flights = 1 + (len(P.letters.symbol(letter)) if isinstance(P.letters, Hits) else letter)
             assert error <= 4.0 * 2.0**-52 * flights * scale * grown, f"{said} by {error:.1e}"
     _check_company(P, row, states, steps)
 

@@ -156,7 +156,7 @@ def passes_over(w, t, room, runs, awake):
     w, t, runs = numbers(w), numbers(t), numbers(runs)
     certify(w, t, room, runs, awake, STRIDE, STARTS)
     places, several = candidates(w, runs, awake, STRIDE)
-    count_hits(w, runs, awake, STRIDE)
+    count_hits(w, runs, awake, awake, STRIDE)
     hand_back(w, runs, awake, STRIDE, 0)
     onward(w, t, room, runs, awake, STRIDE)
     return places, several

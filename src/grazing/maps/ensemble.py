@@ -12,59 +12,35 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled, width
 from grazing.kernel.lanes import unpacker
-from grazing.kernel.primitives import behind, called_for_all, inlined, numbers
+from grazing.kernel.primitives import behind, inlined, numbers
 from grazing.kernel.vectors import combined, made_whole, repeated
 from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
-from grazing.oscillator.block import (
-    dip,
-    hand_back,
-    hand_on,
-    is_chord,
-    kick,
-    look_up,
-    placed,
-    set_apart,
-    solve_of,
-)  # fmt: skip
+from grazing.oscillator.between import held_between, mirrored
 from grazing.oscillator.cells import (
     BAND,
-    CERTIFICATE,
     CYCLE,
-    GO_ON,
     HOLDING,
     LAW,
     LOOKED_AT,
-    MARGIN,
-    MAX_ROWS,
     NEEDY,
-    PAIR,
     SIGMA,
     STATE,
     TABLED,
-    UPRIGHT,
     WAKE,
     WHICH,
     fill_table,
     table_size,
 )  # fmt: skip
-from grazing.oscillator.certificate import (
-    candidates,
-    certify,
-    certify_rest,
-    count_hits,
-    describe,
-    locate,
-    next_event,
-    onward,
-    runs_of,
-)  # fmt: skip
+from grazing.oscillator.certificate import certify, onward
 from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.pointed import POINTED, flight_fields, flight_kind, law_addresses, pointed_rows
+from grazing.oscillator.impacts import impacts_of
+from grazing.oscillator.pairs import held_back, state_of
+from grazing.oscillator.pointed import POINTED, flight_kind, law_addresses, pointed_rows
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.still import LONGEST as LONGEST_CYCLE
 from grazing.oscillator.still import SELDOM, find_cycles, remember, stand_still
-from grazing.oscillator.workspace import HIGH, LANES, NAN, W, workspace
+from grazing.oscillator.workspace import AWAKE, FLOWN, LANES, W, workspace
 from grazing.outcome import AMBIGUOUS
 from grazing.pool import Task
 
@@ -75,8 +51,6 @@ ANNOUNCEMENT = "compiling the oscillator's kernel, some ten seconds, once on thi
 COLUMNS = 28
 #: A task is so many blocks at most, as long as there are so many tasks.
 BLOCKS, TASKS = 8, 32
-#: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
-FLOWN, FRESH, HELD = 0.0, 1.0, 2.0
 
 
 class Box(NamedTuple):
@@ -98,12 +72,36 @@ class Found(NamedTuple):
     undecided: Any
 
 
+class Setting(NamedTuple):
+    """What an ensemble flies in: the walls, and what depends on them."""
+
+    walls: int  # that the ball may hit
+    kind: type  # the named tuple of a row of numbers
+    prepare: Callable[..., Any]  # (row) -> c
+    period: Callable[..., Any]  # (state, c) -> (state, letter, outcome, J, near, slow): the scalar routine
+    fill: Callable[..., bool]  # (t, s, x, c, blocks): fill the tables, s that of a second wall; whether there are any
+    impacts: Callable[..., int]  # see :func:`grazing.oscillator.impacts.impacts_of`
+
+
+@lru_cache(maxsize=64)
+def above_wall(harmonics: int) -> Setting:
+    """Return the setting of an oscillator above one wall at rest."""
+
+    def fill(t: Any, s: Any, x: Any, c: Any, blocks: int) -> bool:
+        t[LAW] = c.p.row
+        return blocks != 0 and fill_table(t, x, c, c.p.ratio)
+
+    prepare, period = constants_of(harmonics, section_phase), period_of(*POINTED, False)
+    return Setting(1, flight_kind(harmonics), prepare, period, fill, impacts_of(harmonics))
+
+
 @lru_cache(maxsize=128)
-def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
-    """Compile the kernel: once for a number of harmonics and an arithmetic, whatever the law.
+def ensemble(setting: Setting, harmonics: int, arithmetic: str) -> Callable[..., None]:
+    """Compile the kernel: once for a setting, a number of harmonics and an arithmetic, whatever the laws.
 
     Parameters
     ----------
+    setting : Setting
     harmonics : int
         At least 1.
     arithmetic : {"strict", "fast"}
@@ -111,38 +109,49 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
     Returns
     -------
     callable
-        ``run(rows, strike, job, *workspace, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are
-        the numbers of :func:`flight_fields`, column after column; ``strike`` the address of :func:`strike_of`. ``job``:
-        columns from, to; how many of them are a block, and the room of each there; starts from, to; whether to use the
-        block; periods to pass over; those to keep from, to. ``workspace`` is that of so many columns. ``lanes``
-        (columns, 2, starts) hold the states. Results are as in :class:`grazing.maps.columns.Columns`.
+        ``run(rows, strikes, job, *workspace, lanes, points, letters, outcomes, near, slow, undecided)``. ``rows`` are
+        numbers in the order of ``setting.kind``, column after column; ``strikes`` the addresses of :func:`strike_of`
+        for each of two walls. ``job``: columns from, to; how many of them are a block, and the room of each there;
+        starts from, to; whether to use the block; periods to pass over; those to keep from, to. ``workspace`` is that
+        of so many columns, for each wall. ``lanes`` (columns, 2, starts) hold the states. Results are as in
+        :class:`grazing.maps.columns.Columns`.
     """
-    fields = len(flight_fields(harmonics))
-    unpack = unpacker(flight_kind(harmonics))
-    prepare = constants_of(harmonics, section_phase)
-    period = period_of(*POINTED, False)
-    solve = solve_of(harmonics)
+    walls, kind, prepare, period, fill, impacts = setting
+    fields, unpack, two = len(kind._fields), unpacker(kind), walls > 1  # type: ignore[attr-defined]
     room = table_size(harmonics)
 
     def constants_at(rows: Any, q: int) -> Any:
         return prepare(unpack(rows, q * fields))
+
+    @inlined
+    def held(w: Any, tables: Any, columns: int, stride: int, q: int, i: int) -> float:
+        """Turn the state of an orbit into what its walls see, see :func:`held_back`."""
+        t = behind(tables, q * room)
+        if two:
+            return held_between(w, i, columns * stride, t, behind(t, columns * room))
+        return held_back(w, i, t)
 
     def begin(w: Any, tables: Any, rows: Any, blocks: int, box: Box, lanes: Any) -> None:
         """Fill the tables of a block's columns, and take the states."""
         top, columns, stride, left, starts = box
         for q in range(columns):
             t, c = behind(tables, q * room), constants_at(rows, top + q)
-            t[LAW], t[HOLDING], t[NEEDY] = c.p.row, 1.0, 0.0
+            s = behind(t, (walls - 1) * columns * room)
+            t[HOLDING], t[NEEDY] = 1.0, 0.0
             t[LOOKED_AT], t[CYCLE], t[WAKE] = 0.0, 0.0, 0.0
-            t[TABLED] = 1.0 if blocks and fill_table(t, behind(w, W.Y0), c, c.p.ratio) else 0.0
+            t[TABLED] = 1.0 if fill(t, s, behind(w, W.Y0), c, blocks) else 0.0
             t[WHICH] = float(q)
-            for j in range(stride):
+            if two:
+                s[TABLED], s[WHICH] = t[TABLED], float(columns + q)
+            for n in range(walls):
+                for j in range(stride):
+                    i = (n * columns + q) * stride + j
+                    w[W.C1 + i], w[W.C2 + i], w[W.WANTED + i] = 0.0, 0.0, 0.0
+                    w[W.NEAR + i], w[W.SLOW + i] = INFINITY, INFINITY
+            for j in range(starts):
                 i = q * stride + j
-                w[W.C1 + i], w[W.C2 + i], w[W.WANTED + i] = 0.0, 0.0, 0.0
-                w[W.NEAR + i], w[W.SLOW + i] = INFINITY, INFINITY
-                if j < starts:
-                    w[W.U + i], w[W.V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
-                    w[W.WHERE + i] = held_back(w, i, t)
+                w[W.U + i], w[W.V + i] = lanes[top + q, 0, left + j], lanes[top + q, 1, left + j]
+                w[W.WHERE + i] = held(w, tables, columns, stride, q, i)
 
     def end(w: Any, tables: Any, box: Box, lanes: Any, near: Any, slow: Any) -> None:
         """Give back the states of a block, and how near its orbits came to being others."""
@@ -150,8 +159,13 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         for q in range(columns):
             t = behind(tables, q * room)
             measured = t[BAND] if t[TABLED] > 0.0 else INFINITY
+            if two:
+                measured = min(measured, t[columns * room + BAND] if t[TABLED] > 0.0 else INFINITY)
             for j in range(starts):
                 i = q * stride + j
+                if two:
+                    h = i + columns * stride
+                    w[W.NEAR + i], w[W.SLOW + i] = min(w[W.NEAR + i], w[W.NEAR + h]), min(w[W.SLOW + i], w[W.SLOW + h])
                 if w[W.WHERE + i] == FLOWN:
                     w[W.U + i], w[W.V + i] = state_of(w[W.C1 + i], w[W.C2 + i], t)
                 lanes[top + q, 0, left + j], lanes[top + q, 1, left + j] = w[W.U + i], w[W.V + i]
@@ -198,68 +212,11 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                     w[W.HITS + i] = float(letter)
                     found.outcomes[top + q, record, left + i - first] |= outcome
                     found.undecided[top + q, left + i - first] += 1 if outcome & AMBIGUOUS else 0
-                    w[W.WHERE + i], w[W.WANTED + i] = held_back(w, i, t), 0.0
+                    w[W.WHERE + i], w[W.WANTED + i] = held(w, tables, columns, stride, q, i), 0.0
                 t[HOLDING] += w[W.WHERE + i]
             t[NEEDY] = 0.0
             holding += 1 if t[HOLDING] > 0.0 else 0
         return holding
-
-    @inlined
-    def impacts(w: Any, tables: Any, runs: Any, awake: int, stride: int, strike: float, counted: bool) -> int:
-        """Take the orbits that hit to the end of the period, all their next impacts together.
-
-        Return how many of them the scalar routine must fly instead.
-        """
-        places, several = candidates(w, runs, awake, stride)
-        if counted:
-            count_hits(w, runs, awake, stride)
-        locate(w, tables, room, runs, several)
-        first, needy = True, 0
-        while places > 0:
-            look_up(w, tables, room, places, harmonics)
-            solve(w, places)
-            called_for_all(strike, w, tables, room, runs, several)
-            kick(w, places)
-            left = certify_rest(w, tables, room, runs, several)
-            if first:  # most orbits hit once and are done: as if all were
-                hand_back(w, runs, several, stride, left)
-            else:
-                hand_on(w, places, left)
-            first = False
-            dips = set_apart(w, left)
-            dip(w, dips)
-            places, dips = int(0.0), 0  # of a literal 0 the compiler would make versions of their own
-            for n in range(left):
-                k = int(w[W.REST + n])
-                i, q, cell = int(w[W.ORBIT + k]), int(w[W.COLUMN + k]), int(w[W.INSIDE + k])
-                met, t = w[W.MET + k], behind(tables, q * room)
-                if w[W.WIDER + k] < HIGH:
-                    x, y, doubt, when = w[W.Z1 + k], w[W.Z2 + k], w[W.WIDER + k], w[W.WHEN + k]
-                    event = next_event(t, t[GO_ON + cell], x, y, doubt)
-                    placed(w, places, q, x, y, doubt, event, float(cell), when, i, met + 1.0)
-                    places += 1
-                    continue
-                clear = False
-                if is_chord(w[W.EVENT + k]):
-                    clear = w[W.PROVEN + dips] > 0.0
-                    if clear and w[W.PULL + dips] > 0.0:
-                        w[W.NEAR + i] = min(w[W.NEAR + i], w[W.AFTER + dips])
-                    dips += 1
-                if not clear:
-                    w[W.WANTED + i] = 1.0
-                    t[NEEDY] += 1.0
-                    needy += 1
-                    continue
-                x, y, doubt = w[W.X1 + k], w[W.X2 + k], w[W.DOUBT + k]
-                event = next_event(t, w[W.EVENT + k] + 1.0, x, y, doubt)
-                if event > 0.0:
-                    placed(w, places, q, x, y, doubt, event, -1.0, 0.0, i, met)
-                    places += 1
-                else:
-                    w[W.C1 + i], w[W.C2 + i], w[W.HITS + i] = x, y, met
-            several = runs_of(w, places, runs)
-            describe(w, tables, room, runs, several)
-        return needy
 
     @inlined
     def keep(w: Any, t: Any, first: int, starts: int, points: Any, letters: Any, row: int, n: int, left: int) -> None:
@@ -278,7 +235,14 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
         repeated(numbers(letters), here[2], starts, there[2])
 
     def advance(
-        w: Any, tables: Any, runs: Any, rows: Any, strike: float, box: Box, span: tuple[int, int, int], found: Found
+        w: Any,
+        tables: Any,
+        runs: Any,
+        rows: Any,
+        strikes: tuple[float, float],
+        box: Box,
+        span: tuple[int, int, int],
+        found: Found,
     ) -> None:
         """Take a block through its periods; in one call, as each call counts who uses the arrays."""
         top, columns, stride, left, starts = box
@@ -295,13 +259,18 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                 awake, again = stand_still(tables, room, columns, runs, n, transient, periods)
             if n % SELDOM == 0:
                 remember(w, tables, room, runs, awake, stride)
-            certify(w, tables, room, runs, awake, stride, starts)
+            if two:  # the columns of the second wall behind those of the first
+                for q in range(awake):
+                    runs[AWAKE + awake + q] = columns + runs[AWAKE + q]
+            certify(w, tables, room, runs, awake * walls, stride, starts)
             if bare > 0:
                 want_all(w, tables, box)
-            needy = bare + impacts(w, tables, runs, awake, stride, strike, kept >= 0)
+            needy = bare + impacts(w, tables, runs, awake, columns, stride, strikes, kept >= 0)
             if needy > 0:
                 back_to_states(w, tables, box)
             onward(w, tables, room, runs, awake, stride)
+            if two:
+                mirrored(w, tables, room, runs, awake, columns, stride)
             if needy + holding > 0:  # in most periods nobody needs the scalar routine
                 holding = fly(w, tables, rows, box, record, found)
             length = n % SELDOM + 1
@@ -319,7 +288,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
                         points[top + q, kept, 1, left + j] = w[W.V + first + j]
 
     def run(
-        rows: Any, strike: float, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
+        rows: Any, strikes: Any, job: Any, work: Any, tables: Any, runs: Any, lanes: Any, points: Any, letters: Any,
         outcomes: Any, near: Any, slow: Any, undecided: Any,
     ) -> None:  # fmt: skip
         top, bottom, several, stride, left, right, blocks, transient, start, stop = job
@@ -328,7 +297,7 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
             box = Box(first, min(several, bottom - first), stride, left, right - left)
             begin(w, t, numbers(rows), blocks, box, lanes)
             found = Found(points, letters, outcomes, undecided)
-            advance(w, t, ends, numbers(rows), strike, box, (transient, start, stop), found)
+            advance(w, t, ends, numbers(rows), strikes, box, (transient, start, stop), found)
             end(w, t, box, lanes, near, slow)
 
     return compiled(run, arithmetic, announce=ANNOUNCEMENT)
@@ -337,30 +306,6 @@ def ensemble(harmonics: int, arithmetic: str) -> Callable[..., None]:
 def padded(starts: int) -> int:
     """Return the room of a column in a block: whole vectors, so that loops that run over the end hit no neighbour."""
     return -(-starts // width()) * width()
-
-
-def held_back(w: Any, i: int, t: Any) -> float:
-    """Turn the state of orbit i into a pair as well: FRESH; return HELD where the block must not have it.
-
-    That is a ball on the wall, or so near that the certificate cannot tell. A fresh state is what the scalar routine
-    gets if it must fly the next period: the way to a pair and back would cost a rounding.
-    """
-    if t[TABLED] > 0.0:
-        y, v = (w[W.U + i] - t[SIGMA]) - t[STATE], w[W.V + i] - t[STATE + 3]
-        x, y = t[PAIR] * y + t[PAIR + 1] * v, t[PAIR + 2] * y + t[PAIR + 3] * v
-        margin = t[MARGIN] + (t[MARGIN + 1] * abs(x) + t[MARGIN + 2] * abs(y))
-        height = t[CERTIFICATE] * x + (t[CERTIFICATE + MAX_ROWS] * y + t[CERTIFICATE + 2 * MAX_ROWS])
-        if height > 2.0 * margin:
-            w[W.C1 + i], w[W.C2 + i], w[W.NEED + i] = x, y, margin - t[UPRIGHT] * x
-            return FRESH
-    w[W.C1 + i], w[W.C2 + i], w[W.NEED + i] = NAN, NAN, NAN  # fails every row of the certificate, the first one first
-    return HELD
-
-
-def state_of(x: float, y: float, t: Any) -> tuple[float, float]:
-    """Return the state at the strobe of a pair (c1, c2)."""
-    u = t[SIGMA] + (t[STATE] + (t[STATE + 1] * x + t[STATE + 2] * y))
-    return u, t[STATE + 3] + (t[STATE + 4] * x + t[STATE + 5] * y)
 
 
 @inlined
@@ -399,24 +344,50 @@ def ensemble_tasks(
         Whether to use the block kernel; else every period goes through the scalar routine.
     """
     rows = np.ascontiguousarray(rows)
-    flat = pointed_rows(harmonics, law, kind, rows, arithmetic).ravel()
+    flat = pointed_rows(harmonics, law, kind, rows, arithmetic)
     strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
-    entry = ensemble(harmonics, arithmetic)
+    who = f"the reset law {law.name}"
+    return block_tasks(
+        above_wall(harmonics), harmonics, flat, rows, (strike, strike), lanes, transient, found, arithmetic, block, who
+    )
+
+
+def block_tasks(
+    setting: Setting, harmonics: int, rows: Floats, source: Floats, strikes: tuple[float, float], lanes: Floats,
+    transient: int, found: Columns, arithmetic: str, block: bool, who: str,
+) -> list[Task]:  # fmt: skip
+    """Return tasks as :func:`ensemble_tasks` does, in any setting.
+
+    Parameters
+    ----------
+    setting, harmonics, arithmetic
+        See :func:`ensemble`.
+    rows, strikes
+        See :func:`ensemble`; shape (columns, numbers).
+    source : ndarray
+        What rows point to: it must live as long as the tasks.
+    lanes, transient, found, block
+        See :func:`ensemble_tasks`.
+    who : str
+        Who is to blame if a law does not compile.
+    """
+    flat, walls = rows.ravel(), setting.walls
+    entry = ensemble(setting, harmonics, arithmetic)
     starts, keep = lanes.shape[2], found.points.shape[1]
-    wide = min(starts, LANES)
+    wide = min(starts, LANES // walls)
     stride = padded(wide)
-    several = min(LANES // stride, COLUMNS, len(rows))
+    several = min(LANES // (walls * stride), COLUMNS // walls, len(rows))
     # a few blocks a task, for what a task costs, but many tasks, for threads
     together = several * min(max(len(rows) // (several * TASKS), 1), BLOCKS)
-    spare = single(harmonics) if len(rows) == 1 else []  # workspaces that no task is using
+    spare = single(setting, harmonics) if len(rows) == 1 else []  # workspaces that no task is using
     pace = [1]  # so many blocks may be a tile: more where tiles turn out to be short; the bits do not depend on it
 
-    def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the rows, its source
-        bottom = min(top + together, len(source))
+    def task(source: Floats, top: int, left: int) -> Iterator[None]:  # flat points to the source
+        bottom = min(top + together, len(rows))
         try:
             space = spare.pop()
         except IndexError:  # asked first, another thread might take the last one in between
-            space = workspace(harmonics, several)
+            space = workspace(harmonics, walls * several)
         while top < bottom:
             blocks, first = pace[0], top
             top = min(top + several * blocks, bottom)
@@ -428,17 +399,17 @@ def ensemble_tasks(
                     *box, int(block), passed, max(n - transient, 0), max(end - transient, 0),
                 )  # fmt: skip
                 before = perf_counter()
-                call(entry, flat, strike, job, *space, lanes, *found, who=f"the reset law {law.name}")
+                call(entry, flat, strikes, job, *space, lanes, *found, who=who)
                 spent = perf_counter() - before
                 yield
             pace[0] = paced(blocks, spent)
         spare.append(space)
 
-    return [partial(task, rows, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]
+    return [partial(task, source, q, i) for q in range(0, len(rows), together) for i in range(0, starts, wide)]
 
 
 @lru_cache(maxsize=16)
-def single(harmonics: int) -> list[tuple[Any, ...]]:
+def single(setting: Setting, harmonics: int) -> list[tuple[Any, ...]]:
     """Return the workspaces for one column that are not in use: single orbits are asked for by the thousand."""
     return []
 

@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
+from grazing.maps.columns import Columns
 from grazing.maps.derivative import Derived
+from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import apart
 from grazing.maps.origin import Origin
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
+from grazing.oscillator.between import fill_frames, impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
@@ -30,7 +33,8 @@ from grazing.oscillator.frames import (
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
-from grazing.oscillator.pointed import POINTED
+from grazing.oscillator.impacts import impacts_of
+from grazing.oscillator.pointed import POINTED, law_addresses
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
     AMBIGUOUS,
@@ -46,6 +50,7 @@ from grazing.outcome import (
     CHATTER as CHATTERED,
 )
 from grazing.parameter import Parameter
+from grazing.pool import Task
 
 INFINITY = float("inf")
 NAN = float("nan")
@@ -164,6 +169,31 @@ def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
     return step
 
 
+def no_table(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
+    """Fill no table: all is left to the scalar routine."""
+    return False
+
+
+def no_impacts(
+    w: Any, tables: Any, runs: Any, awake: int, columns: int, stride: int, strikes: Any, counted: bool
+) -> int:  # fmt: skip
+    """Take no orbit through its impacts."""
+    return 0
+
+
+@lru_cache(maxsize=64)
+def between_walls(harmonics: int, walls: int) -> Setting:
+    """Return the setting of an oscillator with one wall of any kind, or between two; of none for the scalar routine.
+
+    That alone is compiled sooner, and is all that single orbits need.
+    """
+    fill, impacts = no_table, no_impacts
+    if walls > 0:
+        fill, impacts = fill_frames, impacts_between_of(harmonics) if walls > 1 else impacts_of(harmonics)
+    period = walled_of(POINTED, POINTED, False)
+    return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
+
+
 class Strobed(Origin):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
@@ -183,6 +213,23 @@ class Strobed(Origin):
         numbers, source = frames_rows(self.walled, np.ascontiguousarray(rows), arithmetic)
         H = self.walled.harmonics
         return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
+
+    def block(
+        self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
+    ) -> list[Task]:
+        """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
+        model = self.walled
+        numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
+        strikes = [
+            law_addresses(one.law.law, one.law.slope, one.law.name, model.kind_seen_from(j), arithmetic)[2]
+            for j, one in enumerate(model.walls)
+        ]
+        setting = between_walls(model.harmonics, len(model.walls) if block else 0)
+        who = " or ".join(f"the reset law {one.law.name}" for one in model.walls)
+        ends = strikes[0], strikes[-1]
+        return block_tasks(
+            setting, model.harmonics, numbers, source, ends, lanes, transient, found, arithmetic, block, who
+        )  # fmt: skip
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate."""

@@ -51,11 +51,17 @@ LOOKED_AT, CYCLE, WAKE = 39, 40, 41
 CERTIFICATE = 44
 MAX_ROWS = 3 * MAX_CELLS + 24
 ROWS = CERTIFICATE + 4 * MAX_ROWS
-# for each cell the place from which to go on after an impact there;
+# for each cell the place from which to go on after an impact there, the first rows of the certificate and of the list
+# that are not before it, and the time of its middle;
 GO_ON = ROWS + 4 * MAX_ROWS
+ENTER, LISTED, MIDDLE = (GO_ON + i * MAX_CELLS for i in (1, 2, 3))
+# what a pair is as the other wall sees it, MIRROR - pair; what is added to the margin of a pair that comes from there;
+# cells per time, and the last cell; the least of the comparison solutions; the share of the margin that chords do not
+# magnify; how far from the wall an impact with the other one surely is;
+MIRROR, BROUGHT, PACE, LAST, LEAST, SHARP, SPAN = (MIDDLE + MAX_CELLS + i for i in (0, 2, 3, 4, 5, 6, 7))
 # and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the
 # inverse of the Wronskian b1 b2' - b2 b1', the first row of the certificate to be asked after an impact; the harmonics.
-CELLS = GO_ON + MAX_CELLS
+CELLS = SPAN + 1
 HALF, TIME_LEFT, UNMIX, THEN = 6, 7, 8, 9
 CELL = 10
 # The points of a window while a table is filled, ends and middles of its cells: Y, Y', b1, b1', b2, b2' there, the
@@ -237,6 +243,7 @@ def fill_window(
         if k % 2 == 1:
             record = put_cell(t, cell + j, x, k, c)
             t[record + HALF], t[record + UNMIX] = 0.5 * length, unmix
+            t[MIDDLE + cell + j] = x[TIME + k]
             t[record + TIME_LEFT] = 0.0 if positive else b - x[TIME + k]
             t[GO_ON + cell + j] = 2.0 * (cell + last) + 1.0 if positive else 2.0 * (cell + j) + 2.0
         if k == 0 or k == 2 * count:  # for put_maps: the first of all, and the last so far
@@ -270,7 +277,7 @@ def fill_window(
     return cell + count, n, m, extent
 
 
-def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
+def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off_v: float = 0.0) -> bool:
     """Fill a table; False where the parameter value must be left to the scalar routine.
 
     Parameters
@@ -282,6 +289,8 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
     c : Constants
     ratio : float
         Of the reset law's contraction near zero speed; 1 for none.
+    off, off_v : float
+        Errors of position and velocity that states bring along.
     """
     windows, total = windows_in(c), 0
     for i in range(windows):
@@ -297,10 +306,13 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
         cell, n, m, extent = fill_window(t, x, c, i, cell, n, m, extent, band)
     pad(t, n)
     pad(t, m)
-    row = start + CERTIFICATE
+    row, first, listing = start + CERTIFICATE, start + CERTIFICATE, start + ROWS
     for i in range(cell):
         row = row_from(t, row, t[GO_ON + i])
         t[CELLS + i * cell_size(len(c.cos)) + THEN] = row - CERTIFICATE
+        first, listing = row_from(t, first, 2.0 * i + 1.0), row_from(t, listing, 2.0 * i + 1.0)
+        t[ENTER + i], t[LISTED + i] = first, listing
+    t[PACE], t[LAST] = cell / c.T, cell - 1
     reach = min(c.T, 1.0 / c.alpha) if c.alpha > 0.0 else c.T
     t[COUNT], t[ROW_COUNT] = max(8, (n - CERTIFICATE + 3) // 4 * 4), m - ROWS
     t[BAND] = band * extent.least
@@ -311,7 +323,9 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float) -> bool:
     t[GAP] = 1.0 - ratio
     t[UPRIGHT] = 1.0 if c.q2 >= 0.0 else 0.0  # then b1 is the comparison solution throughout
     small = 2.0**-40 * extent.blur
+    t[LEAST], t[SHARP] = extent.least, 1.0 / extent.blur
     t[MARGIN] = small * (extent.r + (c.size + c.force * reach * c.T) / extent.least)
+    t[MARGIN] += (t[GROWTH] * off + lever * off_v) / extent.least
     t[MARGIN + 1] = small * (extent.p + extent.b1 / extent.least)
     t[MARGIN + 2] = small * (extent.q + extent.b2 / extent.least)
     put_maps(t, c)

@@ -17,6 +17,8 @@ from grazing.oscillator.cells import (
     CERTIFICATE,
     CONSTANTS,
     COUNT,
+    LAST,
+    LISTED,
     MARGIN,
     MAX_ROWS,
     ONWARD,
@@ -93,8 +95,10 @@ def first_failing(t: Any, start: int, end: int, x: float, y: float, limit: float
 @inlined
 def next_event(t: Any, since: float, x: float, y: float, limit: float) -> float:
     """Return the place of the first row that a pair fails from place ``since`` on; 0 where there is none."""
-    end = ROWS + int(t[ROW_COUNT])
-    row = first_failing(t, row_from(t, ROWS, since), end, x, y, limit)
+    end, row = ROWS + int(t[ROW_COUNT]), ROWS
+    if since > 0.0:
+        row = row_from(t, int(t[LISTED + min((int(since) - 1) // 2, int(t[LAST]))]), since)
+    row = first_failing(t, row, end, x, y, limit)
     return t[row + 3 * MAX_ROWS] if row < end else 0.0
 
 
@@ -133,12 +137,16 @@ def candidates(w: Any, runs: Any, awake: int, stride: int) -> tuple[int, int]:
 
 
 @inlined
-def count_hits(w: Any, runs: Any, awake: int, stride: int) -> None:
-    """Say of all orbits that they hit once, or, where the certificate settles it, not at all."""
+def count_hits(w: Any, runs: Any, awake: int, columns: int, stride: int) -> None:
+    """Say of all orbits that they hit once, or, where the certificate settles it, not at all.
+
+    The columns of the second wall, beyond ``columns``, say 2: so a letter spells an impact with it.
+    """
     for n in range(awake):
         first = runs[AWAKE + n] * stride
+        once = 1.0 if runs[AWAKE + n] < columns else 2.0
         for i in range(first, first + stride):
-            w[W.HITS + i] = 0.0 if w[W.FREE + i] > 0.0 else 1.0
+            w[W.HITS + i] = 0.0 if w[W.FREE + i] > 0.0 else once
 
 
 @inlined

@@ -49,6 +49,8 @@ class Rows(NamedTuple):
     INSIDE: int  # the cell of that
     RECORD: int  # where the cell begins in the tables
     BACK: int  # the cell of the impact before
+    PLACE: int  # of an orbit, its place among the impacts at hand
+    PAST: int  # 1 where the wall that was hit is not hit again in this period, unless the other one is
     # constants of the column, in the order of the table
     A: int  # alpha
     K: int  # k^2
@@ -110,6 +112,9 @@ W = Rows(*(i * WIDTH for i in range(len(Rows._fields))))
 # Lists of columns: where the runs of equal ones begin among the impacts at hand, which these are, and which columns are
 # flown in this period.
 RUNS, WHOSE, AWAKE = (i * WIDTH for i in range(3))
+
+#: Where an orbit's state is: in its pair, after a period in the block; in U and V, too; in U and V alone.
+FLOWN, FRESH, HELD = 0.0, 1.0, 2.0
 
 NAN = float("nan")
 #: Above every row that counts; a margin above this would let rows overflow.
