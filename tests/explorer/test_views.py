@@ -241,7 +241,10 @@ def test_the_zero_time_map_of_any_model(shown, address):
         forcing = gz.Forcing(given["omega"], given["t0"], given["offset"], tuple(cos), tuple(sin))
         model = gz.Oscillator(given["alpha"], given["k"], forcing, reset, given["sigma"])
         seen = shown.page.evaluate(
-            "async ([state, u, v]) => (await import('./zdm.js')).zeroTime(state, u, v)",
+            """async ([state, u, v]) => {
+                const { machine } = explorer.views.strobe, { rowOf } = await import('./flow.js');
+                return (await import('./zdm.js')).zeroTime(machine, rowOf(machine, state), u, v);
+            }""",
             [{**given, **wave, "law": law}, u, v],
         )
         try:

@@ -11,7 +11,7 @@ from typing import Any
 from grazing.explorer.composed import Module, common_entries, entries_of, orbits_entry
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import unpacker
-from grazing.maps.discontinuity import ORDERS, local_map_of
+from grazing.maps.discontinuity import ORDERS, local_map_of, zero_time_of
 from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low
 from grazing.maps.starting import paper_box, reach_box
 from grazing.maps.stroboscopic import step_of, tangent_of
@@ -126,6 +126,20 @@ def height(value: float, context: Any) -> float:
     return steady_low(c)[1] if has_steady_response(c) else NAN
 
 
+ZERO_TIME = zero_time_of(chosen_law)
+
+
+def zero_time(row: Any, u0: float, v0: float, corners: Any, numbers: Any) -> float:
+    """Write the four points of the zero-time map, then delta and A; return x, not a number without an impact."""
+    c = PREPARE(UNPACK(row))
+    y = u0 - c.sigma
+    x, delta, A, root, V2, U3, V3 = ZERO_TIME(y, v0, c)
+    corners[0, 0], corners[0, 1], corners[1, 0], corners[1, 1] = u0, v0, c.sigma, -root
+    corners[2, 0], corners[2, 1], corners[3, 0], corners[3, 1] = c.sigma, V2, U3 + c.sigma, V3
+    numbers[0], numbers[1] = delta, A
+    return x if v0 < 0.0 and x >= 0.0 and y >= 0.0 else NAN
+
+
 SEARCH = graze_search_of(height)
 REDUCTION = reduction_of(chosen_law, newton_slope)
 
@@ -207,6 +221,20 @@ def entries() -> list[Entry]:
                 Argument("v", "float64", ("samples",), "velocity at those times"),
             ),
             meaning="position and velocity along the legs of a trajectory",
+        ),
+        Entry(
+            "zero_time",
+            zero_time,
+            (),
+            (
+                row,
+                Argument("u0", "float64", (), "position at the section"),
+                Argument("v0", "float64", (), "velocity at the section"),
+                Argument("corners", "float64", (4, 2), "(U0, V0) to (U3, V3)"),
+                Argument("numbers", "float64", (2,), "delta, acceleration A"),
+            ),
+            "float64",
+            meaning="the zero-time map of a state; returns v^2 - 2 A (u - sigma), not a number without an impact",
         ),
         Entry(
             "clearance",

@@ -30,6 +30,7 @@ from grazing.parameter import parameters
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+NAN = float("nan")
 ORDERS = ("lowest", "full", "corrected")
 
 
@@ -227,6 +228,22 @@ class Flown(Local):
         return periods_passed(list(self.model.params).index("omega"), rows, first, last, letters, steps)
 
 
+def zero_time_of(law: Callable[..., float]) -> Callable[..., Any]:
+    """Return ``zero_time(y, v, c) -> (x, delta, A, root, V2, U3, V3)``: the four points of Figure 2.1, U from the wall.
+
+    x = v^2 - 2 A y; the flight of constant acceleration A reaches the wall if v < 0 and x >= 0, else V2 is NaN.
+    """
+
+    def zero_time(y: float, v: float, c: Any) -> Any:
+        A = forcing(0.0, c)[0] - c.alpha * v - c.k2 * y
+        x = v * v - 2.0 * A * y
+        delta, root = time_to_wall(y, v, A)
+        V2 = law(-root, c.p) if v < 0.0 and x >= 0.0 else NAN
+        return x, delta, A, root, V2, -delta * V2 + 0.5 * A * delta * delta, V2 - delta * A
+
+    return zero_time
+
+
 class ZeroTime(NamedTuple):
     """The zero-time map of one state: points (4, 2), rows (U0, V0) to (U3, V3); delta; A; x = v^2 - 2A(u - sigma)."""
 
@@ -269,15 +286,11 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     p = parameters(params)
     c = constants_of(model.harmonics, section_phase)(p)
     y = u - model.sigma
-    A = forcing(0.0, c)[0] - c.alpha * v - c.k2 * y
-    x = v * v - 2.0 * A * y
+    x, delta, A, root, V2, U3, V3 = zero_time_of(lambda speed, _p: model.reset(speed))(y, v, c)
     if not (v < 0.0 and x >= 0.0):
         raise OutsideForm(
             f"no impact follows from (u, v) = ({u:g}, {v:g}): v = {v:g} must be negative and "
             f"v^2 - 2A(u - sigma) = {x:g} must not"
         )
-    delta, root = time_to_wall(y, v, A)
-    V2 = model.reset(-root)
-    U3 = -delta * V2 + 0.5 * A * delta * delta
-    rows = [(y, v), (0.0, -root), (0.0, V2), (U3, V2 - delta * A)]
+    rows = [(y, v), (0.0, -root), (0.0, V2), (U3, V3)]
     return ZeroTime(np.array(rows) + np.array([model.sigma, 0.0]), delta, A, x)

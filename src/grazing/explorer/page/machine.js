@@ -16,7 +16,7 @@
 /**
  * The arrays of the kernels by their names, which have the same kind in all functions.
  * @typedef {{
- *   boxes: Floats, lanes: Floats, points: Floats, table: Floats, state: Floats, legs: Floats, u: Floats, v: Floats,
+ *   boxes: Floats, lanes: Floats, corners: Floats, points: Floats, table: Floats, state: Floats, legs: Floats, u: Floats, v: Floats,
  *   heights: Floats, numbers: Floats, counts: Whole, ended: Whole, ambiguous: Whole, letters: Whole, outcomes: Whole,
  *   period: Whole, begin: Whole, length: Whole, count: Whole, first: Whole, label: Whole, key: BigInt64Array<ArrayBuffer>,
  * }} Arrays

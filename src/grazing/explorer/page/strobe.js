@@ -88,7 +88,7 @@ export class StrobeView {
     this.full = this.#once(this.u, "orbits");
     this.local = this.#once(this.u, "orbits_local");
     this.jumps = [...this.#jumps("orbits", this.full), ...this.#jumps("orbits_local", this.local)];
-    this.four = zeroTime(state, state.u0, state.v0);
+    this.four = zeroTime(machine, row, state.u0, state.v0);
     this.flow = this.four ? this.#flow(row, state) : [];
     this.paint();
   }

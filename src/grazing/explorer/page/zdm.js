@@ -2,39 +2,21 @@
 /** The zero-time discontinuity map of one state, Figure 2.1: to the wall, the reset, and back by the same time. */
 import { periodColour, theme } from "./colours.js";
 
-/** @typedef {import("./state.js").State} State */
 /** @typedef {{points: [number, number][], delta: number, acceleration: number, x: number}} ZeroTime rows (U0, V0) to (U3, V3) */
 
 const NAMES = ["(U₀, V₀)", "(U₁, V₁)", "(U₂, V₂)", "(U₃, V₃)"];
 /** Where each name stands beside its point, in pixels, and from which side. */
 const PLACES = /** @type {[number, number, CanvasTextAlign][]} */ ([[9, -9, "left"], [0, 14, "center"], [-2, -12, "right"], [-10, -2, "right"]]);
 
-/** The force at a time. @param {State} state @param {number} t */
-function force(state, t) {
-  const { cos1, cos2, cos3, sin1, sin2, sin3, omega, t0, offset } = state;
-  const angle = omega * t0 + omega * t;
-  return [[cos1, sin1], [cos2, sin2], [cos3, sin3]].reduce((sum, [c, s], j) => sum + (c || s ? c * Math.cos((j + 1) * angle) + s * Math.sin((j + 1) * angle) : 0), offset);
-}
-
-/** The velocity after an impact. @param {State} state @param {number} before less than 0 */
-function reset(state, before) {
-  const { law, r, V, trigger } = state;
-  return -r * before + (law === "active" || (law === "triggered" && -before >= trigger) ? V : 0);
-}
-
 /**
  * The four points for a state at the section, or null where the flight of constant acceleration does not reach the wall.
- * @param {State} state @param {number} u @param {number} v @returns {ZeroTime | null}
+ * @param {import("./machine.js").Machine} machine @param {Float64Array} row @param {number} u @param {number} v
+ * @returns {ZeroTime | null}
  */
-export function zeroTime(state, u, v) {
-  const y = u - state.sigma;
-  const A = force(state, state.phase) - state.alpha * v - state.k * state.k * u;
-  const x = v * v - 2 * A * y;
-  if (!(v < 0 && x >= 0 && y >= 0)) return null;
-  const root = Math.sqrt(x), delta = (2 * y) / (root - v);
-  const V2 = reset(state, -root);
-  const points = /** @type {[number, number][]} */ ([[y, v], [0, -root], [0, V2], [-delta * V2 + 0.5 * A * delta * delta, V2 - delta * A]]);
-  return { points: points.map(([U, V]) => [U + state.sigma, V]), delta, acceleration: A, x };
+export function zeroTime(machine, row, u, v) {
+  const { result: x, corners, numbers: [delta, acceleration] } = machine.call("zero_time", { row, u0: u, v0: v }, ["corners", "numbers"]);
+  if (Number.isNaN(x)) return null;
+  return { points: [0, 2, 4, 6].map((i) => [corners[i], corners[i + 1]]), delta, acceleration, x };
 }
 
 /**
