@@ -60,12 +60,15 @@ class FreeEquations(FlightEquations):
         return end - x, E - np.eye(2)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, lp and ns, and the clearance of the wall."""
+        """Return pd, lp and ns, and the clearance of the wall, in units of the motion's size."""
         _end, E, low, _when = self.turned(x, p)
         trace, det = float(np.trace(E)), self._area(p)
         return (
-            Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det), Test("gr", low, 0),
-        )  # fmt: skip
+            Test("pd", 1.0 + trace + det),
+            Test("lp", 1.0 - trace + det),
+            Test("ns", 1.0 - det),
+            Test("gr", low / (float(self.scale[0]) or 1.0), 0),
+        )
 
     def _area(self, p: Floats) -> float:
         """Return exp(-alpha T), by which areas shrink in a period: exactly 1 where nothing damps."""

@@ -75,6 +75,7 @@ class ImpactEquations(FlightEquations):
         self.n = len(self.pieces)
         c = self.constants(self.own)
         self.scale = np.repeat([c.T, c.size * c.rate], self.n)
+        self._high, self._fast, self._force = c.size or 1.0, c.size * c.rate or 1.0, c.force or 1.0
         self._gaps, self._close, self._profile = closer(model.harmonics)
 
     def _laws(self, values: Floats) -> Floats:
@@ -103,7 +104,10 @@ class ImpactEquations(FlightEquations):
         return Profile(table, *out.tolist())
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips."""
+        """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips.
+
+        Speeds, forces and heights are in units of their size.
+        """
         table, trace, det, scale = self.profile(x, p)
         sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
         found = [
@@ -117,15 +121,15 @@ class ImpactEquations(FlightEquations):
         for i in range(self.n):
             k = (i + 1) % self.n
             speed = -table[i, ENDING]
-            found.append(Test("v0", speed, k))
+            found.append(Test("v0", speed / self._fast, k))
             if self.pieces[k] != WHOLE:
                 over = speed - trigger if self.pieces[k] == FIRED else trigger - speed
-                found.append(Test("law", over if kicks else 1.0, k))
+                found.append(Test("law", over / self._fast if kicks else 1.0, k))
             # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
             low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
-            found.append(Test("gr", low if np.isfinite(low) else 1.0, i))
+            found.append(Test("gr", low / self._high if np.isfinite(low) else 1.0, i))
             if x[self.n + i] == 0.0:
-                found.append(Test("st", table[i, FORCE], i))
+                found.append(Test("st", table[i, FORCE] / self._force, i))
         return tuple(found)
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
