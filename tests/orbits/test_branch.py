@@ -407,3 +407,19 @@ def test_loops_in_the_frequency_are_followed_once():
     other = continuation(branch.map, doubles[0], "omega", (low, high), limit=40)
     begun = other.pieces[0].orbits[0]
     np.testing.assert_allclose(begun.times[2:] - begun.times[:2], begun.model.period, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("a", "b"), [(0, 20), (-20, 0)])
+def test_what_is_admissible_is_so_in_any_unit(a, b):
+    """Heights and speeds were 0 below a part of the period: where time is long, virtual points were admissible."""
+
+    def followed(L, T):
+        push = gz.Forcing(2.3 / T, offset=-0.20936675818337086 * L / T**2, cos=(L / T**2,))
+        P = gz.stroboscopic_map(gz.Oscillator(0.0, 2.3 / T, push, gz.active(0.8, 0.4 * L / T), -0.3 * L))
+        (orbit, *_) = gz.periodic_orbits(P, word="1", starts=400)
+        branch = gz.continuation(P, orbit, "omega", (0.8 / T, 3.0 / T))
+        return [(one.type, round(one.value * T, 6), one.admissible) for one in branch.special]
+
+    plain = followed(1.0, 1.0)
+    assert {admissible for _type, _value, admissible in plain} == {True, False}
+    assert followed(2.0**a, 2.0**b) == plain

@@ -355,10 +355,9 @@ def relabels(equations: Equations, event: Event) -> tuple[Equations, Point] | No
     point = point_at(new, np.concatenate([found.x / new.scale, old.z[len(equations.scale) :]]), old.tangent)
     if point is None:
         return None
-    near = ZERO * float(new.scale.max())
     tests = tuple(  # on the side that the path goes to
         test._replace(value=BARELY)
-        if (test.type, test.where) == ("bcb", event.where) and abs(test.value) < near
+        if (test.type, test.where) == ("bcb", event.where) and abs(test.value) < ZERO
         else test
         for test in point.tests
     )

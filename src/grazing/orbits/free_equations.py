@@ -64,12 +64,12 @@ class FreeEquations(FlightEquations):
         return end - x, E - np.eye(2)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, lp and ns, and the clearance of each wall."""
+        """Return pd, lp and ns, and the clearance of each wall, in units of the motion's size."""
         _end, E, dips = self.turned(x, p)
         trace, det = float(np.trace(E)), self._area(p)
         return (
             Test("pd", 1.0 + trace + det), Test("lp", 1.0 - trace + det), Test("ns", 1.0 - det),
-            *(Test("gr", float(low), wall) for wall, (low, _when) in enumerate(dips)),
+            *(Test("gr", float(low / self.scale[0]), wall) for wall, (low, _when) in enumerate(dips)),
         )  # fmt: skip
 
     def touched(self, type: str, where: int) -> tuple[int, int]:

@@ -83,7 +83,10 @@ class ImpactEquations(FlightEquations):
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
-        self.scale = np.array([self.period_at(self.own)] * self.n + [self.sizes(wall)[1] for wall in self.walls])
+        sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
+        self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
+        self._force = self.frames(self.own).a.force or 1.0
+        self.scale = np.array([self.period_at(self.own)] * self.n + [self._fast[wall] for wall in self.walls])
         self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
 
     def _laws(self, values: Floats) -> tuple[Floats, Any]:
@@ -120,7 +123,10 @@ class ImpactEquations(FlightEquations):
         return Profile(table, *out.tolist())
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips."""
+        """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips.
+
+        Speeds, forces and heights are in units of their size.
+        """
         table, trace, det, scale = self.profile(x, p)
         sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
         found = [
@@ -131,22 +137,22 @@ class ImpactEquations(FlightEquations):
         laws = [law_numbers(self.model, j, self.values(p)) for j in range(len(walls_of(self.model)))]
         for i in range(self.n):
             k = (i + 1) % self.n
-            speed, law = -table[i, ENDING], laws[self.walls[k]]
-            found.append(Test("v0", speed, k))
+            speed, law, fast = -table[i, ENDING], laws[self.walls[k]], self._fast[self.walls[k]]
+            found.append(Test("v0", speed / fast, k))
             if piece_of(self.pieces[k]) != WHOLE:
                 trigger = law["trigger"]
                 over = speed - trigger if piece_of(self.pieces[k]) == FIRED else trigger - speed
-                found.append(Test("law", over if law["V"] != 0.0 else 1.0, k))  # without a kick both are one law
+                found.append(Test("law", over / fast if law["V"] != 0.0 else 1.0, k))  # without a kick both are one law
             # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
             low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
             lows = [low] if len(laws) == 1 else [low, float(table[i, LOW + OTHER])]
             walls = (self.walls[i], 1 - self.walls[i])
             found += [
-                Test("gr", low if np.isfinite(low) else 1.0, wall * self.n + i)
+                Test("gr", low / self._high[wall] if np.isfinite(low) else 1.0, wall * self.n + i)
                 for low, wall in zip(lows, walls, strict=False)
             ]
             if x[self.n + i] == 0.0:
-                found.append(Test("st", table[i, FORCE], i))
+                found.append(Test("st", table[i, FORCE] / self._force, i))
         return tuple(found)
 
     def touched(self, type: str, where: int) -> tuple[int, int]:

@@ -62,8 +62,7 @@ class LocusEquations(Equations):
                 f"how far from it. Give it by pieces, gz.Map(pieces=..., border=...), follow lp, pd and ns of it, or "
                 f"find the {type} with gz.continuation at several values of the second parameter"
             )
-        zero = ZERO * float(base.scale.max())
-        self._index = min(places, key=lambda i: (max(abs(tests[i].value), zero), alike.index(tests[i].type)))
+        self._index = min(places, key=lambda i: (max(abs(tests[i].value), ZERO), alike.index(tests[i].type)))
         self._kinds = tuple(test[::2] for test in tests)
 
     def split(self, X: Floats, p: Floats) -> tuple[Floats, Floats]:
@@ -116,7 +115,7 @@ class LocusEquations(Equations):
         return tuple(
             Test(f"{self.type}+{test.type}", test.value, test.where)
             for test in others
-            if not (self.type == "gr" and test.type in alike and abs(test.value) <= ZERO * float(self.base.scale.max()))
+            if not (self.type == "gr" and test.type in alike and abs(test.value) <= ZERO)
         )
 
     def broken(self, X: Floats, p: Floats) -> str:

@@ -301,12 +301,12 @@ class PieceEquations(PointEquations):
                 middle[2] = self._turning(at, twice)
         kinds = ("pd", "lp", "ns") if d > 1 else ("pd", "lp")
         found = [Test(kind, value, -1, miss) for kind, value, miss in zip(kinds, middle, off.tolist(), strict=True)]
-        long, (_points, roots) = float(self.size.max()), self.parted(x)  # all in the unit of the longest coordinate
+        _points, roots = self.parted(x)
         for j in range(self.N):
             if self.rooted[j]:
-                found.append(Test("bcb", float(roots[j] / np.sqrt(self.units[0]) * long), j))
+                found.append(Test("bcb", float(roots[j] / np.sqrt(self.units[0])), j))
                 continue
-            found += [Test("bcb", float(s * at.borders[j, i] / self.units[i] * long), j) for i, s in self.sides[j]]
+            found += [Test("bcb", float(s * at.borders[j, i] / self.units[i]), j) for i, s in self.sides[j]]
         return tuple(found)
 
     def _closing(self, x: Floats, p: Floats) -> list[float]:

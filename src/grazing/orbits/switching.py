@@ -31,7 +31,7 @@ AWAY = (1e-4, 1e-3, 1e-2)
 OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
 #: Impacts a period beyond which no branch with one more is begun: grazes accumulate at an onset of chatter.
 MOST = 12
-#: Heights and speeds below this part of their size are 0.
+#: Test functions of the flow below this are 0: heights, speeds and forces in units of their size.
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
 REPEATED = 1e-5
@@ -221,8 +221,7 @@ def called(equations: Equations, type: str, where: int, p: Floats) -> tuple[str,
 
 def allowed(equations: Equations, x: Floats, p: Floats) -> bool:
     """Whether a solution is an orbit of the map, or just not."""
-    zero = -ZERO * float(equations.scale.max())
-    return all(test.value >= zero for test in equations.tests(x, p) if test.type in OF_THE_FLOW)
+    return all(test.value >= -ZERO for test in equations.tests(x, p) if test.type in OF_THE_FLOW)
 
 
 def on_the_edge(equations: Equations, event: Event) -> bool:
@@ -230,13 +229,12 @@ def on_the_edge(equations: Equations, event: Event) -> bool:
 
     At a graze of the steady response every period of a longer orbit touches the wall: zeros count as none.
     """
-    zero = -ZERO * float(equations.scale.max())
     # a point may have several borders: those that it is not at count
     others = (
         test for test in event.point.tests
-        if (test.type, test.where) != (event.type, event.where) or (event.converged and test.value < zero)
+        if (test.type, test.where) != (event.type, event.where) or (event.converged and test.value < -ZERO)
     )  # fmt: skip
-    return all(test.value >= zero for test in others if test.type in OF_THE_FLOW)
+    return all(test.value >= -ZERO for test in others if test.type in OF_THE_FLOW)
 
 
 def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
@@ -330,8 +328,7 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     ahead, tangent = (sides[0], point.tangent) if sides[0][i].value > sides[1][i].value else (sides[1], -point.tangent)
     tests: list[Test] = list(point.tests)
     if kind:  # points that collide at once
-        zero = ZERO * float(equations.scale.max())
-        near = [j for j, test in enumerate(tests) if test.type == kind and abs(test.value) < zero]
+        near = [j for j, test in enumerate(tests) if test.type == kind and abs(test.value) < ZERO]
         for j in near:
             tests[j] = tests[j]._replace(value=float(np.copysign(BARELY, ahead[j].value)))
     tests[i] = tests[i]._replace(value=BARELY)
