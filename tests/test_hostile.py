@@ -436,6 +436,24 @@ def test_no_text_of_a_file_moves_the_cursor(evil, tmp_path, capsys):
             assert "\nagain:  rm" not in said or path.suffix == ".toml"
 
 
+@pytest.mark.skipif(os.name != "posix", reason="names that other systems do not take")
+@pytest.mark.parametrize(
+    "name", ["a\nerror: b", "a\x1b[2J", "\u202eabc", "a\r", "\udcff", "[x]", "[1]", "%s{0}", "#h", "a,b=c", "a'b"]
+)
+def test_no_name_of_a_file_moves_the_cursor_or_is_taken_for_anything_else(name, tmp_path, capsys, monkeypatch):
+    """The names of what was written came out as they are, and -o took one in brackets for a list in JSON."""
+    monkeypatch.chdir(tmp_path)
+    os.rename(gz.save(gz.trajectory(gz.pinball(V=0.4), (0.1, 0.0), until=3.0), tmp_path / "a.nc"), f"{name}.nc")
+    motion = ["trajectory", "--state", "0.1,0", "--until", "3", "-q", "-o", f"{name}.svg"]
+    for command in (motion, ["plot", f"{name}.nc", "-o", f"{name}.pdf"], ["export", f"{name}.nc", f"{name}.csv"]):
+        assert main(command) == 0, capsys.readouterr().err
+        last = capsys.readouterr().out.splitlines()[-1]
+        assert last.startswith("written: ") and last.isprintable()
+    assert {file.name for file in tmp_path.iterdir()} == {
+        f"{name}{end}" for end in (".nc", ".svg", ".pdf", ".csv", "-impact.csv")
+    }
+
+
 # ---- results that are drawn, configurations that are printed
 
 
@@ -489,6 +507,10 @@ def test_what_a_configuration_says_makes_no_line_and_moves_no_cursor(tmp_path, c
         (lambda result: result.assign_coords(t=result.t.astype(str)), gz.sample),
         (lambda result: result.assign(v=result.v[0]), gz.sample),
         (lambda result: result.isel(t=slice(0)), gz.sample),
+        (
+            lambda result: gz.sample(result, 10.0).assign_attrs(sample_rate="10"),
+            lambda result, _rate: gz.spectrum(result),
+        ),
         (lambda result: result.u.assign_attrs(low="x", units="m").to_dataset(), lambda result, _rate: in_mm(result)),
         (lambda result: result.u.assign_attrs(units="m, m").to_dataset(), lambda result, _rate: in_mm(result)),
         (

@@ -121,7 +121,7 @@ app = Commands(
     help_epilogue="Exit codes: 0 done, 1 failed, 2 wrong usage or input,\n"
     "3 incomplete: a sweep that can be resumed, 130 interrupted.",
     version=f"grazing {__version__}",
-    default_parameter=Parameter(negative=()),
+    default_parameter=Parameter(negative=(), json_list=False),
     suppress_keyboard_interrupt=False,
 )
 _studies, _orbits, _results = (

@@ -13,7 +13,7 @@ app = App(
     name="config",
     help="Configuration files: their schema, and what one says.",
     help_format="plaintext",
-    default_parameter=Parameter(negative=()),
+    default_parameter=Parameter(negative=(), json_list=False),
 )
 
 

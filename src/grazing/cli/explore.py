@@ -10,6 +10,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from grazing.cli import output
 from grazing.cli.whole import as_written, whole_number
 
 
@@ -41,7 +42,7 @@ def explore(
     if out is not None:
         if not str(out).strip():
             raise InputError("--out names no folder; give one, for example --out page")
-        print(copy_to(Path(out)))
+        print(output.named([str(copy_to(Path(out)))]))
         return 0
 
     def opened(address: str) -> None:

@@ -32,5 +32,5 @@ def export(
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     written = output.write(output.converted(result, output.checked_units(units)), target)
     title = printable(str(result.attrs.get("title", "")), newlines=False)
-    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
+    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {output.named(written)}")
     return 0

@@ -26,7 +26,7 @@ DONE, FAILED = 0, 1
 #: What takes long, in words.
 DOES = {"orbit": "searching for orbits", "branch": "following branches", "windows": "looking for windows"}
 
-orbit = App(name="orbit", help_format="plaintext", default_parameter=Parameter(negative=()))
+orbit = App(name="orbit", help_format="plaintext", default_parameter=Parameter(negative=(), json_list=False))
 orbit.default(command("orbit"))
 
 
@@ -71,7 +71,9 @@ def check(
             print(text.dumps({"file": str(file), "verified": good, "statement" if good else "reason": said}))
         else:
             where = sys.stdout if good else sys.stderr
-            print(f"{file}: {'verified' if good else 'NOT verified'}\n{printable(said)}", file=where)
+            print(
+                f"{output.named([str(file)])}: {'verified' if good else 'NOT verified'}\n{printable(said)}", file=where
+            )
     return DONE if every else FAILED
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from grazing.cli.streams import printable
 from grazing.outcome import InputError, shown
 
 FIGURES = (".png", ".pdf", ".svg")
@@ -105,6 +106,11 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
     from grazing.io import save
 
     return [str(save(result, path))]
+
+
+def named(files: Sequence[str]) -> str:
+    """Return the names of files as a terminal may have them, in one line: a name may hold any letter."""
+    return ", ".join(printable(file, newlines=False) for file in files)
 
 
 def figure(result: Any, **style: Any) -> Mapping[str, Any]:

@@ -71,7 +71,7 @@ def plot(
             f"it was changed, or saved by another version: compute it again"
         ) from error
     title = printable(str(result.attrs.get("title", "")), newlines=False)
-    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {', '.join(written)}")
+    print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {output.named(written)}")
     return 0
 
 

@@ -18,6 +18,7 @@ from grazing.cli import output, progress
 from grazing.cli.found_words import words_of
 from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.cli.orbit_rows import plain
+from grazing.cli.streams import printable
 from grazing.cli.whole import whole_number
 from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
@@ -194,9 +195,9 @@ def lines(summary: Mapping[str, Any]) -> list[str]:
     """Return the summary in words."""
     sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
     time = f"time:    {progress.duration(summary['seconds'])}"
-    said = [summary["title"], f"sizes:   {sizes}", *units_line(summary["units"]), time]
+    said = [printable(summary["title"], newlines=False), f"sizes:   {sizes}", *units_line(summary["units"]), time]
     none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
-    return [*said, f"written: {', '.join(summary['files']) or none}"]
+    return [*said, f"written: {output.named(summary['files']) or none}"]
 
 
 def units_line(units: Mapping[str, Sequence[str]]) -> list[str]:

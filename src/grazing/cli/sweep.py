@@ -27,7 +27,7 @@ app = App(
     name="sweep",
     help="Compute a study chunk by chunk into a store; stop and resume it at will.",
     help_format="plaintext",
-    default_parameter=Parameter(negative=()),
+    default_parameter=Parameter(negative=(), json_list=False),
 )
 
 Store = Annotated[Path, Parameter(name="STORE", help="Folder of the store, such as chart.zarr.")]

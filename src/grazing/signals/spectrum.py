@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,7 +63,7 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     rate = recorded.attrs.get("sample_rate")
     t, x = recorded["t"].values, recorded[of].values
-    if rate is None or not np.allclose(np.diff(t) * rate, 1.0, rtol=0.0, atol=1e-6):
+    if not isinstance(rate, Real) or not np.allclose(np.diff(t) * rate, 1.0, rtol=0.0, atol=1e-6):
         raise InputError("the times are not equally spaced; take samples first: gz.sample(trajectory, rate)")
     if len(t) < 8:
         raise InputError(f"there are {len(t)} samples; a spectrum needs 8 or more: choose a higher rate")
