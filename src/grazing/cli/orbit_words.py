@@ -47,7 +47,8 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
         cells = row["word"], str(row["period"]), impacts, kind, "admissible" if row["admissible"] else "virtual"
         rows.append([*cells, roots, short(row["condition"], 3), first])
     head = ["word", "period", "impacts", "", "", "multipliers", "condition"]
-    table = aligned([*head, f"first point ({', '.join(tables['coordinates'])})"], rows) if rows else []
+    point = ", ".join(f"{name} {unit_in(result, name)}".rstrip() for name in tables["coordinates"])
+    table = aligned([*head, f"first point ({point})"], rows) if rows else []
     return [*table, *([""] if table else []), f"{tables['statement']}.", ""]
 
 
