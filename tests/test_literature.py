@@ -292,6 +292,32 @@ def test_the_symbols_of_chin_et_al_are_those_of_a_normal_form(page):
     assert np.linalg.det(C.jacobian((0.1, 0.0))) == pytest.approx(nf.det * 0.8**2, rel=1e-8)
 
 
+def test_the_distance_of_chin_et_al_is_that_of_the_free_response(page):
+    m = page.wall_above(zeta=0.05, omega0=3.0, P=0.0, F=2.0, omega=14.0, phi=0.0, sigma=0.1, r=0.8)
+    nf = gz.normal_form(m, "sigma")
+    assert nf.b > 0.0 and nf.lam > 0.0
+    above = 1e-3 * abs(nf.graze)  # by how much the wall is higher than the lowest point of the free response, at rest
+    x = 2.0 * nf.acceleration * above / nf.scale
+    rho = x * (1.0 - nf.lam + nf.det)  # as that response is the fixed point of (αx + y + ρ, -γx)
+    assert nf.mu(nf.graze + above) == pytest.approx(rho, rel=1e-9)
+    theirs, ours = page.chin(nf.lam, nf.det, nf.r, rho), nf.xy_map(nf.graze + above)
+    for q in ((-0.3, 0.1), (0.2, -0.4)):
+        image = np.array(theirs(q)[0]) * nf.scale
+        found = np.array(ours(tuple(nf.scale * np.array(q)))[0])
+        if q[0] <= 0.0:
+            np.testing.assert_allclose(found, image, rtol=1e-9)
+        else:  # they leave out αx, and for y have τ² more
+            np.testing.assert_allclose(found[0] - nf.scale * nf.lam * q[0], image[0], rtol=1e-9)
+            np.testing.assert_allclose(found[1] * nf.r**2, image[1], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("ratio", "negative"), [(1.3, False), (1.35, True), (3.9, True), (4.1, False)])
+def test_the_trace_is_negative_between_four_thirds_and_four_free_frequencies(page, ratio, negative):
+    free = 3.0 * np.sqrt(1.0 - 0.05**2)
+    m = page.wall_above(zeta=0.05, omega0=3.0, P=0.0, F=2.0, omega=ratio * free, phi=0.0, sigma=0.1, r=0.8)
+    assert (gz.normal_form(m, "sigma").lam < 0.0) == negative
+
+
 @pytest.mark.parametrize("values", [(0.05, 1.0, 1.9, 0.3, 0.8), (0.1, 2.0, 2.7, 0.1, 0.6)])
 def test_foale_flies_as_the_equation_says(page, values):
     zeta, F, omega, a, r = values

@@ -72,6 +72,16 @@ def test_lists_of_quantities_and_of_texts():
     assert magnitude(plain, "m", "x") is plain
 
 
+def test_changes_of_attractors_are_in_the_units_of_what_varies(rig):
+    found = gz.coexistence(gz.stroboscopic_map(rig), "omega", 2 * np.pi * np.linspace(16.0, 17.0, 3), starts=12)
+    shown = in_units(found, "Hz")
+    assert found.sizes["change"] == 1 and 16.0 <= shown.before.item() < shown.after.item() <= 17.0
+    drawn = gz.plot.coexistence(shown)
+    low, high = drawn["figure"].axes[0].get_xlim()
+    assert all(low < x < high for marks in drawn["changes"].values() for x in marks.get_xdata())
+    assert gz.to_dataframe(shown, "change").before.tolist() == shown.before.values.tolist()
+
+
 def test_names_of_a_rig_are_translated(rig):
     P = gz.stroboscopic_map(rig)
     for name, said in (("frequency", "omega = 2 pi frequency"), ("gap", "sigma = -gap"), ("c", "alpha = c/m")):
@@ -259,9 +269,7 @@ def test_what_was_searched_has_the_units_of_what_was_found(rig):
     found = in_units(table, "Hz")
     np.testing.assert_allclose(found.attrs["span"], np.array([70.0, 110.0]) / (2 * np.pi), rtol=1e-15)
     assert in_units(gz.windows(rig, "sigma", 1, span=(-2e-3, -1e-3)), "mm").attrs["span"] == [-2.0, -1.0]
-    from grazing.cli.orbits import windows_figure
-
-    ax = windows_figure(found)["figure"].axes[0]
+    ax = gz.plot.windows(found)["figure"].axes[0]
     low, high = ax.get_xlim()
     assert 70.0 <= 2 * np.pi * low < 2 * np.pi * high <= 110.0 and ax.get_xlabel() == r"$\omega/2\pi$ (Hz)"
     orbit = gz.one_impact_orbits(rig, 1)[0]

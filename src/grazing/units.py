@@ -52,7 +52,10 @@ def magnitude(value: Any, units: str, name: str) -> Any:
     if isinstance(value, (list, tuple)) and any(isinstance(one, str) or hasattr(one, "magnitude") for one in value):
         return [magnitude(one, units, f"{name}[{i}]") for i, one in enumerate(value)]
     if isinstance(value, str):
-        number, unit = _read(value, said)
+        try:
+            number, unit = _read(value, said)
+        except InputError as error:  # of whatever unit, it is said of what
+            raise InputError(str(error) if str(error).startswith(said) else f"{said}; {error}") from None
     elif hasattr(value, "to") and hasattr(value, "magnitude") and hasattr(value, "units"):
         number, unit = value.magnitude, value.units
     else:

@@ -84,6 +84,8 @@ def offered(shell, folder, *words):
         (["branch", "-o", "a"], {"a result.nc"}),
         (["trajectory", "--model", "ow"], {"own.py"}),
         (["plot", "a"], {"a result.nc"}),
+        (["plot", "a.nc", "--curves", "a"], {"a result.nc"}),
+        (["chart", "--curves", "a"], {"a result.nc"}),
         (["info", "stu"], {"study.toml"}),
         (["config", "show", "stu"], {"study.toml"}),
         (["sweep", "run", "stu"], {"study.toml"}),
@@ -145,7 +147,7 @@ def test_every_option_with_choices_or_a_file_offers_them(folder):
             if "|" in metavar and metavar.islower():
                 seen.add(argument.name)
                 assert argument.get_choices(force=True) == tuple(metavar.split("|")), argument.name
-            if metavar in ("FILE", "RESULT", "CONFIG", "STORE", "CERTIFICATE", "FILE|FOLDER"):
+            if metavar in ("FILE", "RESULT", "CONFIG", "STORE", "CERTIFICATE", "FILE|FOLDER", "LIST|FILE"):
                 seen.add(metavar)
                 assert get_completion_action(argument.hint) is CompletionAction.FILES, argument.name
     assert {"--law", "--arithmetic", "FILE", "RESULT", "CONFIG", "STORE"} <= seen

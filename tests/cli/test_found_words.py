@@ -35,6 +35,33 @@ def test_every_study_prints_what_it_found_and_says_the_same_as_data(tokens, line
     assert words_of(tokens[0], found)[:-1] == said
 
 
+RIG = ["--si", "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14", "--r", "0.7", "-q", "--units"]
+
+
+@pytest.mark.parametrize(
+    ("tokens", "said"),
+    [
+        (["history", "u=0", "v=0", "--until", "0.5", *RIG, "ms,mm"],
+         ["impact at t (ms)  v before (m/s)  v after (m/s)", "m/s\nu -1.2 to ", " mm at the instants"]),
+        (["sample", "u=0", "v=0", "--until", "0.5", "--rate", "200", *RIG, "mm"],
+         ["101 samples, 200 per s, t from 0 to 0.5 s", " mm at the instants"]),
+        (["spectrum", "u=0", "v=0", "--until", "2", *RIG, "mm,Hz"],
+         ["frequency (Hz)  order ", "amplitude (mm)", "in steps of 0.5 Hz"]),
+        (["basins", "u=-0.0012:0.009:5", "v=-0.4:0.4:5", *RIG, "mm"], ["point (u mm, v m/s)", "-0.14006, -0.17316"]),
+        (["lyapunov", *RIG, "ms"], ["per time (1/s)", "time of a step (ms)", "71.4286"]),
+        (["density", "frequency=13:14:3", "--bins", "5", "--starts", "3", *RIG, "mm"], [" mm\n0 below"]),
+        (["orbit", "--word", "1", "--starts", "200", *RIG, "mm"],
+         ["first point (u mm, v m/s)", "-0.140059991, -0.173159905", "units:   mm (u), m/s (v)"]),
+    ],
+    ids=lambda item: item[0] if len(item) > 4 else "",
+)  # fmt: skip
+def test_what_is_printed_of_a_rig_has_its_units(tokens, said, capsys):
+    assert main(tokens) == 0
+    out = capsys.readouterr().out
+    for part in said:
+        assert part in out, out
+
+
 @pytest.mark.parametrize(
     ("part", "whole", "text"),
     [

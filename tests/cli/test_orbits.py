@@ -249,9 +249,15 @@ def test_windows_are_those_of_python(name, V, N, capsys):
     assert found["span"] == expected.attrs["span"]
 
 
+TRIGGERED = ["--law", "triggered", "--trigger", "0.01", "--r", "0.8", "--V", "0.4", "--alpha", "3", "--k", "1",
+             "--omega", "2.2", "--cos", "1", "-q"]  # fmt: skip
+
+
 def test_windows_in_words_with_the_meaning_of_their_edges(capsys):
     text = said(capsys, 0, "windows", "d=0.09:0.13", "--N", "3", *BALL)
-    assert "3  0.0984504449371  gr  0.1232814496439  pd  whole" in text
+    assert "3  0.0984504449371  gr  0.1232814496439  pd\n" in text and "piece of the law" not in text
+    pieces = said(capsys, 0, "windows", "d=0.09:0.13", "--N", "3", *TRIGGERED)
+    assert "piece of the law" in pieces and "whole" not in pieces  # of a law in pieces the one that acts is named
     assert "gr   graze: a dip of the flight touches the wall" in text and "fold" not in text
     assert "searched: d from 0.09 to 0.13" in text
     none = "no window with N = 1, 2, 3, 4, 5, 6, 7 for d from 0.5 to 0.6; try another range"

@@ -113,6 +113,14 @@ def test_a_stored_result_is_exported_as_it_would_have_been_written(folder, capsy
     assert gz.load("again.nc").equals(gz.load(stored) if stored == "a.nc" else gz.sweep.open_store(stored).load())
 
 
+def test_chosen_variables_are_exported_alone(folder, capsys):
+    main([*CHART, "-o", "a.nc"])
+    said(capsys, 0, "export", "a.nc", "some.csv", "--variables", "period, share")
+    assert (folder / "some.csv").read_text().partition("\n")[0] == "mu,l,rank,period,share"
+    told = said(capsys, 2, "export", "a.nc", "no.csv", "--variables", "period,shares")
+    assert "--variables: unknown variable 'shares'; did you mean 'share'? allowed are period, word, share" in told
+
+
 def test_what_is_not_exported_is_said(folder, capsys):
     main([*CHART, "-o", "a.nc"])
     assert "allowed are nc, csv, parquet, in small letters" in said(capsys, 2, "export", "a.nc", "a.png")

@@ -201,7 +201,7 @@ def test_units_are_checked_before_anything_is_computed(capsys, folder):
         ({"si": SI | {"m": [1.0]}}, "si: m = [1.0] is not a real number"),
         ({"parameters": {"r": 0.7, "alpha": 3.0}}, "si: the table gives alpha, too"),
         ({"mass": 0.7}, "si: the table gives mass, too"),
-        ({"parameters": {}}, "parameters.r: missing"),
+        ({"parameters": {}}, "parameters.r: missing; give coefficient of restitution; 0 <= r <= 1"),
         ({"vary": {"frequency": "1:2:3", "omega": "1:2:3"}}, "si: frequency and omega both vary"),
         ({"vary": {"frequency": "a:2:3"}}, "vary.frequency = 'a' is not a real number"),
         ({"vary": {"frequency": "5-25"}}, "vary.frequency = '5-25'; give start:stop:count, such as 5:25:100"),

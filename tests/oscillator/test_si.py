@@ -117,6 +117,7 @@ def test_the_numbers_are_those_of_the_equation_per_mass():
         ({"force": None}, "force.* is not a real number"),
         ({"base": float("nan")}, "base.* is not finite"),
         ({"load": "9**9**9 N"}, "is no unit"),
+        ({"gap": "1.2 mmm"}, "gap = '1.2 mmm'; 'mmm' is no unit"),
         ({"gap": np.nan}, "not finite"),
         ({"m": True}, "not a real number"),
         ({"reset": 0.7}, "reset is 0.7; give gz.newton"),

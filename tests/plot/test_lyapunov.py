@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
 from tests.plot import results
@@ -10,6 +11,14 @@ from tests.plot import results
 
 def names(legend):
     return [text.get_text() for text in legend.get_texts()]
+
+
+def test_equal_exponents_are_both_seen():
+    """A pair of complex multipliers gives two equal exponents: the second was hidden under the first."""
+    P = gz.stroboscopic_map(gz.pinball(alpha=0.1, d=2.0, V=0.4))  # a free motion: both are -alpha T/2
+    first, second = plot.lyapunov(gz.lyapunov(P, "d", [2.0, 2.1], starts=3))["exponents"]
+    assert np.allclose(first.get_ydata(), second.get_ydata(), rtol=1e-6)
+    assert second.get_markersize() > 1.5 * first.get_markersize() and second.get_zorder() < first.get_zorder()
 
 
 def test_all_starts_and_indices_are_drawn():

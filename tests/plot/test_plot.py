@@ -15,6 +15,7 @@ from grazing.oscillator.model import pinball
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import InputError
 from grazing.plot.style import CHAOS, ENDED, INK, PERIODS, UNDECIDED, ink_on
+from grazing.plot.words import OTHERS
 from grazing.studies.cobweb import cobweb as followed
 from grazing.studies.graph import graph as step_of
 
@@ -194,6 +195,16 @@ def test_windows_of_a_dataset():
     assert len(ax.patches) == 6  # both windows of period 1
 
 
+def test_windows_alone_are_drawn_over_the_range_that_they_take():
+    far = gz.windows(gz.pinball(omega=2.2, V=0.4), "omega", N=[2, 3], span=(2.0, 9.0))
+    drawn = plot.windows(far)
+    axes = drawn["figure"].axes[0]
+    low, high = axes.get_xlim()
+    assert 2.0 <= low <= far.low.min() and far.high.max() <= high <= 9.0 and set(drawn["bars"]) == {*far.N.values}
+    assert axes.get_xlabel() == r"$\omega$" and not axes.get_yticks().size
+    assert plot.windows({1: (70.0, 80.0)})["bars"][1].get_width() == 10.0  # beyond the limits of new axes
+
+
 @pytest.mark.parametrize("edges", [{1: 0.5}, [(1, 0.2, 0.3)], {"a": (0.1, 0.2)}, xr.Dataset({"N": ("window", [1])})])
 def test_windows_refuse_another_shape(edges):
     with pytest.raises(InputError, match=r"allowed are the xarray.Dataset .*N, low, high.* a mapping from N"):
@@ -224,6 +235,20 @@ def test_neighbouring_periods_differ_in_grey():
     assert [plot.period_colour(code) for code in (-1, 0, -2)] == [CHAOS, UNDECIDED, ENDED]
     assert len({*PERIODS, CHAOS, UNDECIDED, ENDED}) == 19
     assert (ink_on(PERIODS[0]), ink_on(PERIODS[1])) == ("#ffffff", "#1a1a1a")
+
+
+def lab(colour):
+    """CIE L*a*b* of an sRGB colour, white D65."""
+    c = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    x, y, z = np.cbrt(to_xyz @ linear / [0.9505, 1.0, 1.089])  # all colours of ours are light enough for the root
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+def test_other_words_are_not_taken_for_what_has_no_period_or_another_word():
+    for other in (*PERIODS, CHAOS, UNDECIDED, ENDED, "#ffffff"):
+        assert np.linalg.norm(lab(OTHERS) - lab(other)) > 12.0, other
 
 
 def test_no_global_setting_changes():

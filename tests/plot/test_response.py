@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 
 import grazing as gz
@@ -43,6 +44,22 @@ def test_special_points_are_marked_and_named_on_the_figure_and_in_the_legend(res
     (band,) = drawn["differences"]
     low, high = band.get_extents().transformed(drawn["figure"].axes[0].transData.inverted()).intervalx / (2.0 * np.pi)
     assert (low, high) == pytest.approx((13.0, 16.5), abs=0.51)
+
+
+def test_names_cover_neither_each_other_nor_marks_where_points_crowd():
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    crowded = gz.bifurcation_diagram(P, "d", np.linspace(0.09, 0.14, 60), starts=5)
+    drawn = gz.plot.bifurcation_diagram(crowded)
+    renderer = FigureCanvasAgg(drawn["figure"]).get_renderer()
+    drawn["figure"].get_layout_engine().execute(drawn["figure"])
+    names = [text.get_window_extent(renderer) for text in drawn["names"] if text.get_visible()]
+    assert len(names) >= 5
+    assert not any(one.overlaps(other) for i, one in enumerate(names) for other in names[:i])
+    at = [drawn["figure"].axes[0].transData.transform(mark.get_xydata()[0]) for mark in drawn["markers"]]
+    assert not any(box.contains(x, y) for box in names for x, y in at)
+    said = [text.get_text().partition(":")[0] for text in drawn["legend"].get_texts()]
+    assert {"2", "3", "stable", "pd", "gr", "shaded"} <= {*said}
+    assert gz.plot.bifurcation_diagram(crowded, legend=False)["legend"] is None
 
 
 def test_names_and_legend_can_be_left_out_and_colours_tell_up_from_down(result):

@@ -30,9 +30,14 @@ def test_an_impact_is_a_step_of_the_velocity(tmp_path):
 def test_what_cannot_be_heard_is_said(tmp_path):
     held = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=1.0, offset=-3.0), reset=gz.newton(0.0))
     rest = gz.trajectory(held, (0.0, 0.0), until=10.0)
+    still = {"m": 0.8, "c": 2.4, "k": 3200, "force": 0.0, "gap": 1.2e-3, "frequency": 14, "reset": gz.newton(0.7)}
+    hanging = gz.trajectory(gz.Oscillator.from_si(**still), (0.0, 0.0), until=1.0)
+    assert 0.0 < np.abs(hanging.v.values).max() < 1e-15  # rounding, which was heard at full loudness
     tr = gz.trajectory(gz.pinball(), (0.1, 0.0), until=10.0)
     for arguments, text in (
         ((rest, tmp_path / "a.wav"), "the motion rests: its velocity does not change"),
+        ((hanging, tmp_path / "a.wav"), "the motion rests: its velocity does not change"),
+        ((hanging, tmp_path / "a.wav", 1.0, "u"), "the motion rests: its position does not change"),
         ((tr, tmp_path / "a.mp3"), "allowed is '.wav'"),
         ((tr, tmp_path / "none" / "a.wav"), "cannot be written: No such file or directory"),
         ((tr, tmp_path / "a.wav", 1e9), "choose a lower speed"),

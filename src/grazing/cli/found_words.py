@@ -35,6 +35,11 @@ def share(part: float, whole: int) -> str:
     return f"under {least} %" if part > 0.0 and float(text) == 0.0 else f"{text} %"
 
 
+def of(name: str, found: Found) -> str:
+    """Return the unit of something measured, nothing where it is dimensionless."""
+    return str(found.get("units", {}).get(name, ""))
+
+
 def between(ends: Sequence[float], digits: int = 6) -> str:
     """Return a range, or one number if both ends read the same."""
     low, high = (short(end, digits) for end in ends)
@@ -87,7 +92,8 @@ def basins_words(found: Found) -> list[str]:
     for row in found["attractors"]:
         point = ", ".join(short(x) for x in row["point"]) if all(map(math.isfinite, row["point"])) else "-"
         rows.append([*named(row), share(row["share"], many), point])
-    said = table(["word", "", "share", f"point ({', '.join(found['coordinates'])})"], rows)
+    point = ", ".join(f"{name} {of(name, found)}".rstrip() for name in found["coordinates"])
+    said = table(["word", "", "share", f"point ({point})"], rows)
     if "boundary_dimension" in found:
         dimension, error = short(found["boundary_dimension"], 3), short(found["uncertainty_error"], 1)
         said.append(f"dimension of the boundary {dimension}, standard error {error}")
@@ -128,7 +134,8 @@ def exponent_words(found: Found) -> list[str]:
             cells += [between(row["return_time"], digits)]
         rows.append([*named(row), share(row["share"], found["starts"]), *cells])
     timed = any("return_time" in row for row in found["attractors"])
-    head = ["word", "", "starts", "exponents per step", *(["per time", "time of a step"] if timed else [])]
+    times = [("per time", "exponent_per_time"), ("time of a step", "return_time")] if timed else []
+    head = ["word", "", "starts", "exponents per step", *(headed(says, of(name, found)) for says, name in times)]
     return table(head, rows)
 
 
@@ -157,7 +164,8 @@ def coexistence_words(found: Found) -> list[str]:
 def density_words(found: Found) -> list[str]:
     """Return how many points were counted, and how many lie beyond the range."""
     low, high = (short(end) for end in found["range"])
-    said = [f"{found['counted']} points counted over {found['coordinate']} from {low} to {high}"]
+    over = f"{found['coordinate']} from {low} to {high} {of(found['coordinate'], found)}".rstrip()
+    said = [f"{found['counted']} points counted over {over}"]
     said.append(f"{found['below']} below and {found['above']} above that range")
     said.append(f"visited: {100.0 * found['visited']:.2g} % of the parts")
     return [*said, f"{found['ended']} orbits ended"] if found["ended"] else said
@@ -168,29 +176,35 @@ def trajectory_words(found: Found) -> list[str]:
     count = found["impacts"]
     said = [f"{count or 'no'} impact{'' if count == 1 else 's'}, {found['trust']}"]
     rows = [[short(row[key]) for key in ("t", "v_minus", "v_plus")] for row in found["first"]]
-    said += aligned(["impact at t", "v before", "v after"], rows) if rows else []
+    t, v = of("t", found), of("v", found)
+    said += aligned([headed("impact at t", t), headed("v before", v), headed("v after", v)], rows) if rows else []
     if count > len(rows):
-        said.append(f"and {count - len(rows)} more; speeds before impact {between(found['speeds'])}")
+        said.append(f"and {count - len(rows)} more; speeds before impact {between(found['speeds'])} {v}".rstrip())
     if found["chatter"]:
         said.append("chatter: impacts without end in a finite time, completed in closed form")
     if found["rests"]:
         spans = ", ".join(between(span) for span in found["rests"][:RANGES])
-        said.append(f"rests on the wall {len(found['rests'])} times, t = {spans}".replace(" 1 times", " once"))
-    of = found["coordinate"]
-    return [*said, f"{of} {between(found[of])} at the instants of the table"]
+        times = f"rests on the wall {len(found['rests'])} times, t = {spans} {t}".rstrip()
+        said.append(times.replace(" 1 times", " once"))
+    name = found["coordinate"]
+    return [*said, f"{name} {between(found[name])} {of(name, found)}".rstrip() + " at the instants of the table"]
 
 
 def sample_words(found: Found) -> list[str]:
     """Return how much was recorded, and the impacts."""
-    said = f"{found['samples']} samples, {short(found['rate'])} per unit of time, t from {between(found['t'])}"
+    t = of("t", found)
+    said = f"{found['samples']} samples, {short(found['rate'])} per {'s' if t else 'unit of time'}, "
+    said += f"t from {between(found['t'])} {t}".rstrip()
     return [said, *trajectory_words(found)]
 
 
 def spectrum_words(found: Found) -> list[str]:
     """Return the strongest lines, and how fine and how far the spectrum is."""
     rows = [[short(row[key]) for key in ("frequency", "order", "amplitude")] for row in found["lines"]]
-    said = table(["frequency", "order", "amplitude"], rows) or ["no lines: nothing moves"]
-    return [*said, f"from 0 to {short(found['until'])} in steps of {short(found['resolution'])}"]
+    hertz = of("frequency", found)
+    head = [headed("frequency", hertz), "order", headed("amplitude", of("amplitude", found))]
+    said = table(head, rows) or ["no lines: nothing moves"]
+    return [*said, f"from 0 to {short(found['until'])} in steps of {short(found['resolution'])} {hertz}".rstrip()]
 
 
 def cobweb_words(found: Found) -> list[str]:

@@ -67,7 +67,7 @@ def option(
     words = tuple(choices) or OFFERED.get(name, ())
     kind: Any = Literal[words] | str if words else Path if name in FILES else str
     if name in SEVERAL:
-        kind, extra["converter"], says = list[str], all_as_written, f"{says}; may be repeated"
+        kind, extra["converter"], says = list[Path], all_as_written, f"{says}; may be repeated"
     if "LIST" in metavar:  # -1:1 is a range; only plain numbers are told from options by themselves
         extra["allow_leading_hyphen"] = True
     if choices:

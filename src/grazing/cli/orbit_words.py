@@ -47,7 +47,8 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
         cells = row["word"], str(row["period"]), impacts, kind, "admissible" if row["admissible"] else "virtual"
         rows.append([*cells, roots, short(row["condition"], 3), first])
     head = ["word", "period", "impacts", "", "", "multipliers", "condition"]
-    table = aligned([*head, f"first point ({', '.join(tables['coordinates'])})"], rows) if rows else []
+    point = ", ".join(f"{name} {unit_in(result, name)}".rstrip() for name in tables["coordinates"])
+    table = aligned([*head, f"first point ({point})"], rows) if rows else []
     return [*table, *([""] if table else []), f"{tables['statement']}.", ""]
 
 
@@ -153,7 +154,10 @@ def edge_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]
         asked = ", ".join(map(str, recipe["settings"]["N"]))
         none = f"no window with N = {asked} for {name} from {low:g} to {high:g} {unit}".rstrip()
         return [f"{none}; try another range, or other periods with --N", ""]
-    said = [*aligned(["N", f"{headed(name, unit)} from", "", "to", "", "piece of the law"], rows), ""]
+    head = ["N", f"{headed(name, unit)} from", "", "to", "", "piece of the law"]
+    if {row[-1] for row in rows} == {"whole"}:  # of a law in one piece there is nothing to say
+        head, rows = head[:-1], [row[:-1] for row in rows]
+    said = [*aligned(head, rows), ""]
     seen = {row[side] for row in tables["windows"] for side in ("low_type", "high_type")}
     said += legend({kind: words for kind, words in tables["meanings"].items() if kind in seen})
     said.append(f"searched: {name} from {low:g} to {high:g} {unit}".rstrip())

@@ -6,7 +6,7 @@ import json as text
 import os
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -145,26 +145,3 @@ def branch_figure(result: Any, **style: Any) -> Mapping[str, Any]:
     plot.branch(result, left, **style)
     plot.locus(loci, right, virtual=style.get("virtual", True), names=style.get("names", True))
     return {"figure": figure}
-
-
-def windows_figure(result: Any, **style: Any) -> Mapping[str, Any]:
-    """Draw windows over the range that was searched, or over what they take of it."""
-    from grazing import plot
-    from grazing.plot.style import unit_of
-
-    name, (low, high) = str(result.attrs["parameter"]), result.attrs["span"]
-    lows, highs = result["low"].values.tolist(), result["high"].values.tolist()
-    if lows:  # most of a default range holds no window
-        room = 0.05 * (max(highs) - min(lows))
-        low, high = max(low, min(lows) - room), min(high, max(highs) + room)
-    figure, (ax,) = plot.panels(174.0, 30.0)
-    with plot.styled():
-        ax.set_xlim(low, high)
-        ax.set_yticks([])
-        ax.spines["left"].set_visible(False)
-        symbol = str(result["low"].attrs.get("symbol", name))
-        ax.set_xlabel(f"${symbol}${unit_of(result['low'])}")
-    return {**plot.windows(result, ax, **style), "figure": figure}
-
-
-FIGURES: dict[str, Callable[..., Mapping[str, Any]]] = {"branch": branch_figure, "windows": windows_figure}

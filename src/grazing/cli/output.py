@@ -130,10 +130,10 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
             f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
             f"allowed are {', '.join(DRAWN)}"
         )
-    if study in ("branch", "windows"):
-        from grazing.cli import orbits
+    if study == "branch":
+        from grazing.cli.orbits import branch_figure
 
-        return orbits.FIGURES[study](result, **style)
+        return branch_figure(result, **style)
     return draw(result, **style)
 
 

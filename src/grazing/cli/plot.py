@@ -35,7 +35,7 @@ def plot(
         ),
     ] = None,
     curves: Annotated[
-        list[str] | None,
+        list[Path] | None,
         Parameter(
             help="Drawn on a chart in place of the curves that it was made with: the exact boundary curves of periods, "
             "2,3,5 or 2:7, or a stored branch or locus; may be repeated.",
@@ -58,7 +58,7 @@ def plot(
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], output.study_of(result.attrs))
-    result, arguments = with_drawn(result, arguments, curves, file, map, model)
+    result, arguments = with_drawn(result, arguments, [str(one) for one in curves or ()] or None, file, map, model)
     result = output.converted(result, output.checked_units(units))
     try:
         written = [name for path in files for name in output.write(result, path, **arguments)]

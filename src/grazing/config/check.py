@@ -440,6 +440,6 @@ def _says(name: str) -> str:
 def _why(config: Recipe, name: str) -> str:
     """Return why a parameter that the pinball has is missing all the same."""
     beyond = None if is_own(config["map"]) or config["map"] == "gap" else beyond_pinball(config)
-    if beyond is None or name not in (*PINBALL, *AMPLITUDES):
+    if beyond is None or config.get("mass") is not None or name not in (*PINBALL, *AMPLITUDES):
         return ""
     return f" (with {beyond} this is not the paper's pinball, and nothing is assumed)"

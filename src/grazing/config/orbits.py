@@ -72,8 +72,10 @@ def orbit_table(found: Orbits) -> xr.Dataset:
         "multiplier_imag": (("orbit", "multiplier"), roots.imag, {"long_name": "multiplier, imaginary part"}),
     }
     for j, name in enumerate(P.coordinates):
-        table[name] = ("orbit", "n"), points[:, :, j], {"long_name": name, "symbol": name}
-    return xr.Dataset(table, attrs={"title": f"periodic orbits of the {P.name or 'map'}", "statement": found.statement})
+        said = {"long_name": name, "symbol": name} if P.model is None else P.model.describe(name).attributes
+        table[name] = ("orbit", "n"), points[:, :, j], said
+    attributes = {"title": f"periodic orbits of the {P.name or 'map'}", "statement": found.statement}
+    return xr.Dataset(table, attrs=attributes | ({} if P.model is None else P.model.attributes))
 
 
 def window_table(

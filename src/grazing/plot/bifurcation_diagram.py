@@ -10,11 +10,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
-from grazing.plot.branch import branch, shade_of
+from grazing.plot.branch import branch, shade_of, special_entries, spread
+from grazing.plot.classes import blended, legend_extended, patch
 from grazing.plot.drawn import inline
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance_of
-from grazing.plot.style import DOUBLE, axes, root, styled
+from grazing.plot.style import DOUBLE, INK, axes, root, styled
 from grazing.plot.words import words_in
 
 #: Opacity of scanned points and of shaded windows.
@@ -30,6 +31,7 @@ def bifurcation_diagram(
     by: str = "period",
     virtual: bool = False,
     names: bool = True,
+    legend: bool = True,
 ) -> dict[str, Any]:
     """Draw scan and branches: points faint, stable orbits solid, unstable dashed, virtual dotted, windows shaded.
 
@@ -47,12 +49,15 @@ def bifurcation_diagram(
         Whether orbits that the map does not have are drawn too.
     names : bool
         Whether special points carry their names.
+    legend : bool
+        Whether to say what colours, lines, marks and shades are.
 
     Returns
     -------
     dict
         ``points`` as :func:`grazing.plot.orbit_diagram` returns them, ``lines``, ``markers`` and ``names`` as
-        :func:`grazing.plot.branch`, ``windows`` (a list of shaded bands), ``provenance``, ``figure``.
+        :func:`grazing.plot.branch`, ``windows`` (a list of shaded bands), ``legend`` (or None), ``provenance``,
+        ``figure``.
 
     Raises
     ------
@@ -71,11 +76,11 @@ def bifurcation_diagram(
         raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinate_names']))}")
     with styled():
         ax = axes(ax, DOUBLE, 95.0)
-        scan = orbit_diagram(result, ax, chosen, by=by, size=1.0, legend=by == "word")
+        scan = orbit_diagram(result, ax, chosen, by=by, size=1.0, legend=legend)
         for line in scan["points"].values():
             line.set_alpha(FAINT)
         low, high = ax.get_ylim()
-        drawn = branch(table, ax, coordinate=chosen, by=by, virtual=virtual, names=names)
+        drawn = branch(table, ax, coordinate=chosen, by=by, virtual=virtual, names=names, legend=legend)
         shades = words_in(root(ax)) if by == "word" else None
         bands = []
         ends = (result[f"window_{key}"].values.tolist() for key in ("low", "high", "word", "period"))
@@ -84,9 +89,14 @@ def bifurcation_diagram(
         ax.set_xlim(float(np.min(result[name].values)), float(np.max(result[name].values)))
         if virtual:
             ax.set_ylim(low, high)
+        beside = None
+        if legend:
+            shaded = [patch(blended(INK, SHADE), "shaded: stable")] if bands else []
+            beside = legend_extended(ax, [*special_entries(table, virtual), *shaded])
+        spread(ax, drawn["names"], drawn["markers"])
     return {
         "figure": root(ax), "points": scan["points"], "lines": drawn["lines"], "markers": drawn["markers"],
-        "names": drawn["names"], "windows": bands, "provenance": provenance_of(result),
+        "names": drawn["names"], "windows": bands, "legend": beside, "provenance": provenance_of(result),
     }  # fmt: skip
 
 

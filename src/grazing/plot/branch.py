@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
@@ -24,6 +26,8 @@ from grazing.plot.words import OTHERS, with_words, words_in
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
 #: Part of the range of the parameter within which two values are the same.
 ROUNDING = 1e-12
+#: Size of a marker in points, and letters of a line of a legend.
+MARKER, WIDTH = 4.2, 26
 #: Markers of special points: filled for stability, open for borders.
 MARKERS = {
     "lp": ("o", True), "pd": ("s", True), "ns": ("D", True), "bp": ("P", True), "gr": ("v", False),
@@ -100,11 +104,11 @@ def branch(
             for artist, text in marked(table, ax, chosen, virtual, names, shades):
                 markers.append(artist)
                 texts += [text] if text is not None else []
-        spread(ax, texts)
         ax.set_xlabel(symbol(tables[0][name]))
         ax.set_ylabel(symbol(tables[0][chosen]))
         if legend:
             explained(ax, tables, virtual, listed)
+        spread(ax, texts, markers)
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts}
 
 
@@ -186,7 +190,7 @@ def marked(
         shape, filled = MARKERS[kind]
         colour = shade_of(word_at(table, i), int(table["special_period"].values[i]), shades)
         (artist,) = ax.plot(
-            [x], [y], shape, ms=4.2, mec=colour, mew=0.8, mfc=colour if filled else "white", zorder=5, ls="none"
+            [x], [y], shape, ms=MARKER, mec=colour, mew=0.8, mfc=colour if filled else "white", zorder=5, ls="none"
         )
         text = None
         if names and place not in seen:  # where several branches meet one name is enough
@@ -209,24 +213,47 @@ def word_at(table: xr.Dataset, i: int) -> str:
     return str(table["word"].values[there[int(np.argmin(far))]])
 
 
-def spread(ax: Axes, texts: list[Any]) -> None:
-    """Move names that would cover each other to the first of eight places that is free; where none is, leave it out."""
-    places = [(3, 3), (3, -8), (-11, 3), (-11, -8), (3, 10), (3, -15), (-11, 10), (-11, -15)]
+def spread(ax: Axes, texts: list[Any], markers: list[Any]) -> None:
+    """Move names that would cover each other or a marker to the first place that is free; where none is, leave it out.
+
+    Called when everything else is there: a legend beside the axes makes them narrower.
+    """
+    places = [(3, 3), (3, -8), (-11, 3), (-11, -8), (-4, 6), (-4, -12), (3, 10), (3, -15), (-11, 10), (-11, -15)]
     figure = root(ax)
     ax.get_xlim()  # limits that wait to be found: before, every point lies outside and every name on the others
     canvas = figure.canvas
     renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    if texts and (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
     figure.set_canvas(canvas)
-    taken: list[Any] = []
+    radius = 0.5 * MARKER * figure.dpi / 72.0
+    corners = [ax.transData.transform(artist.get_xydata()[0]) for artist in markers]
+    taken: list[Any] = [Bbox([at - radius, at + radius]) for at in corners]
+    inside = ax.get_window_extent(renderer).padded(radius)
     for text in texts:
+        text.set_visible(True)
         for place in places:
             text.set_position(place)
             box = text.get_window_extent(renderer)
-            if not any(box.overlaps(other) for other in taken):
+            if inside.containsx(box.x1) and not any(box.overlaps(other) for other in taken):
                 taken.append(box)
                 break
         else:
             text.set_visible(False)
+
+
+def special_entries(table: xr.Dataset, virtual: bool = False) -> list[Any]:
+    """Return the entries of a legend for the special points that are drawn: their marks, names and what they are."""
+    words = dict(item.split(": ", 1) for item in table["special_type"].attrs["meaning"].split("; "))
+    shown = (table["special_admissible"].values == 1) | virtual
+    there = {*table["special_type"].values[shown].tolist()}
+    found = []
+    for kind in (kind for kind in MARKERS if kind in there):
+        shape, filled = MARKERS[kind]
+        text = fill(f"{kind}: {words[kind].split(':')[0]}", WIDTH)
+        look: dict[str, Any] = {"mec": INK, "mfc": INK if filled else "white", "ms": MARKER, "mew": 0.8}
+        found.append(Line2D([], [], ls="none", marker=shape, label=text, **look))
+    return found
 
 
 def explained(ax: Axes, tables: list[xr.Dataset], virtual: bool, words: dict[str, str]) -> None:
@@ -237,7 +264,7 @@ def explained(ax: Axes, tables: list[xr.Dataset], virtual: bool, words: dict[str
         for kind in seen
         if virtual or kind != "virtual"
     ]
-    if words:
+    if words or ax.get_legend() is not None:
         entries = [patch(colour, written(word)) for word, colour in words.items()]
         legend_extended(ax, [*entries, *(handles if len(handles) > 1 else [])])
     elif len(handles) > 1:

@@ -159,6 +159,12 @@ def patch(colour: Any, name: str, **look: Any) -> Patch:
     return Patch(**{"facecolor": colour, "edgecolor": "#404040", "linewidth": 0.3, "label": name, **look})
 
 
+def blended(colour: str, share: float) -> str:
+    """Return a colour as it looks on white when it is drawn with an opacity."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round(255 + share * (part - 255)):02x}" for part in parts)
+
+
 def rows_beside(ax: Axes) -> int:
     """Return how many entries a legend beside the axes has room for, its title left out."""
     return max(4, int(ax.get_window_extent().height / root(ax).dpi * 25.4 / ENTRY) - 1)
@@ -166,7 +172,8 @@ def rows_beside(ax: Axes) -> int:
 
 def legend_beside(ax: Axes, handles: Sequence[Any], title: str = "", **look: Any) -> Any:
     """Put a legend to the right of the axes, where it covers no data; in columns no longer than the axes."""
-    look.setdefault("ncols", -(-len(handles) // rows_beside(ax)))
+    lines = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
+    look.setdefault("ncols", -(-lines // rows_beside(ax)))
     with matplotlib.rc_context({"legend.handlelength": 1.3, "legend.handleheight": 0.9, "legend.labelspacing": 0.35}):
         place: dict[str, Any] = {
             "loc": "upper left",

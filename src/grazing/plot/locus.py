@@ -82,7 +82,7 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
                     text = ax.annotate(said, place, xytext=(3.0, 3.0), textcoords="offset points", color=INK, zorder=7)
                     text.set_fontsize(6.5)
                     texts.append(text)
-        spread(ax, texts)
+        spread(ax, texts, markers)
         ax.set_xlabel(symbol(tables[0][x]))
         ax.set_ylabel(symbol(tables[0][y]))
         legend = ax.legend(handles=list(known.values()), labels=list(known), fontsize=6.5, loc="best")

@@ -18,6 +18,8 @@ from grazing.plot.style import DOUBLE, INK, axes, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
+#: By how much the mark of each further exponent is wider than the one before it.
+RIM = 0.7
 #: Colours of the exponents, the greatest first; further ones have the last colour.
 COLOURS = (INK, "#2f7fb8", "#e69f00", "#86d3b4", "#b9b3e3")
 CHAOS_SHADE = "#f6ddd3"
@@ -123,6 +125,7 @@ def _lines(ax: Axes, values: Floats, exponent: Floats) -> list[Any]:
         else:
             size = float(np.clip(200.0 / values.size, 1.0, 2.6))
             x = np.repeat(values, starts)
+            size *= 1.0 + RIM * k  # where two are equal, the rim of the lower one is seen
             (line,) = ax.plot(x, finite[:, :, k].ravel(), "o", ls="none", ms=size, mew=0, **look)
             line.set_rasterized(x.size > MANY)
         drawn.append(line)

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 
 from grazing.outcome import InputError, shown
 from grazing.plot.bifurcation_diagram import branch_part
-from grazing.plot.branch import DASHES, MARKERS, branch, kinds
-from grazing.plot.classes import legend_beside, patch
+from grazing.plot.branch import DASHES, branch, kinds, special_entries, spread
+from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
@@ -96,6 +96,7 @@ def response(
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(quantity(result[by]))
         said = explained(ax, table, found, bool(bands)) if legend else None
+        spread(ax, drawn["names"], drawn["markers"])
     return {
         "figure": root(ax), "runs": found, "lines": drawn["lines"], "markers": drawn["markers"],
         "names": drawn["names"], "differences": bands, "legend": said, "provenance": provenance_of(result),
@@ -114,19 +115,7 @@ def explained(ax: Axes, table: xr.Dataset, runs: dict[str, Any], differ: bool) -
     for kind, width in (("stable", 1.2), ("unstable", 0.8)):
         if (seen == kind).any():
             handles.append(Line2D([], [], color=INK, ls=DASHES[kind], lw=width, label=f"{kind} orbits"))
-    words = dict(item.split(": ", 1) for item in table["special_type"].attrs["meaning"].split("; "))
-    there = set(table["special_type"].values[table["special_admissible"].values == 1].tolist())
-    for kind in (kind for kind in MARKERS if kind in there):
-        shape, filled = MARKERS[kind]
-        text = f"{kind}: {words[kind].split(':')[0]}"
-        look: dict[str, Any] = {"mec": INK, "mfc": INK if filled else "white", "ms": 4.2, "mew": 0.8}
-        handles.append(Line2D([], [], ls="none", marker=shape, label=text, **look))
+    handles += special_entries(table)
     if differ:
         handles.append(patch(blended(INK, SHADE), "up and down differ"))
     return legend_beside(ax, handles, "")
-
-
-def blended(colour: str, share: float) -> str:
-    """Return a colour as it looks on white when it is drawn with an opacity."""
-    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round(255 + share * (part - 255)):02x}" for part in parts)

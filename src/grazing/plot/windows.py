@@ -13,7 +13,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blende
 
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
-from grazing.plot.style import axes, ink_on, period_colour, root, styled
+from grazing.plot.style import DOUBLE, axes, ink_on, period_colour, root, styled, unit_of
 
 #: Height of a bar, distance of the two rows and place of the lower one, in points above the axes.
 BAR, ROW, FIRST = 9.0, 10.5, 4.0
@@ -37,7 +37,7 @@ def windows(
         The result of :func:`grazing.windows` (variables ``N``, ``low``, ``high``), or period and the two edges of
         its window; windows that are empty (low >= high) are left out.
     ax : matplotlib Axes, optional
-        Its limits should be set before.
+        Its limits should be set before. Default: a new figure of the windows alone.
     shade : float
         Opacity of the bands in the diagram; 0 draws only the bars above it.
     names : bool
@@ -61,7 +61,7 @@ def windows(
     bands: dict[int, Any] = {}
     texts: dict[int, Any] = {}
     with styled():
-        ax = axes(ax)
+        ax = alone(edges) if ax is None else ax
         left, right = sorted(ax.get_xlim())
         to_axes = ax.transScale + ax.transLimits  # also on a logarithmic axis
         above = across(ax)
@@ -92,6 +92,24 @@ def windows(
                     clip_on=False,
                 )
     return {"figure": root(ax), "bars": bars, "bands": bands, "names": texts}
+
+
+def alone(edges: Any) -> Axes:
+    """Return new axes over the range that was searched, or over what the windows take of it."""
+    ax = axes(None, DOUBLE, 30.0)
+    ends = [end for _N, low, high in rows_of(edges) if low < high for end in (low, high)]
+    low, high = getattr(edges, "attrs", {}).get("span", (-np.inf, np.inf))
+    if ends:  # most of a default range holds no window
+        room = 0.05 * (max(ends) - min(ends))
+        low, high = max(low, min(ends) - room), min(high, max(ends) + room)
+    if np.isfinite(low) and np.isfinite(high):
+        ax.set_xlim(low, high)
+    ax.set_yticks([])
+    ax.spines["left"].set_visible(False)
+    if "parameter" in getattr(edges, "attrs", {}):
+        shown = str(edges["low"].attrs.get("symbol", edges.attrs["parameter"]))
+        ax.set_xlabel(f"${shown}${unit_of(edges['low'])}")
+    return ax
 
 
 def rows_of(edges: Any) -> list[tuple[int, float, float]]:

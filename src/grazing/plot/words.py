@@ -15,7 +15,7 @@ from grazing.plot.classes import UNUSED, order_of, patch, patches_of, written
 from grazing.plot.style import PERIODS, period_colour
 
 #: What words have in common that have no colour of their own: there are as many colours as for periods.
-OTHERS = "#d9d9d9"
+OTHERS = "#e0c3ae"
 #: Colours of the words in each figure that shows some.
 _SHOWN: WeakKeyDictionary[Figure, dict[str, str]] = WeakKeyDictionary()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: The largest number of 16 bits, less a little.
 FULL = 32_000
-#: What moves less than this share of its largest value does not sound.
+#: What moves less than this share of its largest value, or of how far or how fast its model goes, does not sound.
 STILL = 1e-12
 
 
@@ -74,15 +74,22 @@ def to_wav(
     if not speed > 0.0:
         raise InputError(f"speed = {speed:g}; any positive number of units of time in a second is allowed")
     rate = whole(rate, "rate", 1000, 384_000)
-    model_of(trajectory)  # refuses what is none
+    model = model_of(trajectory)
     seconds = float(trajectory["t"][-1] - trajectory["t"][0]) / speed
     if seconds * rate < 2.0:
         raise InputError(f"the motion lasts {seconds:g} s at speed {speed:g}; choose a lower speed or a later end")
     x = sample(trajectory, rate / speed)[of].values
     middle = 0.5 * (x.max() + x.min())
     swing = np.abs(x - middle).max()
-    if swing <= STILL * np.abs(x).max():
+    if swing <= STILL * max(np.abs(x).max(), scale_of(model, of)):
         raise InputError(f"the motion rests: its {OF[of]} does not change, and nothing sounds")
     with whole_file(target) as part:
         wavfile.write(part, rate, np.round((x - middle) * (FULL / swing)).astype(np.int16))
     return target
+
+
+def scale_of(model: Any, of: str) -> float:
+    """Return how far, or how fast, orbits of a model go: of a ball at rest all that is recorded may be rounding."""
+    found = model.reach_at(list(model.params.values()))
+    several = (found,) if hasattr(found, "speed") else found
+    return max(float(one.speed if of == "v" else one.height) for one in several)

@@ -262,5 +262,6 @@ def _with_attractors(P: Map, name: str, transient: int, keep: int, result: xr.Da
     for field, meaning in fields.items():
         column = [getattr(change, field) for change in found]
         kind = {"before": float, "after": float}.get(field, np.int32 if field.startswith("period") else object)
-        table[field] = ("change", np.array(column, kind), {"long_name": meaning})
+        about = {"units": result[name].attrs.get("units", "1")} if kind is float else {}
+        table[field] = ("change", np.array(column, kind), {"long_name": meaning, **about})
     return result.drop_vars(["reached_period", "reached_word", "last", "coordinate"]).assign(table)

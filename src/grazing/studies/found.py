@@ -25,6 +25,8 @@ LETTERS = 60
 #: Lines of a spectrum that are listed have this share of the strongest.
 FAINTEST = 1e-3
 #: The kinds of orbits that have no period, by what stands in its place.
+#: Variables whose units stand beside what is printed of them.
+READ = ("t", "u", "v", "frequency", "amplitude", "exponent_per_time", "return_time")
 KINDS = {0: "undecided", -1: "aperiodic as far as seen", -2: "ended"}
 
 
@@ -42,8 +44,8 @@ def found(study: str, result: xr.Dataset) -> Row:
     Returns
     -------
     dict
-        Text, numbers, and lists and dicts of them. ``unit`` is that of the parameter, of a rig. ``note`` says that
-        orbits left the box of their starts.
+        Text, numbers, and lists and dicts of them. Of a rig, ``unit`` is that of the parameter, and ``units`` are those
+        of what else is measured, by name. ``note`` says that orbits left the box of their starts.
 
     Examples
     --------
@@ -56,7 +58,19 @@ def found(study: str, result: xr.Dataset) -> Row:
     said = FOUND[study](result)
     unit = str(result[said["parameter"]].attrs.get("units", "1")) if said.get("parameter") in result else "1"
     said |= {"unit": unit} if unit != "1" else {}
+    units = units_of(result)
+    said |= {"units": units} if units else {}
     return {**said, "note": str(result.attrs[NOTE])} if NOTE in result.attrs else said
+
+
+def units_of(result: xr.Dataset) -> dict[str, str]:
+    """Return the units of what is read from a result: of times, states, rates and lines."""
+    units = {name: str(result[name].attrs.get("units", "1")) for name in READ if name in result.variables}
+    if "point" in result and "coordinate" in result.coords:
+        each = str(result["point"].attrs.get("units", "1")).split(", ")
+        names = [str(name) for name in result["coordinate"].values]
+        units |= dict(zip(names, each * (len(names) if len(each) == 1 else 1), strict=True))
+    return {name: unit for name, unit in units.items() if unit != "1"}
 
 
 def kind_of(period: int) -> str:
