@@ -250,3 +250,17 @@ def test_a_word_of_many_impacts_costs_bounded_work_and_says_so():
     assert "random guesses" not in gz.periodic_orbits(P, word="01", starts=50).statement
     with pytest.raises(gz.InputError, match=r"have 999 impacts; allowed are 200.*letter C"):
         gz.periodic_orbits(P, word="0(999)")
+
+
+def test_a_continuum_of_orbits_is_listed_once_and_neutral():
+    """Without a spring the ball flies between two walls wherever it likes: multipliers 1 and exp(-alpha T)."""
+    walls = (gz.wall(-1.0, gz.newton(0.6)), gz.wall(1.0, gz.newton(0.6)))
+    rattle = gz.Oscillator(alpha=0.1, k=0.0, forcing=gz.Forcing(omega=1.0, cos=(), sin=(0.3,)), walls=walls)
+    found = gz.periodic_orbits(gz.stroboscopic_map(rattle), 1, starts=40)
+    (free,) = (orbit for orbit in found if orbit.word == "0")
+    assert free.neutral and not free.stable and "neutral" in repr(free)
+    assert abs(free.multipliers) == pytest.approx([1.0, np.exp(-0.1 * rattle.period)], abs=1e-12)
+    ((word, period, many),) = found.searched.continua
+    assert (word, period) == ("0", 1) and many > 10
+    assert f"of word 0 and period 1 a continuum: {many} with a multiplier 1 were met, one listed" in found.statement
+    assert ", 1 neutral and " in found.statement
