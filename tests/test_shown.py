@@ -60,7 +60,7 @@ def all_sorts():
     searched = Searched(tuple(range(1, 3 * MANY, 3)), 1, 1, 1, 1, ((1, 1),) * MANY, 0, False, 0)
     special = Special("lp", 0.5, 0.5, 0.5, True, orbit, True, -1, 0)
     meeting = Meeting("gr+lp", (0.1, 0.2), orbit, True)
-    piece = Piece(None, points, np.zeros(MANY), orbits, (), ("lp", "gr"))
+    piece = Piece(None, points, np.zeros(MANY), orbits, (), (), ("lp", "gr"))
     grid = np.linspace(0.0, 1.0, MANY)
     difference = Difference("u", 1, tuple(range(MANY)), "here", "other bits")
     ends = (0.0, 1.0)

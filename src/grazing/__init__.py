@@ -39,6 +39,7 @@ _PUBLIC = {
     "discontinuity_map": "maps.discontinuity",
     "zdm": "maps.discontinuity",
     "zdm_points": "maps.discontinuity",
+    "NormalForm": "maps.normal_form",
     "normal_form": "maps.normal_form",
     "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
@@ -120,6 +121,7 @@ if TYPE_CHECKING:
     from grazing.maps.impact import impact_map as impact_map
     from grazing.maps.linearised import linearised_map as linearised_map
     from grazing.maps.map import Map as Map
+    from grazing.maps.normal_form import NormalForm as NormalForm
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
     from grazing.orbits.adding_tree import adding_tree as adding_tree

@@ -215,3 +215,31 @@ def test_a_stable_orbit_on_several_branches_is_one_disagreement():
     assert len(set(rows)) == len(rows) and ("branch only", "0", 2.35, 2.4) in {row[:4] for row in rows}
     pieces = result.branch_piece.values[(result.branch_word.values == "0") & (result.branch_omega.values > 2.4)]
     assert len(set(pieces.tolist())) > 1
+
+
+def nordmark():
+    """The map of Chin et al. (1994)."""
+    return gz.Map(
+        pieces={
+            "L": lambda s, p: (p.alpha * s[0] + s[1] + p.rho, -p.gamma * s[0]),
+            "R": lambda s, p, root: (-root + s[1] + p.rho, -p.gamma * p.tau**2 * s[0]),
+        },
+        border=lambda s, p: s[0],
+        params={"alpha": 0.5, "gamma": 0.05, "tau": 0.8, "rho": 0.15},
+        coordinates=("x", "y"),
+        box=((-0.5, 0.5), (-0.1, 0.1)),
+    )
+
+
+def test_an_orbit_that_still_settles_beside_its_period_doubling_lies_on_its_branch():
+    P = nordmark()
+    a, c, t = P.params["alpha"], P.params["gamma"], P.params["gamma"] * P.params["tau"] ** 2
+    s = 0.5 * a / ((1.0 - c) * (1.0 - t))  # 1 + tr + det = 0, s the root of x at R
+    doubling = (s * s * (1.0 + t) * (1.0 + c) + a * s) / (1.0 + c + a)
+    result = bifurcation_diagram(P, "rho", [0.138, 0.14, 0.16], starts=5)
+    assert windows(result)["LR", 2][::2] == (pytest.approx(doubling, abs=1e-12), "pd")
+    assert "not followed" not in kinds(result)
+    alone = bifurcation_diagram(P, "rho", [0.1398, 0.14], starts=5, transient=50)  # at neither value one has settled
+    assert alone.disagreement_kind.values.tolist() == ["not followed"]
+    (reason,) = alone.disagreement_reason.values
+    assert reason.startswith("its points after 98 steps are not yet those of a periodic orbit, as near a bifurcation")

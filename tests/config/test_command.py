@@ -139,6 +139,23 @@ def test_a_result_made_in_python_says_its_command():
     xr.testing.assert_identical(again, result)
 
 
+def test_a_bifurcation_diagram_made_in_python_says_its_command_with_its_limits(tmp_path, capsys):
+    P = gz.gap_map(lam=0.8, mu=0.3, l=1.0)
+    result = gz.bifurcation_diagram(P, "mu", np.linspace(0.3, 0.9, 4), starts=2, period=3, points=500)
+    recipe = recipe_of(result.attrs)
+    again = "grazing bifurcations mu=0.3:0.9:4 --map gap --lam 0.8 --l 1.0 --starts 2 --period 3 --points 500"
+    assert command_of(recipe) == again
+    assert result_of(recipe).attrs["grazing_config_sha256"] == result.attrs["grazing_config_sha256"]
+    gz.plot.save(gz.plot.bifurcation_diagram(result), tmp_path / "a.png", "a")
+    assert main(["info", str(tmp_path / "a.png")]) == 0
+    assert again in capsys.readouterr().out
+    usual = gz.bifurcation_diagram(P, "mu", [0.3, 0.9], starts=2)
+    assert {"period": 16, "points": 20_000}.items() <= json.loads(usual.attrs["grazing_config"]).items()
+    old = {**result.attrs, "grazing_config": gz.orbit_diagram(P, "mu", [0.3], starts=1).attrs["grazing_config"]}
+    with pytest.raises(InputError, match="did not say how far its branches were followed"):
+        recipe_of(old)
+
+
 def test_values_that_are_not_even_are_taken_from_the_result():
     result = gz.orbit_diagram(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.01, 0.05, 0.02], starts=2, keep=6)
     assert recipe_of(result.attrs, {"mu": result.mu.values})["vary"] == {"mu": [0.01, 0.05, 0.02]}

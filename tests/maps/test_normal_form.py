@@ -1,15 +1,18 @@
 """The normal form: the true graze, λ, l and μ of any model, the change to (x, y), and what is refused by name."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import expm
 
 import grazing as gz
 from grazing import theory
-from grazing.maps.normal_form import steady_minimum
+from grazing.maps.normal_form import constants, steady_minimum
+from grazing.oscillator.constants import steady_response
 from tests.examples import examples
 from tests.models import MODELS, THREE
 
@@ -153,7 +156,14 @@ def test_negative_b_and_lambda_are_handled_or_refused_by_name():
         (S, "V", gz.OutsideForm, r"the graze does not depend on V; vary a parameter of the flight"),
         (S, "t0", gz.OutsideForm, r"the graze does not depend on t0"),
         (S, "D", gz.InputError, r"unknown parameter 'D' of the model"),
-        (S.replace(alpha=0.0), "d", gz.OutsideForm, r"alpha = 0: without damping no steady response attracts"),
+        (
+            S.replace(alpha=0.0, omega=1.0),
+            "d",
+            gz.OutsideForm,
+            r"alpha = 0 and k = 1 omega: at this resonance there is no",
+        ),
+        (S.replace(alpha=0.0, omega=0.5), "d", gz.OutsideForm, r"alpha = 0 and k = 2 omega: .* one of a continuum"),
+        (S.replace(alpha=0.0, k=0.0, d=0.0), "sigma", gz.OutsideForm, r"alpha = 0 and k = 0 omega"),
         (S.replace(k=0.0), "d", gz.OutsideForm, r"k = 0 with a constant force: the ball drifts for ever"),
         (S.replace(cos1=0.0), "omega", gz.OutsideForm, r"no graze of the steady response found for omega in"),
         (MODELS["chatter"], "omega", gz.OutsideForm, r"no graze of the steady response found for omega"),
@@ -162,6 +172,62 @@ def test_negative_b_and_lambda_are_handled_or_refused_by_name():
 def test_what_has_no_normal_form_is_refused_by_name(model, name, error, words):
     with pytest.raises(error, match=words):
         gz.normal_form(model, name)
+
+
+def undamped(omega):
+    """The oscillator of Budd and Dux (1994)."""
+    forcing = gz.Forcing(omega=omega, cos=(-1.0,))
+    return gz.Oscillator(alpha=0.0, k=1.0, forcing=forcing, sigma=-0.15, reset=gz.newton(0.8))
+
+
+@pytest.mark.parametrize("omega", [2.76, 1.7, 0.7])
+def test_without_damping_the_response_grazes_and_does_not_attract(omega):
+    nf = gz.normal_form(undamped(omega), "sigma")
+    T = 2.0 * np.pi / omega
+    assert nf.graze == pytest.approx(-1.0 / abs(1.0 - omega**2), rel=1e-14)
+    assert (nf.lam, nf.det, nf.b) == pytest.approx((2.0 * np.cos(T), 1.0, np.sin(T)), abs=1e-14)
+    assert "the steady response attracts nothing" in repr(nf)
+
+
+def over_an_impact(model, time, state):
+    """A period of the model from one section to the next, the states there continued as if without the wall."""
+    T, c, wall = model.period, constants(model), np.array([model.sigma, 0.0])
+    B = np.array([[0.0, 1.0], [-(model.params["k"] ** 2), -model.params["alpha"]]])
+
+    def steady(t):
+        return np.array(steady_response(t, c)) + wall
+
+    P = gz.stroboscopic_map(model, (time + 0.5 * T) % T)
+    start = steady(time - 0.5 * T) + expm(-0.5 * T * B) @ (state - steady(time))
+    end, hits = P(start)
+    far = steady(time + T) + expm(0.5 * T * B) @ (np.array(end) - steady(time + 0.5 * T))
+    return far, hits, np.linalg.det(P.jacobian(start))
+
+
+@pytest.mark.parametrize(
+    "model",
+    [S.replace(V=0.0), gz.pinball(alpha=0.2, omega=2.8, V=0.0), undamped(2.76)],
+    ids=["standard", "lightly damped", "undamped"],
+)
+def test_the_map_of_chin_et_al_is_the_direct_expansion(model):
+    """(x, y) -> (alpha x + y + rho, -gamma x), and with an impact (-sqrt(x) + y + rho, -gamma tau^2 x) + O(x)."""
+    nf = gz.normal_form(model, "sigma")
+    alpha, gamma, tau = nf.lam, nf.det, nf.r
+    free, hit = [], []
+    for e in (1e-4, 1e-5):
+        value = nf.parameter(0.5 * e)
+        here, rho = replace(nf, model=nf.model.replace(sigma=value)), nf.mu(value)
+        for x in (-e, e):
+            y = 0.3 * e
+            end, hits, det = over_an_impact(here.model, nf.time, here.from_xy(np.array([x, y]) * nf.scale))
+            found = here.to_xy(end) / nf.scale
+            if hits:
+                assert det == pytest.approx(gamma * tau**2, rel=1e-8)
+                hit.append(found - (-np.sqrt(x) + y + rho, -gamma * tau**2 * x))
+            else:
+                free.append(found - (alpha * x + y + rho, -gamma * x))
+    assert abs(free[1]) == pytest.approx(abs(free[0]) / 100.0, rel=0.05, abs=1e-13)  # of order x^2
+    assert abs(hit[1]) == pytest.approx(abs(hit[0]) / 10.0, rel=0.05, abs=1e-13)  # of order x
 
 
 def test_repr_is_short():

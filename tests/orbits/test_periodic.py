@@ -263,3 +263,17 @@ def test_a_ball_that_falls_for_ever_has_no_orbit_without_impacts():
     # exp(-B T) has the multiplier 1 but for rounding: the orbit would lie 1e16 deep in the wall
     m = gz.Oscillator(alpha=0.1, k=0, forcing=gz.Forcing(omega=1.0, offset=-1.0, cos=(2.0,)), reset=gz.newton(0.8))
     assert all(orbit.impacts for orbit in gz.periodic_orbits(gz.stroboscopic_map(m), 1, starts=50))
+
+
+def test_a_continuum_of_orbits_is_listed_once_and_neutral():
+    """Without a spring the ball flies between two walls wherever it likes: multipliers 1 and exp(-alpha T)."""
+    walls = (gz.wall(-1.0, gz.newton(0.6)), gz.wall(1.0, gz.newton(0.6)))
+    rattle = gz.Oscillator(alpha=0.1, k=0.0, forcing=gz.Forcing(omega=1.0, cos=(), sin=(0.3,)), walls=walls)
+    found = gz.periodic_orbits(gz.stroboscopic_map(rattle), 1, starts=40)
+    (free,) = (orbit for orbit in found if orbit.word == "0")
+    assert free.neutral and not free.stable and "neutral" in repr(free)
+    assert abs(free.multipliers) == pytest.approx([1.0, np.exp(-0.1 * rattle.period)], abs=1e-12)
+    ((word, period, many),) = found.searched.continua
+    assert (word, period) == ("0", 1) and many > 10
+    assert f"of word 0 and period 1 a continuum: {many} with a multiplier 1 were met, one listed" in found.statement
+    assert ", 1 neutral and " in found.statement

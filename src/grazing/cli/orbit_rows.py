@@ -24,13 +24,13 @@ def unfinished(result: Any) -> dict[str, str]:
 
 def orbit_rows(result: Any) -> dict[str, Any]:
     """Return the orbits of a result."""
-    names = ("word", "period", "impacts", "stable", "admissible", "condition", "residual")
+    names = ("word", "period", "impacts", "stable", "neutral", "admissible", "condition", "residual")
     rows = rows_of(result, {name: name for name in names})
     coordinates = [str(name) for name in result.data_vars if result[name].dims == ("orbit", "n")]
     points = list(zip(*(result[name].values.tolist() for name in coordinates), strict=True))
     parts = [result[f"multiplier_{part}"].values.tolist() for part in ("real", "imag")]
     for row, point, real, imag in zip(rows, points, *parts, strict=True):
-        row["stable"], row["admissible"] = bool(row["stable"]), bool(row["admissible"])
+        row |= {key: bool(row[key]) for key in ("stable", "neutral", "admissible")}
         row["multipliers"] = [list(pair) for pair in zip(real, imag, strict=True)]
         row["points"] = [list(state) for state in zip(*point, strict=True)][: row["period"]]
     return {"orbits": rows, "coordinates": coordinates, "statement": result.attrs["statement"]}

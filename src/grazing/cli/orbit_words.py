@@ -40,7 +40,7 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
     """Return the table of orbits and how they were found."""
     rows = []
     for row in tables["orbits"]:
-        kind = "stable" if row["stable"] else "unstable"
+        kind = "stable" if row["stable"] else "neutral" if row["neutral"] else "unstable"
         first = ", ".join(short(x, 9) for x in row["points"][0])
         roots = ", ".join(map(complex_text, row["multipliers"]))
         impacts = "-" if row["impacts"] < 0 else str(row["impacts"])

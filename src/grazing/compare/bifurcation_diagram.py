@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.branch import POINTS, Branch, Piece, Work, followed
+from grazing.orbits.branch import POINTS, Branch, Piece, Unsettled, Work, followed
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
@@ -19,6 +20,7 @@ from grazing.orbits.path import closed
 from grazing.orbits.special import Special
 from grazing.outcome import GrazingError, InputError, shown
 from grazing.parameter import whole
+from grazing.studies import labels
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.plan import Progress
 
@@ -150,7 +152,16 @@ def bifurcation_diagram(
     search.scanned(scan)
     branch = merged(P, name, search.bounds, search.branches)
     found = [*search.missed(), *search.unreached(scan)]
-    return with_limit(labelled(scan, branch, windows_of(branch), found, name), search)
+    result = labelled(scan, branch, windows_of(branch), found, name)
+    result.attrs |= documented(P, result.attrs["title"], scan, "bifurcation_diagram", search)
+    return with_limit(result, search)
+
+
+def documented(P: Map, title: str, scan: xr.Dataset, study: str, search: Search) -> labels.Attributes:
+    """Return the attributes of a study that follows branches through a scan: what decides the numbers of both."""
+    config = json.loads(scan.attrs["grazing_config"])
+    own = {key: value for key, value in config.items() if key not in ("map", "coordinates", "params")}
+    return labels.document(P, title, own | {"study": study, "period": search.longest, "points": search.points})
 
 
 def with_limit(result: xr.Dataset, search: Search) -> xr.Dataset:
@@ -185,6 +196,7 @@ class Search:
     branches: list[Branch] = field(default_factory=list)
     alone: list[tuple[float, str, int, str]] = field(default_factory=list)
     reached: set[tuple[float, int, int]] = field(default_factory=set)
+    unsettled: list[Attractor] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.left = self.points
@@ -204,6 +216,12 @@ class Search:
             self._begin(one.period)
             self._attractor(one.value, one.period, one.word, one.points)
         self._begin(self.longest)
+        for one in self.unsettled:  # a branch that was begun at another value may pass through it
+            if not self._lies(one.value, one.period, one.points[-one.period :]):
+                why = (
+                    f"its points after {self.steps} steps are not yet those of a periodic orbit, as near a bifurcation"
+                )
+                self.alone.append((one.value, one.word, one.period, f"{why}; a longer transient brings them nearer"))
 
     def _free(self, grid: list[float], met: list[Attractor]) -> None:
         """Follow the stable orbits without impacts that no start has reached, each of which is known in closed form."""
@@ -289,6 +307,9 @@ class Search:
         )  # fmt: skip
         try:
             self._add(self._followed(P, orbit))
+        except Unsettled:
+            self.unsettled.append(Attractor(value, N, word, points))
+            return
         except GrazingError as error:
             self.alone.append((value, word, N, str(error)))
             return

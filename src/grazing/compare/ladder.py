@@ -118,6 +118,8 @@ def ladder(
     chosen = _rungs(rungs)
     periods = checked_periods(N)
     form = normal_form(model, name)
+    if form.model.params["alpha"] == 0.0:
+        raise OutsideForm("alpha = 0: without damping the gap map neglects what it keeps; the ladder needs alpha > 0")
     last = whole(last, "last", 3)
     climbed = [climb(model, form, n, chosen) for n in periods]
     table = windows(form.model, name, periods, span)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.compare.bifurcation_diagram import Search, merged, same_attractor, with_limit
+from grazing.compare.bifurcation_diagram import Search, documented, merged, same_attractor, with_limit
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece
 from grazing.orbits.branch_table import branch_table
@@ -143,14 +142,7 @@ def response(
     result = result.merge(branches_read(merged(P, name, search.bounds, search.branches)))
     if NAME in drawn:
         result[NAME] = drawn[NAME]
-    config = json.loads(drawn.attrs["grazing_config"]) | {
-        "study": "response",
-        "period": longest,
-        "points": search.points,
-    }
-    for key in ("map", "coordinates", "params"):
-        del config[key]
-    result.attrs = labels.document(P, f"response of the {P.name} in {name}", config)
+    result.attrs = documented(P, f"response of the {P.name} in {name}", drawn, "response", search)
     return with_limit(with_note(result), search)
 
 

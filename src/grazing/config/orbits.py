@@ -36,7 +36,7 @@ def orbit_table(found: Orbits) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Dimension ``orbit``: ``word``, ``period``, ``impacts`` (-1 for a map that counts none), ``stable``,
+        Dimension ``orbit``: ``word``, ``period``, ``impacts`` (-1 for a map that counts none), ``stable``, ``neutral``,
         ``admissible``, ``condition``, ``residual``; ``multiplier_real`` and ``multiplier_imag`` (orbit, multiplier);
         the points by coordinate (orbit, n), filled up with NaN. Attribute ``statement``: how they were found.
 
@@ -65,6 +65,7 @@ def orbit_table(found: Orbits) -> xr.Dataset:
         "period": column((one.period for one in found), np.int64, "period"),
         "impacts": column((one.impacts if isinstance(one, ImpactOrbit) else -1 for one in found), np.int64, "impacts"),
         "stable": column((one.stable for one in found), np.int8, "whether the orbit is stable"),
+        "neutral": column((one.neutral for one in found), np.int8, "whether the largest multiplier has modulus 1"),
         "admissible": column((one.admissible for one in found), np.int8, "whether the map has the orbit"),
         "condition": column((one.condition for one in found), np.float64, "condition number"),
         "residual": column((one.residual for one in found), np.float64, "largest defect of its equations"),

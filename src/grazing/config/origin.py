@@ -60,11 +60,11 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
         raise InputError(f"attributes are {shown(attrs)}; give those of a result")
     if RECIPE in attrs:
         return checked(_decoded(attrs[RECIPE]) | _looked_at(attrs))
-    if str(attrs.get("title", "")).startswith("bifurcation diagram"):  # it records its scan only
-        raise InputError("it was made in Python and does not say how far its branches were followed")
     if "grazing_config" not in attrs:
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
+    if str(attrs.get("title", "")).startswith("bifurcation diagram") and config.get("study") == "orbit_diagram":
+        raise InputError("an earlier version made it in Python, and did not say how far its branches were followed")
     try:
         return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs)
     except GrazingError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, isfinite, nan
+from math import inf, isfinite, nan, sin
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,9 @@ from grazing.oscillator.reset import in_python
 from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import checked_name, parameters
 
+#: Without damping, sin(k T/2) that is 0 to rounding: k is a multiple of omega.
+RESONANT = 1e-12
+
 
 def constants(model: Oscillator) -> Constants:
     """Return the constants of a model at local time t = 0, in plain Python."""
@@ -33,11 +36,15 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
     Raises
     ------
     OutsideForm
-        If there is no attracting steady response: alpha = 0, or k = 0 with a constant force.
+        If there is no steady response: k = 0 with a constant force, or k a multiple of omega without damping.
     """
     c = constants(model)
-    if c.alpha == 0.0:
-        raise OutsideForm("alpha = 0: without damping no steady response attracts; the graze needs alpha > 0")
+    if c.alpha == 0.0 and abs(sin(0.5 * c.p.k * c.T)) <= RESONANT:
+        turns = c.p.k / c.omega
+        raise OutsideForm(
+            f"alpha = 0 and k = {turns:.0f} omega: at this resonance there is no steady response, or one of a "
+            "continuum; change k or omega, or give alpha > 0"
+        )
     if c.k2 == 0.0 and c.F0 != 0.0:
         raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
     return steady_low(c)
@@ -109,7 +116,8 @@ class NormalForm:
     lam, l, b : float
         Trace of exp(BT); V/(2 A b (1+r)^2); upper right entry of exp(BT).
     det : float
-        exp(-alpha T): what the one-dimensional map neglects.
+        exp(-alpha T): what the one-dimensional map neglects. It is 1 without damping, where the steady response exists
+        but attracts nothing, so that the gap map does not apply: use :meth:`xy_map`.
     scale : float
         (2 A b (1+r))^2; x = v^2 - 2A(u - sigma) is scale times the gap map's x.
     r, V : float
@@ -132,7 +140,9 @@ class NormalForm:
 
     def __repr__(self) -> str:
         where = f"{self.name}={self.graze:.12g}"
-        neglected = "" if self.det < 0.01 else f", det={self.det:.2g}, which the gap map neglects"
+        neglected = "" if self.det < 0.01 else f", det={self.det:.6g}, which the gap map neglects"
+        if self.model.params["alpha"] == 0.0:
+            neglected = ", det=1: without damping the steady response attracts nothing"
         return f"<NormalForm {where} at the graze: lam={self.lam:.6g}, l={self.l + 0.0:.6g}, b={self.b:.6g}{neglected}>"
 
     def mu(self, value: ArrayLike) -> Any:
@@ -171,7 +181,10 @@ class NormalForm:
     def gap_map(self, value: float | None = None) -> Map:
         """Return the gap map (2.6) at a parameter value (default: the graze), for λ of either sign.
 
-        The theory of Section 3 needs 0 < λ < 1; for other λ the functions of :mod:`grazing.theory` refuse by name.
+        With T = 2π/ω and without overdamping λ = 2 exp(-αT/2) cos(ω_d T) and b = exp(-αT/2) sin(ω_d T)/ω_d, where
+        ω_d^2 = k^2 - α^2/4: λ < 0 where ω_d/ω is within 1/4 of an odd multiple of 1/2, b > 0 where its fractional part
+        is below 1/2. With overdamping both are positive. The theory of Section 3 needs 0 < λ < 1, and for other λ the
+        functions of :mod:`grazing.theory` refuse by name.
 
         Raises
         ------
@@ -216,15 +229,18 @@ class NormalForm:
         """Return the two-dimensional map in (x, y) that the gap map comes from; any sign of b and λ.
 
         x' = λ x + y + ρ, y' = -det x; for x >= 0 less 2Ab((1+r) sqrt(x) + V). The gap map drops y, and λ x for x >= 0.
+        In units of ``scale`` the root has the coefficient 1 where b > 0, and ρ is ``mu(value)``: with V = 0 these are
+        α = ``lam``, γ = ``det``, τ = ``r`` and ρ of Chin, Ott, Nusse and Grebogi (1994), but for terms of order x where
+        there is an impact.
         """
-        rho = self.mu(self.graze if value is None else value) * self.scale
+        rho = self.mu(self.graze if value is None else value) * self.scale + 0.0
         kick = 2.0 * self.acceleration * self.b
         return Map(
             pieces={"L": xy_left, "R": xy_right},
             border=border,
             params={
                 "lam": self.lam, "det": self.det, "rho": rho,
-                "root": kick * (1.0 + self.r), "jump": kick * self.V,
+                "root": kick * (1.0 + self.r), "jump": kick * self.V + 0.0,
             },
             coordinates=("x", "y"),
             box=((-self.scale, self.scale), (-self.scale, self.scale)),
@@ -260,7 +276,7 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     Parameters
     ----------
     model : Oscillator
-        Any damped model with a steady response.
+        Any model with a steady response, without damping also one that does not attract.
     name : str
         The parameter to unfold the graze with, such as ``"d"`` or ``"omega"``.
 

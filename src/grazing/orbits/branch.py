@@ -225,6 +225,10 @@ def continuation(
     return followed(P, orbit, name, bounds, step, limit, Work(whole(points, "points", 2)))
 
 
+class Unsettled(InputError):
+    """The points of an orbit are not those of a periodic orbit of its period: its equations lead elsewhere."""
+
+
 @dataclass
 class Work:
     """How many points are still to be spent on following, of how many, and who is told."""
@@ -331,13 +335,13 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
         if fold is not None:
             return Seed(equations, fold, both=True)
     if solved is None or np.abs((solved - x) / equations.scale).max(initial=0.0) > 1e-3:
-        raise InputError(
+        raise Unsettled(
             f"{shown(orbit)} does not solve its own equations at {name} = {value:g}: Newton's method "
             f"{'fails' if solved is None else 'goes elsewhere'}; begin with an orbit of gz.periodic_orbits"
         )
     k = turns(equations, solved, p)
     if k > 1:
-        raise InputError(
+        raise Unsettled(
             f"{shown(orbit)} goes {k} times round an orbit of period {orbit.period // k}: begin with that one; "
             f"near a period doubling a settling orbit can look like one of period {orbit.period}"
         )

@@ -11,6 +11,9 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.outcome import abridged
 
+#: Multipliers nearer to the unit circle are on it.
+ROUNDING = 1e-12
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Orbit(ByValue):
@@ -64,10 +67,19 @@ class Orbit(ByValue):
     @property
     def stable(self) -> bool:
         """Whether nearby orbits come back to it: every multiplier is inside the unit circle, by more than rounding."""
-        return bool((np.abs(self.multipliers) < 1.0 - 8.0 * np.finfo(float).eps).all())
+        return bool((np.abs(self.multipliers) < 1.0 - ROUNDING).all())
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the multipliers do not decide: the largest modulus is 1, to rounding.
+
+        So it is at a bifurcation, on an orbit of a family, and without dissipation.
+        """
+        return bool(abs(np.abs(self.multipliers).max(initial=0.0) - 1.0) <= ROUNDING)
 
     def __repr__(self) -> str:
-        said = ["stable" if self.stable else "unstable", "admissible" if self.admissible else "virtual"]
+        kind = "stable" if self.stable else "neutral" if self.neutral else "unstable"
+        said = [kind, "admissible" if self.admissible else "virtual"]
         return f"<{type(self).__name__} {abridged(self.word)}, period {self.period}, {', '.join(said)}>"
 
 

@@ -12,7 +12,7 @@ from grazing.maps.hits import Hits
 from grazing.maps.map import Map
 from grazing.orbits.contacts import model_of, section_of
 from grazing.orbits.gap_orbits import gap_orbits
-from grazing.orbits.orbit import Orbit
+from grazing.orbits.orbit import ROUNDING, Orbit
 from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_pieces import piece_orbits, spelled
@@ -28,6 +28,8 @@ from grazing.parameter import whole
 LONGEST, LONGEST_WORDS = 64, 20
 #: Most impacts of a word that is looked for.
 MOST_IMPACTS = 200
+#: Orbits of one word and period with a multiplier 1 that are a continuum: at a fold two orbits meet.
+FAMILY = 3
 #: Random guesses of a period of a map that is no section of an oscillator.
 GUESSES = 500
 
@@ -52,6 +54,8 @@ class Searched:
         Whether the list is proved to hold every orbit: by algebra, for the gap map.
     seed : int
         Of the random starts and guesses.
+    continua : tuple of (str, int, int)
+        Words and periods of which so many orbits with a multiplier 1 were met, and one is listed.
     """
 
     periods: tuple[int, ...]
@@ -63,6 +67,7 @@ class Searched:
     virtual: int
     complete: bool
     seed: int
+    continua: tuple[tuple[str, int, int], ...] = ()
 
     def __repr__(self) -> str:
         return f"Searched({', '.join(f'{one.name}={shown(getattr(self, one.name))}' for one in fields(self))})"
@@ -100,11 +105,15 @@ class Orbits(tuple[Orbit, ...]):
         """One sentence: what was found, by what, and whether that is all."""
         s = self.searched
         kept = [orbit for orbit in self if orbit.admissible]
-        stable = sum(orbit.stable for orbit in kept)
+        stable, neutral = sum(orbit.stable for orbit in kept), sum(orbit.neutral for orbit in kept)
         which = f"of word {self.word}, " if self.word is not None else ""
         virtual = len(self) - len(kept)
-        said = f"{_counted(len(kept), 'orbit')} {which}of least period {_listed(s.periods)}, {stable} stable and "
-        said += f"{len(kept) - stable} unstable" + (f", and {_counted(virtual, 'virtual one')}" if virtual else "")
+        said = f"{_counted(len(kept), 'orbit')} {which}of least period {_listed(s.periods)}, {stable} stable"
+        said += (f", {neutral} neutral" if neutral else "") + f" and {len(kept) - stable - neutral} unstable"
+        said += f", and {_counted(virtual, 'virtual one')}" if virtual else ""
+        for spelled_as, N, many in s.continua:
+            said += f" (of word {spelled_as} and period {N} a continuum: {many} with a multiplier 1 were met, one "
+            said += "listed)"
         if s.complete:
             return f"{said}: these are all, because every word of the length is solved by algebra"
         how = (
@@ -177,7 +186,8 @@ def periodic_orbits(
     equations (:mod:`grazing.orbits.closing`). Each solution is flown once more by the exact advance, which says whether
     it is admissible. Orbits that rest on the wall are found by flying from each instant at which the forcing lifts
     the ball; their list is complete. A guess costs the cube of its impacts, so of words with more than 15 fewer are
-    tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one.
+    tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one. Of a continuum of orbits, as
+    a ball without a spring flies between two walls, one is listed: the statement says how many were met.
 
     Examples
     --------
@@ -219,11 +229,28 @@ def periodic_orbits(
     else:
         found = _mapped(P, periods, starts, seed, threads, tally, letters)
         met = sum(not orbit.admissible for orbit in found)
+    listing, continua = _one_of_each_continuum(_listing(found, asked, virtual))
     signatures = tuple(sorted(tally.signatures))
     searched = Searched(
-        periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed
-    )
-    return Orbits(_listing(found, asked, virtual), P, asked, searched)
+        periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed, continua,
+    )  # fmt: skip
+    return Orbits(listing, P, asked, searched)
+
+
+def _one_of_each_continuum(orbits: list[Orbit]) -> tuple[list[Orbit], tuple[tuple[str, int, int], ...]]:
+    """Return a list with one orbit of each continuum in place of all that were met, and how many those were.
+
+    Orbits that a multiplier 1 lets move along a line have one word; isolated ones with a multiplier 1 are at a fold,
+    where two meet.
+    """
+    many: dict[tuple[str, int], list[Orbit]] = {}
+    for orbit in orbits:
+        if orbit.admissible and np.abs(orbit.multipliers - 1.0).min(initial=1.0) <= ROUNDING:
+            many.setdefault((orbit.word, orbit.period), []).append(orbit)
+    families = {key: found for key, found in many.items() if len(found) >= FAMILY}
+    left_out = {id(one) for found in families.values() for one in found[1:]}
+    kept = [orbit for orbit in orbits if id(orbit) not in left_out]
+    return kept, tuple((*key, len(found)) for key, found in families.items())
 
 
 def impacts_in(P: Map, letters: Sequence[int]) -> int:
