@@ -146,6 +146,32 @@ def study_complaint(importer: str, target: str) -> str | None:
     return f"study {one} may not import {other or 'the list of all studies'}"
 
 
+#: The constructor of an oscillator makes those between walls, and each wall sees one over it.
+CIRCLES = [{"grazing.oscillator.model", "grazing.oscillator.walled"}]
+
+
+def circles(source: Path) -> list[set[str]]:
+    """Modules that import each other, at whatever depth, directly or through others."""
+    files = {module_name(file, source): file for file in sorted((source / "grazing").rglob("*.py"))}
+    after = {}
+    for name, file in files.items():
+        package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+        nodes = imports(ast.parse(file.read_text(encoding="utf-8")))
+        after[name] = {target for node in nodes for target, _binds in targets(node, package, set(files))} - {name}
+
+    def reached(start: str) -> set[str]:
+        seen, waiting = set(), [start]
+        while waiting:
+            for target in after.get(waiting.pop(), set()) - seen:
+                seen.add(target)
+                waiting.append(target)
+        return seen
+
+    far = {name: reached(name) for name in after}
+    found = [{other for other in far[name] if name in far.get(other, ())} for name in after if name in far[name]]
+    return [one for i, one in enumerate(found) if one not in found[:i]]
+
+
 def violations(source: Path) -> list[str]:
     """Everything wrong below a source folder, as `file:line: what`."""
     files = sorted((source / "grazing").rglob("*.py"))
@@ -170,6 +196,17 @@ def violations(source: Path) -> list[str]:
 
 def test_imports_go_down_only():
     assert violations(SOURCE) == []
+
+
+def test_no_module_imports_itself_through_others():
+    assert circles(SOURCE) == CIRCLES
+
+
+def test_a_planted_circle_is_found(tmp_path):
+    texts = {"io": "def f():\n  from grazing.export import a", "export": "from grazing.pool import b",
+             "pool": "import grazing.io", "paths": "from grazing.io import c"}  # fmt: skip
+    plant(tmp_path, texts)
+    assert circles(tmp_path) == [{"grazing.io", "grazing.export", "grazing.pool"}]
 
 
 def test_the_checker_of_certificates_knows_nothing_of_the_rest():

@@ -110,7 +110,7 @@ def test_the_printed_command_makes_the_same_bits(config, tmp_path, monkeypatch, 
 
 
 def _figure(result, recipe):
-    from grazing.cli.output import figure
+    from grazing.cli.figures import figure
 
     shown = {"curves": boundaries_of(recipe), "coordinate": recipe.get("coordinate")}
     return figure(result, **{name: value for name, value in shown.items() if value is not None})

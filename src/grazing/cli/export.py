@@ -10,7 +10,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from grazing.cli import output
-from grazing.cli.plot import loaded
+from grazing.cli.stored import loaded
 from grazing.cli.streams import printable
 from grazing.outcome import InputError, shown
 

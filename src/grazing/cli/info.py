@@ -82,7 +82,7 @@ def described(path: Path) -> dict[str, Any]:
         found |= {"kind": "figure", "title": stored["title"], "source": told(attrs, "source") or stored["software"]}
         found |= {"config_sha256": told(attrs, "grazing_config_sha256"), "versions": versions(attrs)}
         return found | again(attrs, {}, (str(path),))
-    from grazing.cli.plot import axes_of, loaded
+    from grazing.cli.stored import axes_of, loaded
 
     result = loaded(str(path))
     found |= {"kind": "store" if os.path.isdir(path) else "result", "title": told(result.attrs, "title")}

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from grazing.cli.streams import printable
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE = ".zarr"
@@ -96,6 +95,7 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
     kind = path.suffix
     if kind in FIGURES:
         from grazing import plot
+        from grazing.cli.figures import figure
 
         drawn = figure(result, **style)
         return [str(plot.save(drawn, path, result.attrs.get("title", ""), plot.provenance_of(result)))]
@@ -111,54 +111,3 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
 def named(files: Sequence[str]) -> str:
     """Return the names of files as a terminal may have them, in one line: a name may hold any letter."""
     return ", ".join(printable(file, newlines=False) for file in files)
-
-
-def figure(result: Any, **style: Any) -> Mapping[str, Any]:
-    """Draw a result with the function that its study has.
-
-    Raises
-    ------
-    InputError
-        For a result of no study that has a figure.
-    """
-    from grazing import plot
-
-    study = study_of(result.attrs)
-    draw: Callable[..., Mapping[str, Any]] | None = getattr(plot, study, None)
-    if draw is None or study not in DRAWN:
-        raise InputError(
-            f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
-            f"allowed are {', '.join(DRAWN)}"
-        )
-    if study == "branch":
-        from grazing.cli.orbits import branch_figure
-
-        return branch_figure(result, **style)
-    return draw(result, **style)
-
-
-DRAWN = (
-    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "history", "spectrum",
-    "cobweb", "graph", "branch", "windows", "bifurcation_diagram", "response",
-)  # fmt: skip
-#: Studies whose figure has another name.
-FIGURE_OF = {"sample": "history"}
-#: How the titles begin of results whose attributes do not name the function of their figure.
-TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}
-
-
-def study_of(attrs: Mapping[str, Any]) -> str:
-    """Return the function of the figure that a result has."""
-    for title, name in TITLED.items():
-        if str(attrs.get("title", "")).startswith(title):
-            return name
-    of = "grazing_config" if "grazing_config" in attrs else "grazing_recipe"
-    try:
-        said = json.loads(attrs.get(of, "{}"))
-        if not isinstance(said, dict):
-            raise ValueError("it is no table")
-    except (ValueError, TypeError, RecursionError) as error:
-        raise InputError(f"the result is damaged: {of} cannot be read ({error}); compute it again") from error
-    flown = of == "grazing_recipe" and str(attrs.get("title", "")).startswith("trajectory")
-    study = str(said.get("study", "trajectory" if flown else ""))
-    return FIGURE_OF.get(study, study)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json as text
-import os
 import warnings
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,7 +10,10 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output
+from grazing.cli.figures import DRAWN as FIGURED
+from grazing.cli.figures import study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
+from grazing.cli.stored import Missing, axes_of, curve_in, loaded
 from grazing.cli.streams import printable
 from grazing.outcome import GrazingError, InputError, in_one_line
 
@@ -57,7 +59,7 @@ def plot(
     result = loaded(file)
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
-    arguments = styled(style or [], output.study_of(result.attrs))
+    arguments = styled(style or [], study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, [str(one) for one in curves or ()] or None, file, map, model)
     result = output.converted(result, output.checked_units(units))
     try:
@@ -65,7 +67,7 @@ def plot(
     except MISFIT as error:  # a file may say anything; what we computed ourselves is drawn elsewhere
         if isinstance(error, GrazingError):
             raise
-        study = output.study_of(result.attrs)
+        study = study_of(result.attrs)
         raise InputError(
             f"{file} does not hold what the figure of {study} shows ({type(error).__name__}: {in_one_line(error)}); "
             f"it was changed, or saved by another version: compute it again"
@@ -73,30 +75,6 @@ def plot(
     title = printable(str(result.attrs.get("title", "")), newlines=False)
     print(text.dumps({"title": title, "files": written}) if json else f"{title}\nwritten: {output.named(written)}")
     return 0
-
-
-def loaded(file: str | Path) -> Any:
-    """Return a stored result: a NetCDF file, or a store of a sweep."""
-    if os.path.isdir(file):
-        from grazing.sweep import open_store
-
-        return open_store(file)
-    from grazing.io import load
-
-    return load(file)
-
-
-def curve_in(file: str) -> Any:
-    """Return a stored branch or locus that --curves names."""
-    if not os.path.exists(file):
-        raise Missing(
-            f"--curves = {os.path.relpath(file)}; there is no such file, and periods are written 2,3,5 or 2:7"
-        )
-    return loaded(file)
-
-
-class Missing(InputError):
-    """A file with curves that is not there."""
 
 
 def with_drawn(
@@ -123,14 +101,13 @@ def with_drawn(
     map, model : str, optional
         Code of the user that this call names; curves are computed from it.
     """
-    from grazing.cli.study import style_of
     from grazing.config import checked, recipe_of
     from grazing.config.build import RECIPE, kept
     from grazing.config.own import NotNamed
     from grazing.config.schema import DRAWN
     from grazing.config.values import curves as checked_curves
 
-    keys = DRAWN.get(output.study_of(result.attrs), ())
+    keys = DRAWN.get(study_of(result.attrs), ())
     if map is not None or model is not None:  # said here, where no other error is taken for it
         named_here(recipe_of(result.attrs, axes_of(result)), map, model, file)
     if curves is not None and "curves" not in keys:
@@ -161,12 +138,6 @@ def with_drawn(
         return result, arguments
 
 
-def axes_of(result: Any) -> dict[str, Any]:
-    """Return the values along the axes of a result, in the order of its first variable."""
-    dims = next((item.dims for item in result.data_vars.values()), ())
-    return {str(name): result[name].values for name in dims if name in result.coords}
-
-
 def styled(given: list[str], study: str) -> dict[str, Any]:
     """Return arguments for the function of a figure, refusing those that it does not have."""
     import inspect
@@ -174,7 +145,7 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     from grazing import plot as figures
     from grazing.config.problems import unknown_key
 
-    function = getattr(figures, study) if study in output.DRAWN else None
+    function = getattr(figures, study) if study in FIGURED else None
     if not given or function is None:
         return {}
     known = {

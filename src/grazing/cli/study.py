@@ -15,20 +15,19 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output, progress
+from grazing.cli.figures import style_of
 from grazing.cli.found_words import words_of
 from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.cli.orbit_rows import plain
-from grazing.cli.streams import printable
+from grazing.cli.summary import lines
 from grazing.cli.whole import whole_number
-from grazing.config import boundaries_of, command_of, plan_of, result_of, toml_of
+from grazing.config import command_of, plan_of, result_of, toml_of
 from grazing.config.settings import SINGLE, STUDIES, WHOLE
 from grazing.outcome import InputError
 from grazing.parameter import whole
 from grazing.studies.found import found as found_in
 
 DONE, INCOMPLETE = 0, 3
-#: Names of variables that a line of units shows, of each unit.
-MOST = 3
 #: What a study can prove.
 PROVEN = {"orbit": "each admissible orbit", "windows": "the edges of the windows"}
 #: What follows when all cells are computed, where that takes long.
@@ -94,7 +93,7 @@ def command(study: str) -> Callable[..., int]:
             return estimated(plan_of(recipe), threads, json)
         files, shown = output.targets(out, endings(study)), output.checked_units(recipe.get("units"))
         if study in ("orbit", "branch", "windows", "bifurcations", "response"):
-            from grazing.cli.orbits import compute as found
+            from grazing.cli.orbit_study import compute as found
 
             return found(recipe, files, threads, shown, json, quiet, certify or save is not None, save)
         return compute(recipe, files, threads, shown, json, quiet)
@@ -154,18 +153,6 @@ def compute(
     return DONE
 
 
-def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:
-    """Return what a figure shows beside its result, as arguments: boundary curves of a chart, one coordinate."""
-    if not recipe.get("curves"):
-        return {"coordinate": recipe["coordinate"]} if recipe.get("coordinate") else {}
-    from grazing.cli.plot import curve_in
-
-    stored = [curve_in(one) for one in recipe["curves"] if isinstance(one, str)]
-    with progress.said("following the boundary curves", quiet or len(stored) == len(recipe["curves"])):
-        exact = boundaries_of(recipe)
-    return {"curves": [*([] if exact is None else [exact]), *stored]}
-
-
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted) -> Any:
     """Compute a plan chunk by chunk into a store, which can be resumed, and open it."""
     from grazing.cli.sweep import asked, resumable
@@ -189,24 +176,6 @@ def estimated(plan: Any, threads: int | None, json: bool) -> int:
     found = estimate(plan, threads=threads)
     print(text.dumps(asdict(found)) if json else str(found))
     return DONE
-
-
-def lines(summary: Mapping[str, Any]) -> list[str]:
-    """Return the summary in words."""
-    sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
-    time = f"time:    {progress.duration(summary['seconds'])}"
-    said = [printable(summary["title"], newlines=False), f"sizes:   {sizes}", *units_line(summary["units"]), time]
-    none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
-    return [*said, f"written: {output.named(summary['files']) or none}"]
-
-
-def units_line(units: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return what has which units in a line, cut where many have the same; nothing of a dimensionless result."""
-    listed = {
-        unit: ", ".join([*names[:MOST], *(["..."] if len(names) > MOST else [])]) for unit, names in units.items()
-    }
-    said = [f"{unit} ({names})" for unit, names in listed.items()]
-    return [f"units:   {', '.join(said)}"] if said else []
 
 
 def __getattr__(name: str) -> Callable[..., int]:

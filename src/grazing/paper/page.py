@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from grazing.paper.report import BESIDE, module_of
+from grazing.paper.drawn import BESIDE, module_of
 from grazing.paper.run import Run
 from grazing.paper.slips import SLIPS
 from grazing.plot.style import software

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from grazing.outcome import InputError
 from grazing.paper import FIGURES
+from grazing.paper.drawn import BESIDE, module_of
 from grazing.paper.files import folder, write
 
 if TYPE_CHECKING:
@@ -35,7 +35,6 @@ CLAIMS = (
 )
 #: The order of computation: what compiles and runs quickly first, so that there is something to draw meanwhile.
 ORDER = ("3.1", "3.2", "3.4", "3.6", "3.3", "3.5", "3.7", "1.2", "1.5", "2.2", "2.1", "1.6", "1.3")
-BESIDE = "1.6-3.2"
 
 
 def report(
@@ -141,11 +140,6 @@ def chosen_groups(names: tuple[str, ...]) -> Iterator[tuple[str, Callable[[Run],
         for about, group in import_module(f"grazing.paper.{module}").GROUPS:
             if set(about) <= set(names):
                 yield f"claims: {group.__name__.replace('_', ' ')}", group
-
-
-def module_of(name: str) -> ModuleType:
-    """Return the module that draws a figure, the comparison included."""
-    return import_module("grazing.paper.beside" if name == BESIDE else f"grazing.paper.figure_{name.replace('.', '_')}")
 
 
 def drawn(place: Path, name: str, data: Future[Any], size: str) -> list[str]:

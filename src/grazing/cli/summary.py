@@ -1,0 +1,30 @@
+"""The summary of what a command did, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from grazing.cli import output, progress
+from grazing.cli.streams import printable
+
+#: Names of variables that a line of units shows, of each unit.
+MOST = 3
+
+
+def lines(summary: Mapping[str, Any]) -> list[str]:
+    """Return the summary in words."""
+    sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
+    time = f"time:    {progress.duration(summary['seconds'])}"
+    said = [printable(summary["title"], newlines=False), f"sizes:   {sizes}", *units_line(summary["units"]), time]
+    none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
+    return [*said, f"written: {output.named(summary['files']) or none}"]
+
+
+def units_line(units: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return what has which units in a line, cut where many have the same; nothing of a dimensionless result."""
+    listed = {
+        unit: ", ".join([*names[:MOST], *(["..."] if len(names) > MOST else [])]) for unit, names in units.items()
+    }
+    said = [f"{unit} ({names})" for unit, names in listed.items()]
+    return [f"units:   {', '.join(said)}"] if said else []
