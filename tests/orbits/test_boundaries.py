@@ -167,3 +167,22 @@ def test_a_law_of_ones_own_is_outside_the_form():
     model = gz.Oscillator(1.0, 1.0, gz.Forcing(2.0), gz.reset(own, c=0.5))
     with pytest.raises(OutsideForm, match="affine piece by piece"):
         boundaries(model, ("alpha", 0.5, 1.0), ("k", 0.5, 1.0))
+
+
+def test_the_graze_of_the_response_without_impacts_is_among_the_boundaries():
+    """Its amplitude is F/|k^2 - omega^2 + i alpha omega|: the curve goes from side to side of the chart."""
+    model = gz.Oscillator(alpha=0.4, k=2.0, forcing=gz.Forcing(omega=2.5, cos=(0.5,)), sigma=-0.3, reset=gz.newton(0.8))
+    found = boundaries(model, ("omega", 2.2, 2.6), ("sigma", -0.35, -0.2), N=1)
+    rows = np.flatnonzero(found.label.values == "0 gr")
+    assert found.N.values[rows].tolist() == [0] * len(rows) and len(rows) > 0
+    omegas = []
+    for row in rows:
+        omega, sigma = points_of(found, row, "omega", "sigma")
+        assert -sigma == pytest.approx(0.5 / np.hypot(4.0 - omega**2, 0.4 * omega), rel=1e-12)
+        omegas += omega.tolist()
+    ends = []
+    for height in (0.35, 0.2):
+        half = 0.5 * (8.0 - 0.4**2)
+        ends.append(np.sqrt(half + np.sqrt(half**2 - 16.0 + (0.5 / height) ** 2)))
+    assert (min(omegas), max(omegas)) == pytest.approx(ends, abs=1e-12)
+    assert "0 gr" not in boundaries(model, ("omega", 2.3, 2.4), ("sigma", -0.31, -0.3), N=2).label.values

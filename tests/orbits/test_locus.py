@@ -47,6 +47,18 @@ def test_a_locus_goes_on_to_the_sides_of_its_box(names):
     assert {one.type for one in special} == {"lp", "pd", "gr"}
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_locus_may_begin_on_a_side_of_its_box_and_meet_others_beyond():
+    model = gz.Oscillator(alpha=0.4, k=2.0, forcing=gz.Forcing(omega=2.5, cos=(0.5,)), sigma=-0.3, reset=gz.newton(0.8))
+    (orbit,) = (one for one in gz.one_impact_orbits(model, 1) if one.stable and one.admissible)
+    for one in continuation(orbit.map, orbit, "omega", (1.8, 2.8)).special:
+        if one.admissible:
+            box = ((-0.6, -0.3), (1.2, 3.4))
+            found = locus(one, ("sigma", "omega"), box)
+            assert found.ends == ("bounds", "bounds")
+            assert sorted(found.values[[0, -1], 0]) == pytest.approx([-0.6, -0.3], rel=1e-14)
+
+
 @pytest.mark.parametrize("type", ["gr", "pd", "v0"])
 def test_each_point_of_a_locus_is_such_a_point_of_a_branch(type):
     model = gz.pinball(d=0.11, V=0.4)

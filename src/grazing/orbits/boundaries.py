@@ -2,7 +2,8 @@
 
 For the gap map (2.6) these are the edges of the windows of the maximal orbits (Proposition 3.1); each gives one of the
 parameters in closed form once the others are known. For an oscillator they are the edges of the windows of its
-one-impact orbits, exact at each point; what is searched is how they go on from one value to the next.
+one-impact orbits and the graze of its response without impacts, exact at each point; what is searched is how they go on
+from one value to the next.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from grazing.maps.map import Map
+from grazing.maps.normal_form import steady_minimum
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator
@@ -25,6 +28,8 @@ from grazing.parameter import Parameter, checked_periods
 
 Floats = NDArray[np.float64]
 
+#: In place of a period: the response without impacts, whose word is 0.
+FREE = 0
 #: The other edges of a window's own span are no boundaries.
 NO_BOUNDARY = "end"
 #: First searches across an oscillator's chart in each direction, and cells of each of them.
@@ -58,6 +63,7 @@ def boundaries(P: Map | Oscillator, x: Any, y: Any, *, N: int | Iterable[int] = 
         Dimensions ``curve`` and ``point``; variables named like the two parameters (curve, point), filled up with
         NaN; ``N``, ``kind`` and ``label`` (curve). Kinds are pd and bc for the gap map, where a window of stable
         maximal orbits ends, and for an oscillator those of :func:`grazing.windows` but for the ends of the search.
+        With N = 1 among the periods of an oscillator also ``0 gr``, the graze of the steady response without impacts.
 
     Raises
     ------
@@ -145,8 +151,12 @@ def _oscillator_curves(model: Oscillator, x: Range, y: Range, periods: list[int]
 def _cut(model: Oscillator, along: Range, other: Range, at: float, periods: list[int]) -> Cut:
     """Return the edges along one parameter at one value of the other."""
     span = (along.low, along.high)
-    table = windows(model.replace(**{other.name: at}), along.name, periods, span, CELLS)
+    here = model.replace(**{other.name: at})
+    table = windows(here, along.name, periods, span, CELLS)
     edges: dict[Key, list[float]] = {}
+    free = free_grazes(here, along) if 1 in periods else []
+    if free:
+        edges[FREE, "gr", -1, "", ""] = free
     for w in range(table.sizes["window"]):
         for side in ("low", "high"):
             kind = str(table[f"{side}_type"].values[w])
@@ -156,6 +166,25 @@ def _cut(model: Oscillator, along: Range, other: Range, at: float, periods: list
             key = int(table["N"].values[w]), kind, dip, piece, side
             edges.setdefault(key, []).append(float(table[side].values[w]))
     return Cut(at, {key: sorted(values) for key, values in edges.items()})
+
+
+def free_grazes(model: Oscillator, along: Range) -> list[float]:
+    """Return where the steady response without impacts grazes the wall, in increasing order."""
+
+    def height(value: float) -> float:
+        try:
+            return steady_minimum(model.replace(**{along.name: value}))[1]
+        except (InputError, OutsideForm):
+            return float("nan")
+
+    if along.name in (*model.reset.params, "t0"):
+        return []
+    values = np.linspace(along.low, along.high, CELLS + 1).tolist()
+    heights = [height(value) for value in values]
+    return [
+        float(brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0 else ends[0 if a == 0.0 else 1]
+        for ends, (a, b) in zip(pairwise(values), pairwise(heights), strict=True) if a * b < 0.0 or b == 0.0
+    ]  # fmt: skip
 
 
 def _cuts(model: Oscillator, along: Range, other: Range, periods: list[int]) -> list[Cut]:
@@ -284,7 +313,7 @@ def _dataset(
     variables["N"] = (
         "curve",
         np.array([curve.N for curve in curves], np.int64),
-        {"long_name": "period of the orbit", "units": "1"},
+        {"long_name": "period of the orbit, 0 for the response without impacts", "units": "1"},
     )
     variables["kind"] = ("curve", kinds, {"long_name": "what the curve is", "meaning": meaning})
     variables["label"] = ("curve", labels, {"long_name": "name of the curve"})

@@ -273,6 +273,8 @@ def trim(path: Path, equations: LocusEquations) -> None:
     """Move the ends of a path that lie beyond the range of the first parameter to its edge."""
     low, high = (bound / float(equations.scale[-1]) for bound in equations.bounds)
     for last, inner in ((0, 1), (-1, -2)):
+        while len(path.points) > 2 and not low <= path.points[inner].z[-2] <= high:
+            path.points.pop(last)  # a meeting beyond the edge has a point of its own
         value = float(path.points[last].z[-2])
         if low <= value <= high:
             continue
