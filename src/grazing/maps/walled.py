@@ -15,8 +15,9 @@ from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
-from grazing.oscillator.between import fill_frames, impacts_between_of
+from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.facing import fill_frames
 from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
     Frames,
