@@ -320,7 +320,6 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off
     t[BAND] = band * extent.least
     t[ALPHA], t[K2], t[F0], t[OMEGA2] = c.alpha, c.k2, c.F0, c.omega * c.omega
     lever = min(reach, 1.0 / c.spread) if c.spread > 0.0 else reach  # |E12| is never more
-    t[LEVER], t[GROWN] = lever, 1.0 if c.q2 > 0.0 else 1.0 + 0.5 * c.alpha * lever
     t[FORCE], t[PUSH], t[GROWTH] = c.force, lever * c.force, 1.0 + 4.0 * fastest(c) * lever
     t[SLOWEST], t[RATE] = 1e-5 * c.force * reach, 4.0 * fastest(c) + c.alpha
     t[GAP] = 1.0 - ratio

@@ -11,8 +11,10 @@ from grazing.kernel.primitives import behind, inlined
 from grazing.oscillator.cells import (
     BROUGHT,
     CERTIFICATE,
+    GROWN,
     LAW,
     LEAST,
+    LEVER,
     MARGIN,
     MAX_ROWS,
     MIRROR,
@@ -73,8 +75,11 @@ def face(t: Any, s: Any, c: Frames) -> None:
         s[MARGIN + h] *= max(share, 1.0)
     t[BROUGHT], s[BROUGHT] = s[MARGIN] * s[SHARP], t[MARGIN] * t[SHARP]
     s[MARGIN] += s[BROUGHT]  # at the strobe all come from the first wall's pair
+    lever = min(c.a.T, 1.0 / c.a.alpha) if c.a.alpha > 0.0 else c.a.T
+    lever = min(lever, 1.0 / c.a.spread) if c.a.spread > 0.0 else lever
+    t[LEVER], t[GROWN] = lever, 1.0 if c.a.q2 > 0.0 else 1.0 + 0.5 * c.a.alpha * lever
     t[SPAN] = 0.5 * c.patience * c.a.T  # a quarter of the room between the walls
-    s[SPAN] = t[SPAN]
+    s[LEVER], s[GROWN], s[SPAN] = t[LEVER], t[GROWN], t[SPAN]
 
 
 @inlined
