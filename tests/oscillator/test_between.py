@@ -284,3 +284,17 @@ def test_impacts_are_spelt_in_their_order():
         assert said == (walls if len(walls) < 20 else "more")
         seen.add(len(walls))
     assert min(seen) <= 2 and max(seen) > 19
+
+
+def test_walls_at_rest_where_the_forced_flight_passes_zero():
+    """There positions are kept without the place of the wall; pairs of a ball without a spring must not lose it."""
+    walls = gz.wall(0.8, LAW), gz.wall(2.0, WEAK)
+    m = gz.Oscillator(0.5, 0.0, gz.Forcing(omega=1.0), walls=walls)
+    P = gz.stroboscopic_map(m)
+    box = np.array(P.box)
+    lanes = np.random.default_rng(6).uniform(box[:, 0], box[:, 1], (1, 100, 2)).transpose(0, 2, 1)
+    strict, fast, scalar = ways(P, [list(P.params.values())], lanes, 2)
+    for block in (strict, fast):
+        assert np.array_equal(block.letters, scalar.letters)
+        assert not np.array_equal(block.points, scalar.points)
+        np.testing.assert_allclose(block.points, scalar.points, atol=1e-11)

@@ -16,7 +16,6 @@ from grazing.kernel.primitives import behind, inlined, numbers
 from grazing.kernel.vectors import combined, made_whole, repeated
 from grazing.maps.columns import CUT, LONGEST, Columns
 from grazing.maps.period import period_of
-from grazing.oscillator.between import held_between, mirrored
 from grazing.oscillator.cells import (
     BAND,
     CYCLE,
@@ -34,6 +33,7 @@ from grazing.oscillator.cells import (
 )  # fmt: skip
 from grazing.oscillator.certificate import certify, onward
 from grazing.oscillator.constants import constants_of, section_phase
+from grazing.oscillator.facing import held_between, mirrored
 from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.pairs import held_back, state_of
 from grazing.oscillator.pointed import POINTED, flight_kind, law_addresses, pointed_rows

@@ -18,8 +18,9 @@ from grazing.maps.map import Map
 from grazing.maps.of_oscillator import apart
 from grazing.maps.origin import Origin
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
-from grazing.oscillator.between import fill_frames, impacts_between_of
+from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.facing import fill_frames
 from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
     Frames,

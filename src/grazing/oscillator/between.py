@@ -18,89 +18,35 @@ from grazing.kernel.primitives import behind, called_for_all, inlined
 from grazing.kernel.rows import passing
 from grazing.oscillator.block import dip, hand_back, is_chord, kick, look_up, placed, set_apart, solve_of
 from grazing.oscillator.cells import (
+    ALPHA,
     BROUGHT,
     CERTIFICATE,
     COUNT,
     ENTER,
     GO_ON,
+    GROWN,
     HALF,
+    K2,
     LAST,
-    LAW,
-    LEAST,
-    MARGIN,
+    LEVER,
     MAX_ROWS,
     MIDDLE,
     MIRROR,
     NEEDY,
     PACE,
-    PAIR,
+    RATE,
     SHARP,
-    SIGMA,
     SPAN,
-    STATE,
-    UPRIGHT,
     cell_size,
-    fill_table,
     table_size,
 )  # fmt: skip
 from grazing.oscillator.cells import CELLS as FIRST_CELL
 from grazing.oscillator.certificate import candidates, count_hits, describe, locate, next_event, runs_of
-from grazing.oscillator.frames import Frames
-from grazing.oscillator.pairs import held_back, margin_of
-from grazing.oscillator.workspace import AWAKE, FRESH, HELD, HIGH, NAN, WHOSE, W
+from grazing.oscillator.pairs import margin_of
+from grazing.oscillator.workspace import HIGH, NAN, WHOSE, W
 
 #: A letter tells 19 impacts apart; an orbit that has this many or more of them is left to the scalar routine.
 LONG = 3.0**17
-
-
-# ---- the tables
-
-
-@inlined
-def fill_frames(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
-    """Fill the tables of the walls, ``s`` being that of the second where there are two; see :func:`fill_table`."""
-    t[LAW] = c.a.p.row
-    if c.two:
-        s[LAW] = c.b.p.row
-    if not blocks or not fill_table(t, x, c.a, c.a.p.ratio, c.unsure, c.unsure_w):
-        return False
-    if c.two:
-        if not fill_table(s, x, c.b, c.b.p.ratio, c.unsure + c.blur, c.unsure_w + c.blur_w):
-            return False
-        face(t, s, c)
-    seat(t, c)
-    return True
-
-
-def seat(t: Any, c: Frames) -> None:
-    """Let pairs stand for the ball's own position and velocity, not for those that the first wall sees."""
-    t[SIGMA] = c.side * t[SIGMA] + (c.za - c.side * c.a.sigma)
-    for h in range(6):
-        t[STATE + h] *= c.side
-    for h in range(4):
-        t[PAIR + h] *= c.side
-    t[STATE + 3] += c.wa
-
-
-def face(t: Any, s: Any, c: Frames) -> None:
-    """Write what the tables of two walls say of each other.
-
-    The distances from the walls add up to that of the walls, and the free flights are the same: so do the pairs, up to
-    the pair of a free flight that is 0 where both take the steady response for the forced flight.
-    """
-    x, y = 0.0, 0.0
-    if not (c.a.steady and c.b.steady and c.a.k2 > 0.0):
-        high, fast = (c.zb - c.za) - t[STATE] - s[STATE], (c.wb - c.wa) - t[STATE + 3] - s[STATE + 3]
-        x, y = t[PAIR] * high + t[PAIR + 1] * fast, t[PAIR + 2] * high + t[PAIR + 3] * fast
-    t[MIRROR], t[MIRROR + 1], s[MIRROR], s[MIRROR + 1] = x, y, x, y
-    share = s[LEAST] / t[LEAST]
-    for h in range(3):  # errors of heights then count alike in the rows of both
-        t[MARGIN + h] *= max(1.0 / share, 1.0)
-        s[MARGIN + h] *= max(share, 1.0)
-    t[BROUGHT], s[BROUGHT] = s[MARGIN] * s[SHARP], t[MARGIN] * t[SHARP]
-    s[MARGIN] += s[BROUGHT]  # at the strobe all come from the first wall's pair
-    t[SPAN] = 0.5 * c.patience * c.a.T  # a quarter of the room between the walls
-    s[SPAN] = t[SPAN]
 
 
 @inlined
@@ -113,46 +59,6 @@ def cell_at(t: Any, size: int, time: float) -> int:
     while cell < last and time > t[MIDDLE + cell] + t[FIRST_CELL + cell * size + HALF]:
         cell += 1
     return cell
-
-
-# ---- one orbit, two pairs
-
-
-@inlined
-def mirrored(w: Any, tables: Any, room: int, runs: Any, awake: int, columns: int, stride: int) -> None:
-    """Write the pairs that the second wall sees at a strobe, and what they need."""
-    half = columns * stride
-    for n in range(awake):
-        q = runs[AWAKE + n]
-        s = behind(tables, (q + columns) * room)
-        m1, m2, base, by_x, by_y, upright = (
-            s[MIRROR],
-            s[MIRROR + 1],
-            s[MARGIN],
-            s[MARGIN + 1],
-            s[MARGIN + 2],
-            s[UPRIGHT],
-        )
-        for i in range(q * stride, (q + 1) * stride):
-            x, y = m1 - w[W.C1 + i], m2 - w[W.C2 + i]
-            least = base + (by_x * abs(x) + by_y * abs(y))
-            w[W.C1 + half + i], w[W.C2 + half + i] = x, y
-            w[W.NEED + half + i] = (least if least < HIGH else NAN) - upright * x
-
-
-@inlined
-def held_between(w: Any, i: int, half: int, t: Any, s: Any) -> float:
-    """Do what :func:`grazing.oscillator.pairs.held_back` does, for two walls."""
-    where = held_back(w, i, t)
-    x, y = s[MIRROR] - w[W.C1 + i], s[MIRROR + 1] - w[W.C2 + i]
-    least = margin_of(s, x, y)
-    height = s[CERTIFICATE] * x + (s[CERTIFICATE + MAX_ROWS] * y + s[CERTIFICATE + 2 * MAX_ROWS])
-    if where == FRESH and height > 2.0 * least:
-        w[W.C1 + half + i], w[W.C2 + half + i], w[W.NEED + half + i] = x, y, least - s[UPRIGHT] * x
-        return FRESH
-    w[W.C1 + i], w[W.C2 + i], w[W.NEED + i] = NAN, NAN, NAN
-    w[W.C1 + half + i], w[W.C2 + half + i], w[W.NEED + half + i] = NAN, NAN, NAN
-    return HELD
 
 
 # ---- which wall comes first
@@ -185,9 +91,9 @@ def first_of_two(
     rivals = 0
     for n in range(several):
         q = runs[WHOSE + n]
-        sharp = tables[q * room + SHARP]
+        sharp, brought = tables[q * room + SHARP], tables[q * room + BROUGHT] if q >= columns else 0.0
         for k in range(runs[n], runs[n + 1]):
-            w[W.DOUBT + k] *= sharp
+            w[W.DOUBT + k] = w[W.DOUBT + k] * sharp + brought
         if q < columns:
             for k in range(runs[n], runs[n + 1]):
                 w[W.PLACE + int(w[W.ORBIT + k])] = float(k)
@@ -232,6 +138,47 @@ def strike_all(
             end += 1
         called_for_all(strikes[1] if second else strikes[0], w, tables, room, behind(runs, n), end - n)
         n = end
+
+
+@inlined
+def begin_errors(w: Any, places: int) -> None:
+    """Let flights begin at the strobe, where states are exact."""
+    for base in range(0, places, 64):
+        for k in range(64):
+            i = base + k
+            w[W.START + i], w[W.OFF_Y + i], w[W.OFF_V + i], w[W.BASE + i] = 0.0, 0.0, 0.0, w[W.DOUBT + i]
+
+
+@inlined
+def carry_errors(w: Any, tables: Any, room: int, runs: Any, count: int, first: bool) -> None:
+    """Find how wrong the departures after the impacts at hand may be: WIDER gets what that does to heights later.
+
+    The bound of :func:`kick` knows of no short flights, such as those between near walls. The ``first`` flights of
+    a period bring nothing along.
+    """
+    for n in range(count):
+        t = behind(tables, runs[WHOSE + n] * room)
+        lever, grown, fast, alpha, k2 = t[LEVER], t[GROWN], t[RATE] - t[ALPHA], t[ALPHA], t[K2]
+        if first:
+            for i in range(runs[n], runs[n + 1]):
+                depart(w, i, w[W.BASE + i], fast * w[W.BASE + i], alpha, grown, lever)
+            continue
+        for i in range(runs[n], runs[n + 1]):
+            off_y, off_v, base = w[W.OFF_Y + i], w[W.OFF_V + i], w[W.BASE + i]
+            time = t[MIDDLE + int(w[W.INSIDE + i])] + w[W.WHEN + i]
+            reach = min(max(time - w[W.START + i], 0.0), lever)
+            error_y = base + (grown * off_y + reach * off_v)
+            depart(w, i, error_y, fast * base + (k2 * reach * off_y + grown * off_v), alpha, grown, lever)
+
+
+@inlined
+def depart(w: Any, i: int, error_y: float, error_v: float, alpha: float, grown: float, lever: float) -> None:
+    """Find how wrong a departure is made by what is wrong on arrival."""
+    v, u, pull = w[W.BEFORE + i], w[W.AFTER + i], w[W.PULL + i]
+    late, lift = -w[W.INVERSE + i] * error_y, pull + alpha * (v - u)
+    off_y, off_v = u * late, w[W.STEEP + i] * (error_v + abs(pull) * late) + abs(lift) * late
+    w[W.NEXT_Y + i], w[W.NEXT_V + i] = off_y, off_v
+    w[W.WIDER + i] = grown * off_y + lever * off_v if w[W.WIDER + i] < HIGH else NAN
 
 
 @inlined
@@ -328,37 +275,42 @@ def impacts_between_of(harmonics: int) -> Callable[..., int]:
         t, s = behind(tables, q * room), behind(tables, p * room)
         hits = w[W.WIDER + k] < HIGH
         if hits:
-            x, y, doubt, when = w[W.Z1 + k], w[W.Z2 + k], w[W.WIDER + k], w[W.WHEN + k]
+            x, y, when = w[W.Z1 + k], w[W.Z2 + k], w[W.WHEN + k]
             since, back, letter = t[GO_ON + cell], float(cell), spelt(letter, second)
+            begun, off_y, off_v, kept = t[MIDDLE + cell] + when, w[W.NEXT_Y + k], w[W.NEXT_V + k], 0.0
         else:
-            x, y, doubt, when = w[W.X1 + k], w[W.X2 + k], w[W.DOUBT + k], w[W.SINCE + apart]
-            since, back = w[W.EVENT + k] + 1.0, -1.0
             if not is_chord(w[W.EVENT + k]) or not w[W.PROVEN + apart] > 0.0:
                 return True, places
             if w[W.PULL + apart] > 0.0:
                 w[W.NEAR + i] = min(w[W.NEAR + i], w[W.AFTER + apart])
+            x, y, when = w[W.X1 + k], w[W.X2 + k], w[W.SINCE + apart]
+            since, back = w[W.EVENT + k] + 1.0, -1.0
+            begun, off_y, off_v, kept = w[W.START + k], w[W.OFF_Y + k], w[W.OFF_V + k], w[W.BASE + k]
         time = t[MIDDLE + cell] + when
         u, v, j = s[MIRROR] - x, s[MIRROR + 1] - y, cell_at(s, size, time)
-        wider = s[BROUGHT] + doubt
-        limit = margin_of(s, u, v) + wider
+        mine, theirs, later = margin_of(t, x, y), margin_of(s, u, v), t[GROWN] * off_y + t[LEVER] * off_v
+        limit = theirs + (s[BROUGHT] + (later + kept))
         if not limit < s[SPAN] or letter > LONG:
             return True, places
         own = 0.0
         if not (hits and w[W.PAST + k] > 0.0):
-            own = next_event(t, since, x, y, margin_of(t, x, y) + doubt)
+            own = next_event(t, since, x, y, mine + (later + kept))
         other = next_event(s, 2.0 * j + 1.0, u, v, limit)
         sooner = 1
         if other > 0.0:
             sooner = -1 if own == 0.0 else order(t, own, s, other, size)
         if sooner == 0:
             return True, places
+        base = kept if kept > 0.0 else t[SHARP] * mine
         if sooner < 0:
-            placed(w, places, p, u, v, wider, other, float(j), time - s[MIDDLE + j], i, letter)
+            base = s[SHARP] * theirs + (s[BROUGHT] + kept)
+            placed(w, places, p, u, v, base + later, other, float(j), time - s[MIDDLE + j], i, letter)
         elif own > 0.0:
-            placed(w, places, q, x, y, doubt, own, back, when, i, letter)
+            placed(w, places, q, x, y, base + later, own, back, when, i, letter)
         else:
             finish(w, t, i, second, x, y, letter)
             return False, places
+        w[W.START + places], w[W.OFF_Y + places], w[W.OFF_V + places], w[W.BASE + places] = begun, off_y, off_v, base
         return False, places + 1
 
     @inlined
@@ -371,12 +323,14 @@ def impacts_between_of(harmonics: int) -> Callable[..., int]:
             count_hits(w, runs, 2 * awake, columns, stride)
         locate(w, tables, room, runs, several)
         places, several = first_of_two(w, tables, room, size, runs, places, several, columns, half)
+        begin_errors(w, places)
         first, needy = True, 0
         while places > 0:
             look_up(w, tables, room, places, harmonics)
             solve(w, places)
             strike_all(w, tables, room, runs, several, columns, strikes)
             kick(w, places)
+            carry_errors(w, tables, room, runs, several, first)
             left = certify_both(w, tables, room, size, runs, several, columns)
             if first:  # most orbits hit once and are done: as if all were
                 hand_back(w, runs, several, stride, left)

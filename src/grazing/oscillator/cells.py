@@ -57,11 +57,13 @@ GO_ON = ROWS + 4 * MAX_ROWS
 ENTER, LISTED, MIDDLE = (GO_ON + i * MAX_CELLS for i in (1, 2, 3))
 # what a pair is as the other wall sees it, MIRROR - pair; what is added to the margin of a pair that comes from there;
 # cells per time, and the last cell; the least of the comparison solutions; the share of the margin that chords do not
-# magnify; how far from the wall an impact with the other one surely is;
-MIRROR, BROUGHT, PACE, LAST, LEAST, SHARP, SPAN = (MIDDLE + MAX_CELLS + i for i in (0, 2, 3, 4, 5, 6, 7))
+# magnify; how far from the wall an impact with the other one surely is; bounds on |E11| and |E22|, and on |E12|;
+MIRROR, BROUGHT, PACE, LAST, LEAST, SHARP, SPAN, GROWN, LEVER = (
+    MIDDLE + MAX_CELLS + i for i in (0, 2, 3, 4, 5, 6, 7, 8, 9)
+)
 # and the cells: Y, Y', b1, b1', b2, b2' at the middle, half the length, the time left in a window with F < 0, the
 # inverse of the Wronskian b1 b2' - b2 b1', the first row of the certificate to be asked after an impact; the harmonics.
-CELLS = SPAN + 1
+CELLS = LEVER + 3
 HALF, TIME_LEFT, UNMIX, THEN = 6, 7, 8, 9
 CELL = 10
 # The points of a window while a table is filled, ends and middles of its cells: Y, Y', b1, b1', b2, b2' there, the

@@ -50,6 +50,12 @@ class Rows(NamedTuple):
     RECORD: int  # where the cell begins in the tables
     BACK: int  # the cell of the impact before
     PLACE: int  # of an orbit, its place among the impacts at hand
+    START: int  # when the ball left a wall
+    OFF_Y: int  # how wrong that may be: in position
+    OFF_V: int  # and velocity
+    BASE: int  # how wrong its height is anyway
+    NEXT_Y: int  # the same of the departure after the impact
+    NEXT_V: int
     PAST: int  # 1 where the wall that was hit is not hit again in this period, unless the other one is
     # constants of the column, in the order of the table
     A: int  # alpha
