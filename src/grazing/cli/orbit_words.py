@@ -40,7 +40,7 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
     """Return the table of orbits and how they were found."""
     rows = []
     for row in tables["orbits"]:
-        kind = "stable" if row["stable"] else "unstable"
+        kind = f"{'symmetric, ' if row.get('symmetric') else ''}{'stable' if row['stable'] else 'unstable'}"
         first = ", ".join(short(x, 9) for x in row["points"][0])
         roots = ", ".join(map(complex_text, row["multipliers"]))
         impacts = "-" if row["impacts"] < 0 else str(row["impacts"])
@@ -68,14 +68,15 @@ def special_words(special: Sequence[Row], name: str, virtual: bool) -> list[str]
     rows: list[list[str]] = []
     seen: set[tuple[Any, ...]] = set()
     for row in sorted(shown, key=lambda row: float(row["value"])):
-        place = row["type"], f"{row['value']:.9g}", row["period"], row["admissible"]
+        place = row["type"], row.get("wall"), f"{row['value']:.9g}", row["period"], row["admissible"]
         if place in seen:  # several branches pass through it
             continue
         seen.add(place)
         converged = "yes" if row["converged"] else "no"
         kept = "admissible" if row["admissible"] else "virtual"
         width = f"{row['high'] - row['low']:.1e}"
-        rows.append([row["type"], f"{row['value']:.13g}", width, converged, str(row["period"]), kept])
+        type = f"{row['type']} at {row['wall']}" if row.get("wall") else row["type"]
+        rows.append([type, f"{row['value']:.13g}", width, converged, str(row["period"]), kept])
     said = aligned(["special point", name, "bracket", "converged", "period", ""], rows) if rows else []
     said += legend({row["type"]: row["meaning"] for row in shown})
     if not special:

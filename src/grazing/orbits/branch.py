@@ -419,15 +419,17 @@ class _Search:
             x, p = path.unscaled(event.point.z)
             if event.where != HALVES and not (event.type == "bp" and nearly_even(equations, x, p)):
                 continue
+            ends: tuple[float, float] | None = event.low, event.high
             if event.where == HALVES:
                 half, x, p, good = once(equations, x, p)
                 _twice, x = doubled(half, x, p)
+                ends = ends if good else None
             else:
-                x, p, good = evened(equations, x, p)
-            if good:
+                x, p, ends = evened(equations, x, p)
+            if ends is not None:
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
                 path.points[i] = point
-                path.events[number] = i, event._replace(point=point, converged=True)
+                path.events[number] = i, event._replace(point=point, low=ends[0], high=ends[1], converged=True)
 
     def _solution(self, path: Path, point: Point) -> tuple[Floats, Floats]:
         """Return x and p of a point; an end of the range that rounding has missed is that end."""
