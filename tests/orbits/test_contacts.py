@@ -313,6 +313,13 @@ def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
     other = gz.continuation(P, broken, "B.sigma", bounds)
     first = [piece.orbits[len(piece.orbits) // 2] for piece in other.pieces]
     assert len(first) == 2 and not any(orbit.symmetric for orbit in first)
+    (one,), (image,) = (
+        [orbit for orbit in other.at(first[0].map.params["B.sigma"]) if not orbit.symmetric][k::2] for k in (0, 1)
+    )
+    assert one.outgoing == pytest.approx(image.outgoing[::-1], abs=1e-10)  # half a period later, at the other wall
+    back = gz.continuation(one.map, one, "B.sigma", bounds)  # passes through the symmetric orbit to its own image
+    (again,) = (special for special in back.special if special.type == "bp")
+    assert again.value == pytest.approx(broken.value, abs=1e-12) and again.orbit.symmetric and again.converged
 
 
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():
@@ -375,3 +382,8 @@ def test_a_proof_of_an_orbit_between_walls_is_refused_by_name():
     (orbit,) = (one for one in in_turn(impact_pair(0.5, 3.0)) if one.stable)
     with pytest.raises(InputError, match="over one wall, below the ball and at rest"):
         gz.certify(orbit)
+
+
+def test_a_ball_that_loses_no_speed_is_searched_too():
+    found = gz.periodic_orbits(gz.stroboscopic_map(impact_pair(1.0, 3.0)), 1, starts=20, virtual=True)
+    assert all(orbit.residual < 1e-9 for orbit in found) and any(orbit.walls in ("AB", "BA") for orbit in found)
