@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 
 import grazing as gz
 from grazing.orbits.contacts import PIECES, contacts_of
+from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.word import word
 from grazing.outcome import InputError
@@ -387,3 +388,16 @@ def test_a_proof_of_an_orbit_between_walls_is_refused_by_name():
 def test_a_ball_that_loses_no_speed_is_searched_too():
     found = gz.periodic_orbits(gz.stroboscopic_map(impact_pair(1.0, 3.0)), 1, starts=20, virtual=True)
     assert all(orbit.residual < 1e-9 for orbit in found) and any(orbit.walls in ("AB", "BA") for orbit in found)
+
+
+def test_walls_that_would_meet_end_a_range_and_a_path():
+    walls = gz.wall(-0.5, gz.newton(0.7)), gz.wall(0.6, gz.newton(0.8))
+    m = gz.Oscillator(0.3, 1.1, gz.Forcing(omega=2.0, cos=(1.5,)), walls=walls)
+    P = gz.stroboscopic_map(m)
+    (orbit,) = gz.periodic_orbits(P, word="0", starts=10, virtual=True)
+    with pytest.raises(InputError, match=r"bounds of A.sigma are \(-0.6, 0.9\); at 0.9 the wall at"):
+        gz.continuation(P, orbit, "A.sigma", (-0.6, 0.9))
+    for equations in (FreeEquations(m, ("A.sigma",)), ImpactEquations(m, ("A.sigma",), 1, (0, PIECES))):
+        x = np.array([0.1, 1.5, 0.5, 0.5])[: len(equations.scale)]  # a path stops where a second parameter does it
+        assert np.isfinite(equations.defects(x, np.array([0.5]))[0]).all()
+        assert np.isnan(equations.defects(x, np.array([0.7]))[0]).all()

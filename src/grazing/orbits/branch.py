@@ -297,6 +297,12 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
     if not low < high:
         raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
+    if P.walled is not None and name in P.walled.params:
+        for end in (low, high):  # room between walls is least at an end: it is a least of linear functions
+            try:
+                P.walled.replace(**{name: end})
+            except InputError as error:
+                raise InputError(f"bounds of {name} are ({low:g}, {high:g}); at {end:g} {error}") from None
     if high - low < NARROWEST * max(abs(low), abs(high)):
         raise InputError(f"bounds of {name} are {high - low:.1e} apart; double precision needs a wider range")
     return low, high
