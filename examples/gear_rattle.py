@@ -1,7 +1,8 @@
-"""Gear rattle, as a system of one's own: an idle gear with drag between the teeth of one that shakes.
+"""Gear rattle: an idle gear with drag between the teeth of one that shakes, as a system of one's own.
 
-Its letters say which flanks hit, D the driving one and B the back. Run it with `python examples/gear_rattle.py`; it
-writes gear_rattle.png.
+Its letters say which flanks hit, D the driving one and B the back. The same gears are an oscillator between walls that
+move, whose orbits are followed through grazes of both flanks. Run it with `python examples/gear_rattle.py`; it writes
+gear_rattle.png.
 """
 
 import argparse
@@ -42,6 +43,20 @@ def turn(p):
     return 2.0 * pi / p.omega
 
 
+def between_walls():
+    """Return the same gears as an oscillator without a spring between moving walls; ``offset`` is minus the drag."""
+    shake = gz.Forcing(omega=1.0, sin=(1.0,), cos=())
+    flanks = [gz.wall(x, gz.newton(0.6), motion=shake, name=name) for x, name in ((-0.5, "D"), (0.5, "B"))]
+    return gz.Oscillator(alpha=0.1, k=0, forcing=gz.Forcing(omega=1.0, offset=-0.2, cos=()), walls=flanks)
+
+
+def followed():
+    """Follow the stable orbit of period 1 in the drag, and return its branch."""
+    P = gz.stroboscopic_map(between_walls())
+    orbit = next(one for one in gz.periodic_orbits(P, 1, starts=100) if one.stable)
+    return gz.continuation(P, orbit, "offset", (-0.35, -0.1), points=400)
+
+
 def main(tokens=None):
     """Draw where the gear settles as its drag grows, and return the share of settled orbits that hit both flanks."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -68,6 +83,12 @@ def main(tokens=None):
     for word in sorted({*words}, key=words.count)[-5:]:
         print(f"{words.count(word):5} orbits settle on {word}")
     print(f"{both:.0%} of the settled orbits hit both flanks")
+    same = gz.stroboscopic_map(between_walls())
+    print(f"between walls a step ends {np.abs(P((0.1, 0.3))[0] - same((0.1, 0.3))[0]).max():.0e} from there")
+    for point in followed().special:
+        if point.admissible:
+            at = f" of flank {point.wall}" if point.wall else ""
+            print(f"drag {-point.value:.9f}: {point.type}{at}, {point.orbit.word}")
     print(f"written: {gz.plot.save(fig, options.out)}")
     return both
 

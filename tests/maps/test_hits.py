@@ -54,3 +54,15 @@ def test_other_texts_are_refused_with_what_is_allowed(text):
 def test_alphabets_are_values():
     assert copy.deepcopy(HITS) == HITS == Hits("AB") != Hits("XY") and str(Hits("XY")) == "XY"
     assert Hits("XY").symbol(coded("AB")) == "(XY)"
+
+
+@pytest.mark.parametrize("names", ["AB", "ABC"])
+def test_a_letter_grows_by_an_impact_until_it_tells_them_apart_no_more(names):
+    hits, letter, walls = Hits(names), 0, []
+    for i in range(hits.most):
+        walls.append((7 * i + 1) % len(names))
+        letter = hits.longer(letter, walls[-1])
+        text = "".join(names[wall] for wall in walls)
+        assert hits.symbol(letter) == (text if len(text) == 1 else f"({text})")
+        assert hits.walls(letter) == tuple(walls)
+    assert hits.longer(letter, 0) == MANY == hits.longer(MANY, 1) and hits.walls(MANY) == hits.walls(0) == ()

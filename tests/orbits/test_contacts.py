@@ -6,8 +6,10 @@ from scipy.optimize import brentq
 
 import grazing as gz
 from grazing.orbits.contacts import PIECES, contacts_of
+from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.word import word
+from grazing.outcome import InputError
 
 NOTHING = np.empty(0)
 
@@ -308,9 +310,17 @@ def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
     branch = gz.continuation(P, orbit, "B.sigma", bounds)
     (broken,) = (one for one in branch.special if one.type == "bp")
     assert broken.value + 0.55 * edge == pytest.approx(edge, abs=1e-9) and broken.orbit.symmetric
+    assert broken.low <= broken.value <= broken.high < broken.low + 1e-9 and broken.converged
     other = gz.continuation(P, broken, "B.sigma", bounds)
     first = [piece.orbits[len(piece.orbits) // 2] for piece in other.pieces]
     assert len(first) == 2 and not any(orbit.symmetric for orbit in first)
+    (one,), (image,) = (
+        [orbit for orbit in other.at(first[0].map.params["B.sigma"]) if not orbit.symmetric][k::2] for k in (0, 1)
+    )
+    assert one.outgoing == pytest.approx(image.outgoing[::-1], abs=1e-10)  # half a period later, at the other wall
+    back = gz.continuation(one.map, one, "B.sigma", bounds)  # passes through the symmetric orbit to its own image
+    (again,) = (special for special in back.special if special.type == "bp")
+    assert again.value == pytest.approx(broken.value, abs=1e-12) and again.orbit.symmetric and again.converged
 
 
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():
@@ -337,3 +347,57 @@ def test_orbits_of_a_symmetric_model_are_found_with_their_images():
         assert orbit.symmetric == (orbit in same and sorted(orbit.walls) == sorted(swapped) and orbit.period % 2 == 1)
         images += not orbit.symmetric
     assert images > 0 and images < len(found)
+
+
+def test_the_grazes_of_both_walls_meet_where_the_response_touches_both():
+    alpha, k, omega, low, high = 0.2, 1.3, 2.1, -0.5, 0.8
+    gain, middle = 1.0 / np.hypot(k * k - omega * omega, alpha * omega), 0.5 * (low + high)
+    walls = gz.wall(low, gz.newton(0.7)), gz.wall(high, gz.newton(0.8))
+    m = gz.Oscillator(alpha, k, gz.Forcing(omega=omega, offset=0.1, cos=(0.5,)), walls=walls)
+    P = gz.stroboscopic_map(m)
+    (orbit,) = gz.periodic_orbits(P, word="0", starts=20)
+    branch = gz.continuation(P, orbit, "cos1", (0.1, 3.0), points=60)
+    graze = next(one for one in branch.special if one.type == "gr")
+    assert graze.wall == "A"
+    curve = gz.locus(graze, ("cos1", "offset"), ((0.1, 4.0), (-0.5, 1.0)))
+    np.testing.assert_allclose(curve.values[:, 0] * gain, curve.values[:, 1] / k**2 - low, atol=1e-12)
+    (meeting,) = curve.meetings
+    assert meeting.type == "gr+gr" and meeting.converged
+    np.testing.assert_allclose(meeting.values, ((high - low) / (2.0 * gain), middle * k**2), atol=1e-10)
+
+
+@pytest.mark.parametrize("r", [0.3, 0.5])
+def test_the_flip_of_a_moving_table_is_followed_in_two_parameters(r):
+    flip = np.hypot(np.pi * (1.0 - r) / (1.0 + r), 2.0 * (1.0 + r * r) / (1.0 + r) ** 2)
+    P = gz.stroboscopic_map(table(r, 0.99 * flip))
+    (orbit,) = (o for o in gz.periodic_orbits(P, word="1", starts=20) if o.stable)
+    branch = gz.continuation(P, orbit, "A.sin1", (0.98 * flip, 1.02 * flip))
+    (point,) = (one for one in branch.special if one.type == "pd")
+    curve = gz.locus(point, ("A.sin1", "r"), ((0.5, 5.0), (0.2, 0.6)))
+    a, b = curve.values.T
+    np.testing.assert_allclose(a, np.hypot(np.pi * (1 - b) / (1 + b), 2 * (1 + b * b) / (1 + b) ** 2), atol=1e-11)
+    assert len(a) > 5 and (b.min(), b.max()) == pytest.approx((0.2, 0.6))
+
+
+def test_a_proof_of_an_orbit_between_walls_is_refused_by_name():
+    (orbit,) = (one for one in in_turn(impact_pair(0.5, 3.0)) if one.stable)
+    with pytest.raises(InputError, match="over one wall, below the ball and at rest"):
+        gz.certify(orbit)
+
+
+def test_a_ball_that_loses_no_speed_is_searched_too():
+    found = gz.periodic_orbits(gz.stroboscopic_map(impact_pair(1.0, 3.0)), 1, starts=20, virtual=True)
+    assert all(orbit.residual < 1e-9 for orbit in found) and any(orbit.walls in ("AB", "BA") for orbit in found)
+
+
+def test_walls_that_would_meet_end_a_range_and_a_path():
+    walls = gz.wall(-0.5, gz.newton(0.7)), gz.wall(0.6, gz.newton(0.8))
+    m = gz.Oscillator(0.3, 1.1, gz.Forcing(omega=2.0, cos=(1.5,)), walls=walls)
+    P = gz.stroboscopic_map(m)
+    (orbit,) = gz.periodic_orbits(P, word="0", starts=10, virtual=True)
+    with pytest.raises(InputError, match=r"bounds of A.sigma are \(-0.6, 0.9\); at 0.9 the wall at"):
+        gz.continuation(P, orbit, "A.sigma", (-0.6, 0.9))
+    for equations in (FreeEquations(m, ("A.sigma",)), ImpactEquations(m, ("A.sigma",), 1, (0, PIECES))):
+        x = np.array([0.1, 1.5, 0.5, 0.5])[: len(equations.scale)]  # a path stops where a second parameter does it
+        assert np.isfinite(equations.defects(x, np.array([0.5]))[0]).all()
+        assert np.isnan(equations.defects(x, np.array([0.7]))[0]).all()

@@ -24,13 +24,15 @@ def unfinished(result: Any) -> dict[str, str]:
 
 def orbit_rows(result: Any) -> dict[str, Any]:
     """Return the orbits of a result."""
-    names = ("word", "period", "impacts", "stable", "neutral", "admissible", "condition", "residual")
+    names = ["word", "period", "impacts", "stable", "neutral", "admissible", "condition", "residual"]
+    names += [name for name in ("walls", "symmetric", "depth") if name in result]
     rows = rows_of(result, {name: name for name in names})
     coordinates = [str(name) for name in result.data_vars if result[name].dims == ("orbit", "n")]
     points = list(zip(*(result[name].values.tolist() for name in coordinates), strict=True))
     parts = [result[f"multiplier_{part}"].values.tolist() for part in ("real", "imag")]
     for row, point, real, imag in zip(rows, points, *parts, strict=True):
-        row |= {key: bool(row[key]) for key in ("stable", "neutral", "admissible")}
+        for name in {"stable", "neutral", "admissible", "symmetric"} & {*row}:
+            row[name] = bool(row[name])
         row["multipliers"] = [list(pair) for pair in zip(real, imag, strict=True)]
         row["points"] = [list(state) for state in zip(*point, strict=True)][: row["period"]]
     return {"orbits": rows, "coordinates": coordinates, "statement": result.attrs["statement"]}
@@ -38,8 +40,8 @@ def orbit_rows(result: Any) -> dict[str, Any]:
 
 def special_rows(result: Any) -> list[Row]:
     """Return the special points of a result, with what happens there in words."""
-    names = ("type", "value", "low", "high", "converged", "admissible", "period", "piece", "to")
-    rows = rows_of(result, {name: f"special_{name}" for name in names})
+    names = ("type", "value", "low", "high", "converged", "admissible", "period", "piece", "to", "wall")
+    rows = rows_of(result, {name: f"special_{name}" for name in names if f"special_{name}" in result})
     words = meanings(result["special_type"])
     for row in rows:
         row["converged"], row["admissible"] = bool(row["converged"]), bool(row["admissible"])

@@ -41,6 +41,7 @@ def orbit_words(tables: Mapping[str, Any], result: Any, recipe: Mapping[str, Any
     rows = []
     for row in tables["orbits"]:
         kind = "stable" if row["stable"] else "neutral" if row["neutral"] else "unstable"
+        kind = f"symmetric, {kind}" if row.get("symmetric") else kind
         first = ", ".join(short(x, 9) for x in row["points"][0])
         roots = ", ".join(map(complex_text, row["multipliers"]))
         impacts = "-" if row["impacts"] < 0 else str(row["impacts"])
@@ -69,14 +70,15 @@ def special_words(special: Sequence[Row], name: str, virtual: bool) -> list[str]
     rows: list[list[str]] = []
     seen: set[tuple[Any, ...]] = set()
     for row in sorted(shown, key=lambda row: float(row["value"])):
-        place = row["type"], f"{row['value']:.9g}", row["period"], row["admissible"]
+        place = row["type"], row.get("wall"), f"{row['value']:.9g}", row["period"], row["admissible"]
         if place in seen:  # several branches pass through it
             continue
         seen.add(place)
         converged = "yes" if row["converged"] else "no"
         kept = "admissible" if row["admissible"] else "virtual"
         width = f"{row['high'] - row['low']:.1e}"
-        rows.append([row["type"], f"{row['value']:.13g}", width, converged, str(row["period"]), kept])
+        type = f"{row['type']} at {row['wall']}" if row.get("wall") else row["type"]
+        rows.append([type, f"{row['value']:.13g}", width, converged, str(row["period"]), kept])
     said = aligned(["special point", name, "bracket", "converged", "period", ""], rows) if rows else []
     said += legend({row["type"]: row["meaning"] for row in shown})
     if not special:

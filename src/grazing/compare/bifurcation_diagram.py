@@ -253,7 +253,7 @@ class Search:
             item = min(ready, key=lambda item: item[0])
             self.waiting.remove(item)
             _period, branch, one = item
-            if len(self.branches) < MOST and not self._begun(one):
+            if len(self.branches) < MOST and not self._begun(branch, one):
                 try:
                     self.branches.append(self._followed(branch.map, one))
                 except GrazingError:
@@ -324,13 +324,18 @@ class Search:
             if one.type in ("pd", "bp") and one.converged and one.admissible and begins <= self.longest:
                 self.waiting.append((begins, branch, one))
 
-    def _begun(self, special: Special) -> bool:
-        """Whether a branch that is known begins at this special point already."""
+    def _begun(self, its: Branch, special: Special) -> bool:
+        """Whether another branch than its own, which is known, begins at this special point or passes it."""
+        near = 1e-6 * (self.bounds[1] - self.bounds[0])
         for branch in self.branches:
+            if branch is not its and special.type == "bp":
+                crossing = (one for one in branch.special if one.type == "bp" and abs(one.value - special.value) < near)
+                if any(one.orbit.period == special.orbit.period for one in crossing):
+                    return True
             for piece in branch.pieces:
                 twice = piece.orbits[0].period == (2 if special.type == "pd" else 1) * special.orbit.period
                 apart = min(abs(piece.values[0] - special.value), abs(piece.values[-1] - special.value))
-                if twice and apart < 1e-6 * (self.bounds[1] - self.bounds[0]):
+                if twice and apart < near:
                     return True
         return False
 

@@ -37,7 +37,8 @@ def orbit_table(found: Orbits) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimension ``orbit``: ``word``, ``period``, ``impacts`` (-1 for a map that counts none), ``stable``, ``neutral``,
-        ``admissible``, ``condition``, ``residual``; ``multiplier_real`` and ``multiplier_imag`` (orbit, multiplier);
+        ``admissible``, ``condition``, ``residual``; between walls also ``walls``, ``symmetric`` and ``depth``;
+        ``multiplier_real`` and ``multiplier_imag`` (orbit, multiplier);
         the points by coordinate (orbit, n), filled up with NaN. Attribute ``statement``: how they were found.
 
     Examples
@@ -72,6 +73,10 @@ def orbit_table(found: Orbits) -> xr.Dataset:
         "multiplier_real": (("orbit", "multiplier"), roots.real, {"long_name": "multiplier, real part"}),
         "multiplier_imag": (("orbit", "multiplier"), roots.imag, {"long_name": "multiplier, imaginary part"}),
     }
+    if P.walled is not None:
+        table["walls"] = column((getattr(one, "walls", "") for one in found), object, "walls that are hit, in order")
+        table["symmetric"] = column((getattr(one, "symmetric", False) for one in found), np.int8, "own mirror image")
+        table["depth"] = column((getattr(one, "depth", 0.0) for one in found), np.float64, "how far it passes a wall")
     for j, name in enumerate(P.coordinates):
         said = {"long_name": name, "symbol": name} if P.model is None else P.model.describe(name).attributes
         table[name] = ("orbit", "n"), points[:, :, j], said

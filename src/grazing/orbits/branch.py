@@ -305,6 +305,12 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
     if not low < high:
         raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
+    if P.walled is not None and name in P.walled.params:
+        for end in (low, high):  # room between walls is least at an end: it is a least of linear functions
+            try:
+                P.walled.replace(**{name: end})
+            except InputError as error:
+                raise InputError(f"bounds of {name} are ({low:g}, {high:g}); at {end:g} {error}") from None
     if high - low < NARROWEST * max(abs(low), abs(high)):
         raise InputError(f"bounds of {name} are {high - low:.1e} apart; double precision needs a wider range")
     return low, high
@@ -442,15 +448,17 @@ class _Search:
             x, p = path.unscaled(event.point.z)
             if event.where != HALVES and not (event.type == "bp" and nearly_even(equations, x, p)):
                 continue
+            ends: tuple[float, float] | None = event.low, event.high
             if event.where == HALVES:
                 half, x, p, good = once(equations, x, p)
                 _twice, x = doubled(half, x, p)
+                ends = ends if good else None
             else:
-                x, p, good = evened(equations, x, p)
-            if good:
+                x, p, ends = evened(equations, x, p)
+            if ends is not None:
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
                 path.points[i] = point
-                path.events[number] = i, event._replace(point=point, converged=True)
+                path.events[number] = i, event._replace(point=point, low=ends[0], high=ends[1], converged=True)
 
     def _solution(self, path: Path, point: Point) -> tuple[Floats, Floats]:
         """Return x and p of a point; an end of the range that rounding has missed is that end."""

@@ -91,6 +91,10 @@ class Equations(ABC):
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
         return None
 
+    def touched(self, type: str, where: int) -> tuple[int, int]:
+        """Return which impact, flight or point a test function is about, and the number of its wall; -1 for none."""
+        return where, -1
+
     def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
         """Whether these are the equations at each of several points, x (k, n) and p (k, names), with small defects."""
         return np.ones(len(x), np.bool_)

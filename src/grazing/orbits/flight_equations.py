@@ -11,6 +11,7 @@ from grazing.orbits.contacts import Model, flight_row, frames_at, oscillators_of
 from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD
 from grazing.oscillator.frames import Frames, frame_of
+from grazing.oscillator.walled import Walled
 from grazing.parameter import unknown
 
 Floats = NDArray[np.float64]
@@ -54,6 +55,10 @@ class FlightEquations(Equations):
     def row(self, values: Floats) -> Floats:
         """Return the numbers that a flight needs, see :func:`grazing.orbits.contacts.flight_row`."""
         return flight_row(self.model, values)
+
+    def apart(self, values: Floats) -> bool:
+        """Whether there is room between the walls."""
+        return not isinstance(self.model, Walled) or bool(self.model.rooms(values[None])[0] > 0.0)
 
     def model_at(self, p: Floats) -> Model:
         """Return the model with these values of the parameters that vary."""

@@ -60,6 +60,8 @@ class FreeEquations(FlightEquations):
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the state after a period differs, and the derivative of that."""
+        if not self.apart(self.values(p)):
+            return np.full(2, np.nan), np.full((2, 2), np.nan)
         end, E, _dips = self.turned(x, p)
         return end - x, E - np.eye(2)
 

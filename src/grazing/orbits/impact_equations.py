@@ -102,6 +102,8 @@ class ImpactEquations(FlightEquations):
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""
         values, F, J = self.values(p), np.full(2 * self.n, np.nan), np.full((2 * self.n, 2 * self.n), np.nan)
+        if not self.apart(values):
+            return F, J
         laws, _numbers = self._laws(values)
         call(self._gaps, self.row(values), x, self.N, laws, F, J, who="the closing equations")
         return F, J
@@ -182,7 +184,7 @@ class ImpactEquations(FlightEquations):
         turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
         if n % 2 or turns * self.N % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
-        return self.apart(x, T)
+        return self.uneven(x, T)
 
     def mirrored(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same.
@@ -196,9 +198,9 @@ class ImpactEquations(FlightEquations):
         if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
             return None
         model = self.model_at(p)
-        return self.apart(x, T) if isinstance(model, Walled) and model.symmetric else None
+        return self.uneven(x, T) if isinstance(model, Walled) and model.symmetric else None
 
-    def apart(self, x: Floats, T: float) -> Floats:
+    def uneven(self, x: Floats, T: float) -> Floats:
         """Return by how much the second half of the impacts differs from the first one, scaled."""
         n, h = self.n, self.n // 2
         apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])

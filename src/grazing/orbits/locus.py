@@ -62,6 +62,7 @@ class LocusEquations(Equations):
                 f"how far from it. Give it by pieces, gz.Map(pieces=..., border=...), follow lp, pd and ns of it, or "
                 f"find the {type} with gz.continuation at several values of the second parameter"
             )
+        self._wall = base.touched(type, where)[1]
         self._index = min(places, key=lambda i: (max(abs(tests[i].value), ZERO), alike.index(tests[i].type)))
         self._kinds = tuple(test[::2] for test in tests)
 
@@ -111,12 +112,15 @@ class LocusEquations(Equations):
         """Return the other test functions of the orbit: where one of them is zero, two things happen at once."""
         x, both = self.split(X, p)
         others = (test for i, test in enumerate(self.base.tests(x, both)) if i != self._index)
-        alike = ("gr", "v0")  # of one touch that happens in each of several periods
         return tuple(
-            Test(f"{self.type}+{test.type}", test.value, test.where)
-            for test in others
-            if not (self.type == "gr" and test.type in alike and abs(test.value) <= ZERO)
+            Test(f"{self.type}+{test.type}", test.value, test.where) for test in others if not self._same_touch(test)
         )
+
+    def _same_touch(self, test: Test) -> bool:
+        """Whether a test function is about the touch that is followed, which may happen in each of several periods."""
+        if self.type != "gr" or test.type not in ("gr", "v0"):
+            return False
+        return abs(test.value) <= ZERO and self.base.touched(test.type, test.where)[1] == self._wall
 
     def broken(self, X: Floats, p: Floats) -> str:
         """Say whether the first parameter has left its range, or the orbit is none any more."""

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of
+from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reset import contraction_at
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import FATAL, STUCK
+from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +42,7 @@ def resting_starts(P: Map, model: Model) -> list[Floats]:
     """Return states of a map of an oscillator from which the ball rests, or has just rested, before each release."""
     starts, phase = [], float(P.params.get("phase", 0.0))
     for j, seen in enumerate(oscillators_of(model)):
-        if kick_of(model, j) != 0.0:  # the bumper kicks a ball that touches it
+        if kick_of(model, j) != 0.0 or never_rests(model, j):
             continue
         c = FreeEquations(seen, ()).constants(np.empty(0))
         times = presses(seen)
@@ -54,6 +56,16 @@ def resting_starts(P: Map, model: Model) -> list[Floats]:
             u = float(path.u[-1])
             starts.append(np.array([max(u, seen.sigma) if seen is model else u, float(path.v[-1])]))
     return starts
+
+
+def never_rests(model: Model, j: int) -> bool:
+    """Whether a ball cannot come to rest on a moving wall, as its law takes no speed from slow impacts.
+
+    On a wall at rest it can be put, without rounding.
+    """
+    wall = walls_of(model)[j]
+    ratio, speed = contraction_at(wall.law, parameters(wall.law.params))
+    return wall.motion is not None and not (ratio < 1.0 and speed > 0.0)
 
 
 def resting_orbits(P: Map, longest: int) -> list[Orbit]:

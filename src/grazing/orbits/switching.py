@@ -110,9 +110,23 @@ def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats,
     return half, *vanishing(half, closed, 0, x, p)
 
 
-def evened(equations: Equations, x: Floats, p: Floats) -> tuple[Floats, Floats, bool]:
-    """Return where an orbit that is its own mirror image has a multiplier 1, to rounding, from one that nearly is."""
-    return vanishing(equations, closed_evenly, 1, x, p)
+def evened(equations: Equations, x: Floats, p: Floats) -> tuple[Floats, Floats, tuple[float, float] | None]:
+    """Return where symmetric orbits have a multiplier 1, to rounding, from one that is nearly symmetric.
+
+    The solution, the parameter and a bracket of it, between whose ends the test function changes its sign; or None.
+    """
+    x, p, good = vanishing(equations, closed_evenly, 1, x, p)
+    value, reach = float(p[0]), 1e-15 * (abs(float(p[0])) + float(equations.spans[0]))
+    while good and reach < 1e-9 * float(equations.spans[0]):
+        ends = value - reach, value + reach
+        found = [closed_evenly(equations, x, np.array([end])) for end in ends]
+        sides = [
+            equations.tests(y, np.array([end]))[1].value for y, end in zip(found, ends, strict=True) if y is not None
+        ]
+        if len(sides) == 2 and sides[0] * sides[1] < 0.0:
+            return x, p, ends
+        reach *= 4.0
+    return x, p, None
 
 
 def nearly_even(equations: Equations, x: Floats, p: Floats) -> bool:
@@ -210,10 +224,8 @@ def called(equations: Equations, type: str, where: int, p: Floats) -> tuple[str,
 
     An impact that loses its speed at a wall that does not kick the ball is a graze, as one dip that meets it.
     """
-    if not isinstance(equations, (ImpactEquations, FreeEquations)):
-        return type, ""
     wall = equations.touched(type, where)[1]
-    if wall < 0:
+    if wall < 0 or not isinstance(equations, (ImpactEquations, FreeEquations)):
         return type, ""
     grazes = type == "v0" and kick_of(equations.model_at(p), wall) == 0.0
     return "gr" if grazes else type, str(walls_of(equations.model)[wall].name)
