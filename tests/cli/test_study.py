@@ -165,10 +165,10 @@ def test_a_file_gives_defaults_and_options_override(folder, capsys):
 
 def test_errors_name_options_and_keys_of_the_file(folder, capsys):
     (folder / "study.toml").write_text('study = "diagram"\n[parameters]\nr = 2\n[vary]\nd = "0:1:5"\n')
-    err = refused(capsys, "diagram", "--config", "study.toml", "--alpha", "-1", "--keep", "x")
+    err = refused(capsys, "diagram", "--config", "study.toml", "--k", "-1", "--keep", "x")
     assert err.splitlines() == [
         "error: there are 3 errors:",
-        "  --alpha = -1; allowed is alpha >= 0, finite (linear damping coefficient)",
+        "  --k = -1; allowed is k >= 0, finite (natural frequency; the stiffness is k^2)",
         "  study.toml: parameters.r = 2; allowed is 0 <= r <= 1 (coefficient of restitution)",
         "  --keep = 'x'; allowed is a whole number >= 1",
     ]

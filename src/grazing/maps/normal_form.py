@@ -15,8 +15,9 @@ from grazing.maps.map import Map
 from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
 from grazing.oscillator.constants import Constants, constants_of, steady_response
 from grazing.oscillator.model import Oscillator, checked_model
-from grazing.oscillator.parameters import describe_parameter
+from grazing.oscillator.parameters import damped, describe_parameter
 from grazing.oscillator.reset import in_python
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import checked_name, parameters
 
@@ -35,8 +36,9 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
         If there is no attracting steady response: alpha = 0, or k = 0 with a constant force.
     """
     c = constants(model)
-    if c.alpha == 0.0:
-        raise OutsideForm("alpha = 0: without damping no steady response attracts; the graze needs alpha > 0")
+    if c.alpha <= 0.0:
+        said = "without damping no steady response attracts; the graze needs alpha > 0"
+        raise OutsideForm(f"alpha = {c.alpha:g}: {said}")
     if c.k2 == 0.0 and c.F0 != 0.0:
         raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
     return steady_low(c)
@@ -69,7 +71,7 @@ def true_graze(model: Oscillator, name: str) -> float:
         return now
     if name in model.reset.params or name == "t0":
         raise OutsideForm(f"the graze does not depend on {name}; vary a parameter of the flight, such as the offset")
-    known = describe_parameter(name)
+    known = damped(describe_parameter(name))
     low = known.low if known.low > -inf else now - 1e3 * max(1.0, abs(now))
     high = known.high if known.high < inf else now + 1e3 * max(1.0, abs(now))
     found = graze_search_of(_height)((model, name), now, low, high, known.low > -inf and known.open == "low")
@@ -277,6 +279,7 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     (0.13096186935, 0.336482, 0.649353, 0.633855)
     """
     checked_model(model)
+    refuse_stiffness(model, "the normal form at the graze of a steady response that attracts")
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)

@@ -58,6 +58,7 @@ class FlightEquations(Equations):
             len(HEAD) + 2 * self.model.harmonics + 1
         )  # alpha to sigma; the section's phase and the law's fields are 0
         row[:head] = values[:head]
+        row[head + 1] = 1.0 if self.model.stiffness is not None else 0.0
         return row
 
     def model_at(self, p: Floats) -> Oscillator:
