@@ -50,7 +50,8 @@ def test_help_shows_every_parameter_with_its_meaning_range_and_default(study, ca
         assert f"--{name.replace('_', '-')} " in out
     for name in ("alpha", "k", "omega", "r", "V", "trigger"):
         known = describe_parameter(name)
-        assert f"{known.meaning}; {known.allowed}" in words
+        limits = "" if known.low == -known.high else f"; {known.allowed}"  # nothing is said of any finite number
+        assert f"{known.meaning}{limits}" in words
     assert f"Example: grazing {study} " in words
     for said in ("[default: 2.2]", "--out", "--config FILE", "--json", "Exit codes", "--V NUMBER", "NAME=..."):
         assert said in words

@@ -1,4 +1,4 @@
-"""Negative stiffness and negative damping: flights, dips and errors against ball arithmetic; what refuses such models."""
+"""Negative stiffness and negative damping: flights, dips and errors against ball arithmetic; what refuses them."""
 
 import math
 from dataclasses import replace
