@@ -358,11 +358,11 @@ def _check_motion(model: Oscillator, flown: Any, said: str) -> None:
     for j, (c, s) in enumerate(zip(forcing.cos, forcing.sin, strict=True), start=1):
         angle = j * forcing.omega * (t + forcing.t0)
         f += c * np.cos(angle) + s * np.sin(angle)
-    a = f - model.alpha * v - model.k**2 * u
+    a = f - model.alpha * v - model.k2 * u
     dt = np.diff(t)
     flying = (dt > 0.0) & (np.maximum(u[1:], u[:-1]) > model.sigma)
     # the trapezium rule, exact up to dt^3 times a second derivative that the rates bound
-    rate = max(model.alpha, model.k, len(forcing.cos) * forcing.omega)
+    rate = max(abs(model.alpha), abs(model.k2) ** 0.5, len(forcing.cos) * forcing.omega)
     slack = dt * (rate * dt) ** 2 * (np.abs(a).max() + rate * np.abs(v).max() + 1e-12) + 1e-13
     wrong_u = np.abs(np.diff(u) - 0.5 * dt * (v[1:] + v[:-1])) > slack
     wrong_v = np.abs(np.diff(v) - 0.5 * dt * (a[1:] + a[:-1])) > slack * max(1.0, rate)

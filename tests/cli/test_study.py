@@ -50,7 +50,8 @@ def test_help_shows_every_parameter_with_its_meaning_range_and_default(study, ca
         assert f"--{name.replace('_', '-')} " in out
     for name in ("alpha", "k", "omega", "r", "V", "trigger"):
         known = describe_parameter(name)
-        assert f"{known.meaning}; {known.allowed}" in words
+        limits = "" if known.low == -known.high else f"; {known.allowed}"  # nothing is said of any finite number
+        assert f"{known.meaning}{limits}" in words
     assert f"Example: grazing {study} " in words
     for said in ("[default: 2.2]", "--out", "--config FILE", "--json", "Exit codes", "--V NUMBER", "NAME=..."):
         assert said in words
@@ -165,10 +166,10 @@ def test_a_file_gives_defaults_and_options_override(folder, capsys):
 
 def test_errors_name_options_and_keys_of_the_file(folder, capsys):
     (folder / "study.toml").write_text('study = "diagram"\n[parameters]\nr = 2\n[vary]\nd = "0:1:5"\n')
-    err = refused(capsys, "diagram", "--config", "study.toml", "--alpha", "-1", "--keep", "x")
+    err = refused(capsys, "diagram", "--config", "study.toml", "--k", "-1", "--keep", "x")
     assert err.splitlines() == [
         "error: there are 3 errors:",
-        "  --alpha = -1; allowed is alpha >= 0, finite (linear damping coefficient)",
+        "  --k = -1; allowed is k >= 0, finite (natural frequency; the stiffness is k^2)",
         "  study.toml: parameters.r = 2; allowed is 0 <= r <= 1 (coefficient of restitution)",
         "  --keep = 'x'; allowed is a whole number >= 1",
     ]

@@ -16,7 +16,7 @@ from grazing.kernel.compile import jit_disabled
 from grazing.maps import period
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.contact import chatter_completes, window_of
+from grazing.oscillator.contact import chatter_completes, hop_bounds, window_of
 from grazing.outcome import AMBIGUOUS, CHATTER, STUCK, TOO_MANY_IMPACTS
 from tests.models import cubic, packed
 from tests.reference import Law, Problem, advance, force
@@ -29,6 +29,9 @@ SYSTEMS = {
     "under-damped, lowered wall": Problem(0.2, 3.0, offset=-1.7, sigma=-0.1, **TWO),
     "no stiffness": Problem(0.5, 0.0, offset=-0.9, **TWO),
     "no stiffness, no damping": Problem(0.0, 0.0, offset=-0.9, **THREE),
+    "negative stiffness": Problem(0.3, 0.0, offset=-0.9, stiffness=-0.2, **TWO),
+    "negative damping": Problem(-0.15, 1.0, offset=-0.9, **TWO),
+    "both negative, raised wall": Problem(-0.1, 0.0, offset=-1.0, sigma=0.2, stiffness=-0.1, **THREE),
 }
 
 
@@ -47,7 +50,8 @@ def oscillator(problem, reset=None):
     law = problem.law
     own = reset or gz.triggered(r=law.r, V=law.V, trigger=law.speed)
     shaken = gz.Forcing(problem.omega, problem.t0, problem.offset, problem.cos, problem.sin)
-    return gz.Oscillator(problem.alpha, problem.k, shaken, own, problem.sigma)
+    k = problem.k if problem.stiffness is None else None
+    return gz.Oscillator(problem.alpha, k, shaken, own, problem.sigma, stiffness=problem.stiffness)
 
 
 def constant(g=1.0, omega=0.5, **law):
@@ -303,15 +307,16 @@ def test_a_vanishing_kick_approaches_chatter():
 # ---- the inequalities behind it
 
 
-def random_hops(count):
+def random_hops(count, dampings=(0.0, 0.3, 2.0, 8.0), stiffnesses=(0.0, 1.0, 16.0)):
     """Departures from the wall with speed w in a window with F < 0, for all dampings, springs and walls."""
     rng = np.random.default_rng(5)
     while count:
-        alpha, k = float(rng.choice([0.0, 0.3, 2.0, 8.0])), float(rng.choice([0.0, 1.0, 4.0]))
+        alpha, stiffness = float(rng.choice(dampings)), float(rng.choice(stiffnesses))
         sigma = rng.uniform(-1.0, 1.0)
-        offset = rng.uniform(-1.0, 0.5) + k * k * sigma
+        offset = rng.uniform(-1.0, 0.5) + stiffness * sigma
         cos, sin = tuple(rng.uniform(-0.5, 0.5, 3)), tuple(rng.uniform(-0.5, 0.5, 3))
-        problem = Problem(alpha, k, 0.9, 0.4, offset, cos, sin, sigma)
+        k, own = (math.sqrt(stiffness), None) if stiffness >= 0.0 else (0.0, stiffness)
+        problem = Problem(alpha, k, 0.9, 0.4, offset, cos, sin, sigma, stiffness=own)
         c = packed(gz.stroboscopic_map(oscillator(problem)))
         t, w = rng.uniform(0.0, c.T), 10.0 ** rng.uniform(-3.0, 0.0)
         i = window_of(t, 0, c)
@@ -341,10 +346,40 @@ def test_a_hop_is_short_and_lands_slowly():
     assert 0.95 < fastest <= 1.0 + 1e-12
 
 
-def test_chatter_is_over_when_and_as_slow_as_promised():
+SIGNS = {"dampings": (-2.0, -0.3, 0.0, 0.3, 2.0), "stiffnesses": (-9.0, -1.0, -0.1, 0.0, 1.0)}
+
+
+def test_a_hop_is_short_and_lands_slowly_with_negative_damping_or_stiffness():
+    """(5a) and (5b) of docs/chatter.md hold, and the bounds for alpha, k >= 0 would not."""
+    longest = fastest = old = 0.0
+    hops = 0
+    for problem, c, t, end, w in random_hops(400, **SIGNS):
+        if c.grows == 0.0:
+            continue
+        (strobe,) = advance(replace(problem, law=Law(0.0)), problem.sigma, w, 1, digits=24, start=t)
+        if not strobe.impacts or t + (hop := float(strobe.impacts[0].t) - t) >= end:
+            continue
+        pull = np.array([-forcing(float(s), c)[0] for s in np.linspace(t, t + hop, 201)])
+        slack = 0.125 * c.bend * (hop / 200.0) ** 2
+        m, M = pull.min() - slack, pull.max() + slack
+        n, s = hop_bounds(m, M, w, c) if m > 0.0 else (0.0, math.inf)
+        if n <= 0.0:
+            continue
+        hops += 1
+        x = -float(strobe.impacts[0].v_minus)
+        longest, fastest = max(longest, hop * n / (2.0 * w)), max(fastest, x / (w * s))
+        old = max(old, hop * m / (2.0 * w), x / (w * math.sqrt(M / m)))
+    assert hops > 60
+    assert 0.99 < longest <= 1.0 + 1e-12
+    assert 0.95 < fastest <= 1.0 + 1e-12
+    assert old > 1.02
+
+
+@pytest.mark.parametrize("signs", [{}, SIGNS])
+def test_chatter_is_over_when_and_as_slow_as_promised(signs):
     """Take the earliest end and the least speed for which completion is promised: the reference keeps to both."""
     promises = 0
-    for problem, c, t, end, w in random_hops(60):
+    for problem, c, t, end, w in random_hops(60, **signs):
         # ends that make F vary much on the way
         r = 0.1 + 0.6 * (w % 1e-3) * 1e3
         e = (end - t) * 2.0 ** -(1e4 * w % 4.0)

@@ -13,6 +13,7 @@ from grazing.kernel.compile import compiled
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.constants import roots
 from grazing.oscillator.flight import anchored, divided2, divided3, duhamel, flight, modes, noise
+from grazing.parameter import parameters
 from tests.examples import examples
 from tests.models import MODELS, packed
 from tests.reference import Problem, free_flight, newton
@@ -161,7 +162,7 @@ def test_short_flights_keep_their_relative_digits():
 
 @pytest.mark.parametrize(("alpha", "k"), [(3.0, 1.0), (0.0, 0.0), (1e8, 1e-4), (5.0, 0.0)])
 def test_roots_without_cancellation(alpha, k):
-    q2, spread, l1, l2 = roots(alpha, k)
+    q2, spread, l1, l2 = roots(parameters({"alpha": alpha, "k": k}))
     assert q2 >= 0.0
     assert l1 + l2 == pytest.approx(-alpha, rel=1e-15)
     assert l1 * l2 == pytest.approx(k * k, rel=1e-15)

@@ -58,8 +58,8 @@ def test_forcing_fills_up_the_shorter_list():
     ("make", "words"),
     [
         (
-            lambda: gz.pinball(alpha=-1.0),
-            r"alpha = -1; allowed is alpha >= 0, finite \(linear damping coefficient\)",
+            lambda: gz.pinball(k=-1.0),
+            r"k = -1; allowed is k >= 0, finite \(natural frequency; the stiffness is k\^2\)",
         ),
         (lambda: gz.pinball(k=math.inf), r"k = inf is not finite"),
         (

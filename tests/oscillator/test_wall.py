@@ -37,7 +37,7 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
         (lambda: between(0.5, 0.5), "both walls are at 0.5"),
         (lambda: between(a=gz.Forcing(omega=3.0)), "no whole multiple of the forcing's 2: there would be no period"),
         (lambda: between(a=gz.Forcing(omega=2.0, cos=(0.9,)), b=gz.Forcing(omega=4.0, cos=(-0.2,))), "move them apart"),
-        (lambda: gz.Oscillator(-1, 1, FORCE, walls=[gz.wall(0.0, LAW)]), "alpha = -1; allowed is alpha >= 0"),
+        (lambda: gz.Oscillator(1, -1, FORCE, walls=[gz.wall(0.0, LAW)]), "k = -1; allowed is k >= 0"),
         (lambda: gz.Oscillator(0, 1, lambda t: t, walls=[gz.wall(0.0, LAW)]), "a force is a Fourier series here"),
         (lambda: between().replace(**{"A.q": 1.0}), r"unknown parameter 'A.q' of the model. .*B.sigma"),
         (lambda: between().replace(**{"B.r": 2.0}), "B.r = 2; allowed is 0 <= B.r <= 1"),

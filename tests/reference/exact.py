@@ -12,7 +12,7 @@ A comparison that the working precision cannot decide raises `Undecidable`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -78,6 +78,7 @@ class Problem:
     sin: tuple[float, ...] = ()
     sigma: float = 0.0
     law: Law = Law(1.0)
+    stiffness: float | None = field(default=None, repr=False)  # in place of k^2, of either sign
 
     @property
     def period(self) -> arb:
@@ -130,7 +131,7 @@ class _Taylor:
         p = problem
         self.phase0 = arb(p.t0)
         self.sigma = arb(p.sigma)
-        self.k2 = arb(p.k) * arb(p.k)
+        self.k2 = arb(p.k) * arb(p.k) if p.stiffness is None else arb(p.stiffness)
         self.alpha = arb(p.alpha)
         self.level = arb(p.offset) - self.k2 * self.sigma
         pad = (0.0,) * p.harmonics
@@ -139,7 +140,8 @@ class _Taylor:
             for j, c, s in zip(range(1, p.harmonics + 1), p.cos + pad, p.sin + pad, strict=False)
         ]
         # |n-th derivative| <= size * rate^n for the flight, with size = max(|y|, |v| / rate, amplitude)
-        self.rate = max(float(self.waves[-1][0]), p.alpha + p.k + 1.0) * (1 + 1e-12)
+        k = p.k if p.stiffness is None else abs(p.stiffness) ** 0.5
+        self.rate = max(float(self.waves[-1][0]), abs(p.alpha) + k + 1.0) * (1 + 1e-12)
         self.amplitude = abs(self.level) + sum((abs(c) + abs(s) for _, c, s in self.waves), arb(0))
         self.step = arb(REACH / self.rate)
 

@@ -17,6 +17,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.oscillator.gauge import READINGS, flown_cycle, gauged, repeated_cycle
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
@@ -151,6 +152,7 @@ def checked_strobe(P: Any) -> Map:
     if not isinstance(P, Map) or P.model is None or P.section != "strobe":
         said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
         raise InputError(f"P is {shown(P)}: {said}")
+    refuse_stiffness(P.model, "a response, which sweeps follow where it attracts,")
     return P.replace(phase=0.0)  # readings do not depend on the section
 
 

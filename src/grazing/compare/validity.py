@@ -20,6 +20,7 @@ from grazing.maps.map import Map
 from grazing.maps.pieces import joined, pieces
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
 from grazing.studies import labels
@@ -126,6 +127,7 @@ def plan(
 ) -> Plan:
     """Return the plan of a validity map, see :func:`validity`."""
     checked_model(model)
+    refuse_stiffness(model, "the validity of a reduction")
     if not isinstance(rung, str) or rung not in REDUCTIONS:
         raise InputError(f"rung is {shown(rung)}; allowed are {', '.join(REDUCTIONS)}")
     if not isinstance(params, Mapping) or len(params) != 2:

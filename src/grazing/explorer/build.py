@@ -26,6 +26,7 @@ from grazing.explorer.sources import file_digest, source_digest
 from grazing.explorer.webassembly import Entry, exported, linker, linker_version
 from grazing.kernel import export
 from grazing.kernel.export import ENVIRONMENT
+from grazing.oscillator.parameters import damped
 from grazing.outcome import FATAL, GrazingError, InputError, Outcome
 from grazing.parameter import Parameter
 from grazing.studies.classify import APERIODIC, ENDED, TOLERANCE, UNDECIDED
@@ -38,7 +39,8 @@ MODULES = {"gap": gap_module, "oscillator": oscillator_module}
 
 def described_parameter(parameter: Parameter) -> dict[str, Any]:
     """Return what a page needs to know of a parameter; null for no limit."""
-    low, high = (end if math.isfinite(end) else None for end in (parameter.low, parameter.high))
+    known = damped(parameter)
+    low, high = (end if math.isfinite(end) else None for end in (known.low, known.high))
     return {
         "name": parameter.name,
         "symbol": parameter.symbol,

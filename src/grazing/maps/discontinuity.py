@@ -23,6 +23,7 @@ from grazing.oscillator.constants import constants_of, forcing, section_phase
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.pointed import pointed_law, pointed_slope
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import checked_state
 from grazing.outcome import AMBIGUOUS, OK, InputError, OutsideForm, shown
 from grazing.parameter import parameters
@@ -172,6 +173,7 @@ def zdm(model: Oscillator, order: str = "full", phase: float = 0.0) -> Map:
 
 def _local_map(model: Oscillator, order: str, phase: float, flown: bool) -> Map:
     checked_model(model)
+    refuse_stiffness(model, "a discontinuity map")
     if not isinstance(order, str) or order not in ORDERS:
         raise InputError(
             f"order is {shown(order)}; allowed are 'lowest' (2.4)/(2.5), 'full' (2.2)/(2.3) and 'corrected'"
@@ -281,6 +283,7 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     (0.0, 0.4)
     """
     checked_model(model)
+    refuse_stiffness(model, "a discontinuity map")
     u, v = checked_state(state, model)
     params = {**model.params, "phase": checked_phase(model, phase)}
     p = parameters(params)

@@ -54,11 +54,15 @@ def next_period(ball: Ball, doubt: Doubt, c: Any) -> tuple[Ball, Doubt]:
 
     Bounds that go from piece to piece by the sizes of the modes grow with every piece, where the errors themselves
     fade: the free ball gains no energy. Here the errors of each period are added up, and go on as those of a departure.
+    Where it may gain energy they grow with the modes alone; beyond all doubles they are infinite.
     """
     E11, E12, E21, E22 = modes(c.T, c)
-    root = sqrt(c.k2)
     y = abs(E11) * doubt.y + abs(E12) * doubt.v + ball.error_y
     v = abs(E21) * doubt.y + abs(E22) * doubt.v + ball.error_v
+    if c.grows > 0.0:
+        y, v = (y if y >= 0.0 else INFINITY), (v if v >= 0.0 else INFINITY)
+        return Ball(0.0, ball.y, ball.v, 0, 0.0, 0.0, Launch(0.0, 1.0, 0.0, y, v)), Doubt(y, v, INFINITY)
+    root = sqrt(c.k2)
     energy = doubt.energy + length(root * ball.error_y, ball.error_v)
     y = energy / root if energy < root * y else y
     v = min(v, energy)

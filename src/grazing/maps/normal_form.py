@@ -16,8 +16,9 @@ from grazing.maps.map import Map
 from grazing.maps.reduction import graze_search_of, mu_factor, reduction_of, steady_low
 from grazing.oscillator.constants import Constants, constants_of, steady_response
 from grazing.oscillator.model import Oscillator, checked_model
-from grazing.oscillator.parameters import describe_parameter
+from grazing.oscillator.parameters import damped, describe_parameter
 from grazing.oscillator.reset import in_python
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, OutsideForm
 from grazing.parameter import checked_name, parameters
 
@@ -39,6 +40,8 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
         If there is no steady response: k = 0 with a constant force, or k a multiple of omega without damping.
     """
     c = constants(model)
+    if c.alpha < 0.0:
+        raise OutsideForm(f"alpha = {c.alpha:g}: the steady response repels; the graze needs alpha >= 0")
     if c.alpha == 0.0 and abs(sin(0.5 * c.p.k * c.T)) <= RESONANT:
         turns = c.p.k / c.omega
         raise OutsideForm(
@@ -77,7 +80,7 @@ def true_graze(model: Oscillator, name: str) -> float:
         return now
     if name in model.reset.params or name == "t0":
         raise OutsideForm(f"the graze does not depend on {name}; vary a parameter of the flight, such as the offset")
-    known, unit = describe_parameter(name), model.unit_of(name)
+    known, unit = damped(describe_parameter(name)), model.unit_of(name)
     low = known.low if known.low > -inf else now - 1e3 * max(unit, abs(now))
     high = known.high if known.high < inf else now + 1e3 * max(unit, abs(now))
     found = graze_search_of(_height)((model, name), now, low, high, known.low > -inf and known.open == "low", unit)
@@ -304,6 +307,7 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     (0.13096186935, 0.336482, 0.649353, 0.633855)
     """
     checked_model(model)
+    refuse_stiffness(model, "the normal form at the graze of a steady response that attracts")
     value = true_graze(model, name)
     at = model.replace(**{name: value})
     c = constants(at)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from grazing.maps.derivative import Derived
 from grazing.maps.origin import Origin
 from grazing.maps.starting import Box, boxes_at
-from grazing.oscillator.model import Oscillator, Reach
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_kind, pointed_rows
+from grazing.oscillator.reach import Reach
 from grazing.outcome import InputError
 from grazing.parameter import Parameter, parameter_tuple
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.oscillator.constants import FAR, OFFSET, Constants, forcing
+from grazing.oscillator.constants import FAR, LEAP, OFFSET, Constants, forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
 from grazing.oscillator.flight import beside_far_wall, modes
 from grazing.outcome import (
@@ -128,7 +128,7 @@ def period_of(
             if not contact:
                 break
         u_end, v_end = ball.y + c.sigma, ball.v
-        if aloft and abs(u_end) < FAR * abs(c.sigma):
+        if aloft and abs(u_end) < FAR * abs(c.sigma) and c.grows * c.T <= LEAP:
             u_end, v_end = beside_far_wall(c.T, u, v, c.p[OFFSET], c)
         whole = (J[0], J[1], J[2], J[3], area)
         if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):

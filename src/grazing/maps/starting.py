@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.oscillator.model import Oscillator, Reach
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.reach import Reach
 
 Pair = tuple[float, float]
 Box = tuple[Pair, Pair]

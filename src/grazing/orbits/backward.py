@@ -57,7 +57,7 @@ def reversed_constants(c: Constants) -> Constants:
     first = -c.first if zeros % 2 == 1 else c.first
     return Constants(
         -c.alpha, c.k2, c.q2, -c.l2, -c.l1, c.spread, c.omega, -c.theta, c.T, c.sigma, c.F0, c.cos, sin, c.Y0, c.hc, hs,
-        c.steady, c.rate, c.size, c.force, c.bend, c.piece, edges, first, doubtful, c.blur, c.p,
+        c.steady, c.rate, c.size, c.force, c.bend, c.piece, edges, first, doubtful, c.blur, 0.0, c.p,
     )  # fmt: skip
 
 

@@ -196,13 +196,18 @@ def bend_of_forcing(t: float, c: Constants) -> tuple[float, float]:
     return ddF, bound
 
 
+def gained(s: float, c: Constants) -> float:
+    """Return by how much the energy e of :func:`lowest_dip` grows in time s at most, where nothing is forced."""
+    return exp((max(-c.alpha, 0.0) + sqrt(max(-c.k2, 0.0))) * s) if c.grows > 0.0 else 1.0
+
+
 def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[float, int, int, float]:
     """Return the lowest local minimum of y in a flight of time L from (tau, y, v), which it is, their number, its time.
 
     The dip is counted from the end (1 is the last), its time from the start; without any dip y is infinite and the
     other numbers are 0. No dip is missed: over the next step y''' is bounded by the energy
-    e^2 = y''''^2 + k^2 y'''^2, where e' <= |F'''| at most; so every step is proved either free of zeros of v or to
-    have one only.
+    e^2 = y''''^2 + |k^2| y'''^2, where e' <= |F'''| at most, and e' <= |F'''| + (|alpha| + |k|) e for a negative
+    alpha and a negative k^2; so every step is proved either free of zeros of v or to have one only.
     """
     anchor = anchored(tau, y, v, c)
     low, at, count, when = float("inf"), 0, 0, 0.0
@@ -213,7 +218,7 @@ def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[
         acc = F - c.alpha * v - c.k2 * y
         jerk = dF - c.alpha * acc - c.k2 * v
         snap = ddF - c.alpha * jerk - c.k2 * acc
-        bend = abs(jerk) + reach * (length(snap, sqrt(c.k2) * jerk) + reach * third)
+        bend = abs(jerk) + reach * (length(snap, sqrt(abs(c.k2)) * jerk) + reach * third) * gained(reach, c)
         monotone = 0.9 * abs(acc) / bend if bend > 0.0 else L
         step = max(0.9 * free_distance(v, acc, bend), monotone, 1e-7 * c.T)
         end = min(L, s + min(step, reach))

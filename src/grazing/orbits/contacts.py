@@ -122,6 +122,7 @@ def flight_row(model: Model, values: Floats) -> Floats:
     row = np.zeros(n * len(ends))
     for j, numbers in enumerate(ends):
         row[j * n : j * n + head] = numbers[:head]
+        row[j * n + head + 1] = 1.0 if model.stiffness is not None else 0.0  # direct
     return row if isinstance(model, Oscillator) else np.append(row, link_rows(model, values[None])[0])
 
 

@@ -92,7 +92,10 @@ def most_impacts(model: Oscillator) -> float:
     if V == 0.0:
         return inf
     c = FreeEquations(model, ()).constants(np.empty(0))
-    pressed = Oscillator(model.alpha, model.k, Forcing(model.forcing.omega, 0.0, -c.force, (0.0,)), newton(0.0))
+    pressed = Oscillator(
+        model.alpha, model.k, Forcing(model.forcing.omega, 0.0, -c.force, (0.0,)), newton(0.0),
+        stiffness=model.stiffness,
+    )  # fmt: skip
     path = trajectory(pressed, (0.0, V), until=c.T, samples=2)
     if len(path.impact_time) == 0:
         return 1.0 + 1.0

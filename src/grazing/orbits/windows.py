@@ -19,6 +19,8 @@ from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.parameters import damped
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_periods, unknown, whole
@@ -108,6 +110,7 @@ def windows(
     0.098450444937 gr 0.123281449644 pd
     """
     families(model, 1)  # refuses what is no oscillator, and laws outside the form
+    refuse_stiffness(model, "a search for windows")
     if not isinstance(name, str) or name not in model.params:
         raise unknown(name, model.params, "the model")
     model.refuse_base("a search for windows", [name])
@@ -268,7 +271,7 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
 
 def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
     """Return the span searched, checked, or the default one."""
-    parameter = model.describe(name)
+    parameter = damped(model.describe(name))
     if span is not None:
         try:
             low, high = span

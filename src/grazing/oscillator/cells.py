@@ -127,6 +127,8 @@ def fastest(c: Constants) -> float:
 
 def out_of_range(c: Constants) -> bool:
     """Return whether doubles may not hold the 14 derivatives of a flight, or a pair the state over a wall far away."""
+    if c.grows > 0.0:  # margins and bounds of a table are those of flights that gain no energy
+        return True
     push = (c.force - abs(c.F0)) + abs(c.p[OFFSET])
     if not (c.steady and c.k2 > 0.0) and FAR * abs(c.sigma) > natural_size(c.alpha, c.T, push):
         return True

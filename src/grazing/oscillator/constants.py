@@ -21,21 +21,27 @@ TWO_PI_2 = float.fromhex("0x1.4442dp-22")
 TWO_PI_3 = float.fromhex("0x1.846988p-46")
 TWO_PI_4 = float.fromhex("0x1.8cc51701b839ap-70")
 
-#: Parameters in front of the harmonics cos1, sin1, cos2, ...; pinball calls the offset d.
+#: Parameters in front of the harmonics cos1, sin1, cos2, ...; pinball calls the offset d, and the second one may be
+#: the stiffness itself, see :func:`stiffness_of`.
 HEAD = ("alpha", "k", "omega", "t0", "offset")
 #: The place of the offset.
 OFFSET = len(HEAD) - 1
 #: A ball at less than this share of the wall's distance from 0 is far from the wall, if it is not on it.
 FAR = 1e-3
+#: A flight whose errors grow is cut where they have grown by e to this power, so that nothing in it overflows.
+LEAP = 30.0
 
 
 class Constants(NamedTuple):
-    """What a flight needs, for u'' + alpha u' + k^2 u = f(t) with y = u - sigma and local time t in [0, T]."""
+    """What a flight needs, for u'' + alpha u' + k^2 u = f(t) with y = u - sigma and local time t in [0, T].
+
+    k^2 stands for the stiffness, which may be negative, as may alpha.
+    """
 
     alpha: float
-    k2: float  # k^2
+    k2: float  # the stiffness
     q2: float  # alpha^2/4 - k^2: > 0 over-, < 0 under-damped
-    l1: float  # the slow root, or the real part when under-damped
+    l1: float  # the slow root, or the real part when under-damped; never less than l2
     l2: float  # the fast root, or the real part when under-damped
     spread: float  # q = sqrt(|q2|): half the distance of the roots, or the damped frequency
     omega: float
@@ -58,18 +64,44 @@ class Constants(NamedTuple):
     first: float  # sign of F in the first window; signs alternate
     doubtful: tuple[float, ...]  # 1 for windows whose signs or ends rounding leaves open
     blur: float  # bound on the rounding of F
+    grows: float  # fastest rate at which free flights part; 0 for alpha, k^2 >= 0, where none gains energy
     p: Any  # the parameters themselves, for the reset law
 
 
-def roots(alpha: float, k: float) -> tuple[float, float, float, float]:
-    """Return (q2, spread, l1, l2) without cancellation: l1 = k^2/l2, q2 as a product."""
-    half = 0.5 * alpha
-    q2 = (half - k) * (half + k)
+def by_stiffness(p: Any) -> bool:
+    """Return whether the second parameter is the stiffness, not k; numbers of a kernel say it in a field of their own.
+
+    What a named tuple has for fields the compiler knows: nothing of this is left where models have k.
+    """
+    return getattr(p, "direct", 1.0 if hasattr(p, "stiffness") else 0.0) > 0.0
+
+
+def stiffness_of(p: Any) -> float:
+    """Return the stiffness: k^2, or the second parameter itself."""
+    return p[1] if by_stiffness(p) else p[1] * p[1]  # type: ignore[no-any-return]
+
+
+def square_less(x: float, y: float) -> float:
+    """Return x^2 - y to rounding, also where little is left of it; the square is split exactly (Dekker)."""
+    split = 134217729.0 * x  # 2^27 + 1
+    high = split - (split - x)
+    low = x - high
+    square = x * x
+    return (square - y) + (((high * high - square) + 2.0 * high * low) + low * low)
+
+
+def roots(p: Any) -> tuple[float, float, float, float]:
+    """Return (q2, spread, l1, l2) without cancellation: q2 as a product, one root as k^2 over the larger one."""
+    half, k2 = 0.5 * p[0], stiffness_of(p)
+    q2 = square_less(half, k2) if by_stiffness(p) else (half - p[1]) * (half + p[1])
     spread = sqrt(abs(q2))
     if q2 <= 0.0:
         return q2, spread, -half, -half
+    if half < 0.0:
+        l1 = -half + spread
+        return q2, spread, l1, k2 / l1
     l2 = -half - spread
-    return q2, spread, k * k / l2, l2
+    return q2, spread, k2 / l2, l2
 
 
 def angle(omega: float, t: float) -> float:
@@ -95,9 +127,13 @@ def angle(omega: float, t: float) -> float:
     return sign * ((x + low) - n * TWO_PI_4)
 
 
-def piece_of(q2: float, spread: float, T: float) -> float:
-    """Return the longest piece of a window on which the lemma holds: under half a turn of the free ball."""
-    return 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
+def piece_of(q2: float, spread: float, grows: float, T: float) -> float:
+    """Return the longest piece of a window on which the lemma holds: under half a turn of the free ball.
+
+    And one on which free flights do not part further than :data:`LEAP` says.
+    """
+    piece = 0.95 * pi / spread if q2 < 0.0 else 2.0 * T
+    return min(piece, LEAP / grows) if grows > 0.0 else piece
 
 
 def natural_size(alpha: float, T: float, force: float) -> float:
@@ -146,15 +182,16 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
 
     @unit
     def prepare(p: Any) -> Any:
-        k2 = p.k * p.k
-        q2, spread, l1, l2 = roots(p.alpha, p.k)
+        k2 = stiffness_of(p)
+        q2, spread, l1, l2 = roots(p)
+        grows = 0.0 if p.alpha >= 0.0 and k2 >= 0.0 else max(l1, 0.0)
         T = 2.0 * pi / p.omega
         theta = angle(p.omega, p.t0) + angle(p.omega, phase(p))
         F0 = p[head - 1] - k2 * p.sigma
         cos, sin, hc, hs = none, none, none, none
         force, bend, moving, top = abs(F0), 0.0, 0.0, 1
-        steady = k2 > 0.0 or F0 == 0.0
-        Y0 = F0 / k2 if k2 > 0.0 else 0.0
+        steady = k2 != 0.0 or F0 == 0.0
+        Y0 = F0 / k2 if k2 != 0.0 else 0.0
         response = abs(Y0)
         for j in range(harmonics):
             c, s = p[head + 2 * j], p[head + 2 * j + 1]
@@ -175,16 +212,16 @@ def constants_of(harmonics: int, phase: Callable[[Any], float] = no_phase, max_r
                     steady = False
         natural = natural_size(p.alpha, T, force)
         steady = steady and response <= max_ratio * natural
-        rate = max(p.alpha, p.k, moving)
+        rate = max(abs(p.alpha), sqrt(abs(k2)) if by_stiffness(p) else p[1], moving)
         size = response if steady else natural * top  # errors of phases add up to the highest harmonic
-        piece = piece_of(q2, spread, T)
+        piece = piece_of(q2, spread, grows, T)
         offset, lift = abs(p[head - 1]), abs(k2 * p.sigma)
         lost = 4e-16 * (offset + lift) if lift > 0.0 else 0.0
         blur = 1e-15 * force * harmonics + lost
         edges, first, doubtful = window_edges(F0, cos, sin, p.omega, theta, T, bend, no_edges, lost)
         return Constants(
             p.alpha, k2, q2, l1, l2, spread, p.omega, theta, T, p.sigma, F0, cos, sin, Y0, hc, hs,
-            steady, rate, size, force, bend, piece, edges, first, doubtful, blur, p,
+            steady, rate, size, force, bend, piece, edges, first, doubtful, blur, grows, p,
         )  # fmt: skip
 
     return prepare
@@ -202,4 +239,4 @@ def steady_response(t: float, c: Constants) -> tuple[float, float]:
 
 def steady_position(t: float, c: Constants) -> tuple[float, float]:
     """Return sigma + Y and dY/dt, of which the place of the wall takes no digits; meaningful where ``c.steady``."""
-    return series(t, c.p[OFFSET] / c.k2 if c.k2 > 0.0 else c.sigma, c.hc, c.hs, c.omega, c.theta)
+    return series(t, c.p[OFFSET] / c.k2 if c.k2 != 0.0 else c.sigma, c.hc, c.hs, c.omega, c.theta)

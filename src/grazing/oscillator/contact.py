@@ -1,10 +1,11 @@
 """From one contact to the next: the first impact of a flight, and what the wall does with the ball.
 
 Why no impact can be missed. Let F = f - k^2 sigma have one sign on a window, y = u - sigma, and phi > 0 solve the
-unforced equation there. In the variable xi with dxi = e^{-alpha t}/phi^2 dt the quotient y/phi is concave where
-F <= 0 and convex where F >= 0. So in a window with F < 0 a flight from above hits the wall exactly if it ends
-below it, and at one point; in a window with F > 0 it has one lowest point, and grazing can happen only there.
-Every search below is for a single simple root in a bracket: there is no scan and no step size.
+unforced equation there; k^2 stands for the stiffness, and neither its sign nor that of alpha matters. In the variable
+xi with dxi = e^{-alpha t}/phi^2 dt the quotient y/phi is concave where F <= 0 and convex where F >= 0. So in a window
+with F < 0 a flight from above hits the wall exactly if it ends below it, and at one point; in a window with F > 0 it
+has one lowest point, and grazing can happen only there. Every search below is for a single simple root in a bracket:
+there is no scan and no step size.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, GRAZE, OK, ST
 FLIES, LIES, RELEASED = 0, 1, 2
 #: Pieces of an under-damped flight in one period beyond which a step gives up by name.
 MAX_SWINGS = 100_000
+#: A ball so far from the wall, by a flight that gains energy, is lost: a little further no double would hold it.
+LOST = 1e150
 INFINITY = float("inf")
 NAN = float("nan")
 
@@ -68,7 +71,8 @@ def carried(t: float, launch: Launch, c: Constants) -> float:
     if launch.late == 0.0 and launch.off == 0.0:
         return 0.0
     E11, E12, _E21, _E22 = modes(t - launch.t, c)
-    return abs(E11 * launch.w + E12 * launch.lift) * launch.late + abs(E12) * launch.off
+    far = abs(E11 * launch.w + E12 * launch.lift) * launch.late + abs(E12) * launch.off
+    return far if far >= 0.0 else INFINITY  # of modes beyond all doubles nothing is known
 
 
 def next_launch(ball: Ball, w: float, g: float, c: Constants) -> tuple[Launch, float]:
@@ -277,13 +281,16 @@ def contact_until(ball: Ball, until: float, c: Constants) -> tuple[bool, Ball, i
     -------
     hit : bool
     ball : Ball
-        At the impact, with y = 0 and the incoming velocity, else at that time.
+        At the impact, with y = 0 and the incoming velocity, else at that time. NaN where it is lost: the contact rule
+        then says so.
     flags : int
     near : float
         The narrowest miss on the way, a lower bound where the ball stayed well off the wall; infinity for none.
     """
     flags, near = OK, INFINITY
     while ball.t < until:
+        if c.grows > 0.0 and not abs(ball.y) < LOST:
+            return True, placed(ball.t, NAN, NAN, ball.i), DIVERGED, near
         i = window_of(ball.t, ball.i, c)
         a = anchored(ball.t, ball.y, ball.v, c, ball.error_y, ball.error_v)
         far, low, phase = aloft(a, ball.launch, c)
@@ -311,14 +318,30 @@ def next_contact(ball: Ball, c: Constants) -> tuple[bool, Ball, int, float]:
     return contact_until(ball, c.T, c)
 
 
+def hop_bounds(m: float, M: float, w: float, c: Constants) -> tuple[float, float]:
+    """Return (n, s): a hop of speed w, or less, lasts at most 2 w/n and lands with at most s w, see docs/chatter.md.
+
+    With a = max(-alpha, 0), b = max(-k^2, 0): n = m - a w - b w^2/(2 n), and x^2 <= w^2 (M + a x)/n for the landing
+    speed x. n is 0 where there is none: the hop may be one that does not come back.
+    """
+    a, b = max(-c.alpha, 0.0), max(-c.k2, 0.0)
+    rest = m - a * w
+    room = rest * rest - 2.0 * b * w * w
+    if not (rest > 0.0 and room >= 0.0):
+        return 0.0, INFINITY
+    n = 0.5 * (rest + sqrt(room))
+    lift = 0.5 * a * w / n
+    return n, lift + sqrt(lift * lift + M / n)
+
+
 def chatter_completes(
     t: float, w: float, end: float, ratio: float, speed: float, c: Constants, blur: float = 0.0
 ) -> bool:
     """Return whether a ball that leaves the wall at t with w > 0 comes to rest before ``end``, where F < 0 throughout.
 
     With m <= -F <= M on [t, t + e] every hop lasts at most 2 w/m and ends with at most sqrt(M/m) w, and the law
-    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence. ``blur`` is
-    added to m and taken off M.
+    returns at most ``ratio`` of a speed up to ``speed``. The geometric sum then bounds the whole sequence. Where
+    alpha or the stiffness is negative both are those of :func:`hop_bounds`. ``blur`` is added to m and taken off M.
     """
     F, _dF = forcing(t, c)
     if not 0.0 < ratio < 1.0 or F >= 0.0:  # ratio 0 is one impact and a dead stop
@@ -330,7 +353,8 @@ def chatter_completes(
         m = min(-F, -Fe) - slack
         M = max(-F, -Fe) + slack
         if m > 0.0:
-            grown = sqrt(max(M, 0.0) / m)  # of a force as weak as its rounding nothing is left
+            M = max(M, 0.0)  # of a force as weak as its rounding nothing is left
+            m, grown = hop_bounds(m, M, w, c) if c.grows > 0.0 else (m, sqrt(M / m))
             if ratio * grown < 1.0 and grown * w <= speed and 2.0 * w <= e * m * (1.0 - ratio * grown):
                 return True
         e *= 2.0

@@ -259,7 +259,8 @@ class Motion:
         from flint import arb, arb_mat
 
         forcing = model.forcing
-        self.alpha, self.k2, self.omega = arb(model.alpha), arb(model.k) ** 2, arb(forcing.omega)
+        self.alpha, self.omega = arb(model.alpha), arb(forcing.omega)
+        self.k2 = arb(model.k) ** 2 if model.stiffness is None else arb(model.stiffness)
         self.q2 = self.alpha**2 / 4 - self.k2
         self.T = 2 * arb.pi() / self.omega
         self.theta = self.omega * (arb(forcing.t0) + arb(phase))
@@ -267,9 +268,10 @@ class Motion:
         pairs = enumerate(zip(forcing.cos, forcing.sin, strict=True), start=1)
         self.waves = [(j, arb(c), arb(s)) for j, (c, s) in pairs if c != 0.0 or s != 0.0]
         rates = [j * self.omega for j, _c, _s in self.waves]
-        if not self.T * sum(rates, self.alpha + arb(model.k)) < FAR:
+        if not self.T * sum(rates, abs(self.alpha) + abs(self.k2).sqrt()) < FAR:
             raise Beyond
-        level = rational(forcing.offset) - rational(model.k) ** 2 * rational(model.sigma)
+        k2 = rational(model.k) ** 2 if model.stiffness is None else rational(model.stiffness)
+        level = rational(forcing.offset) - k2 * rational(model.sigma)
         self.turns = turning_phases(forcing, level) if self.waves else []
         self.still = arb_mat([[0, 1, 0], [-self.k2, -self.alpha, 1], [0, 0, 0]])
         self.swings = [
@@ -346,7 +348,8 @@ class Flight:
         motion.count(1)
         (Y, dY), (low, _slope) = motion.steady(self.t), motion.steady(self.t + lo.union(hi))
         h, dh = self.y - Y, self.v - dY
-        swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * lo / 2).exp()
+        widest = hi if motion.alpha < 0 else lo
+        swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * widest / 2).exp()
         clear = low - swing
         if not clear > 0:
             return False
@@ -518,6 +521,20 @@ def next_impact(flight: Flight, i: int, windows: list[Window]) -> tuple[arb, arb
     return None
 
 
+def hop_bounds(m: arb, M: arb, w: arb, motion: Motion) -> tuple[arb, arb]:
+    """Return the bounds of :func:`grazing.oscillator.contact.hop_bounds` in balls."""
+    if not (motion.alpha < 0 or motion.k2 < 0):
+        return m, (M / m).sqrt()
+    a, b = (-motion.alpha).max(0 * w), (-motion.k2).max(0 * w)
+    rest = m - a * w
+    room = rest * rest - 2 * b * w * w
+    if not (rest > 0 and room >= 0):
+        return 0 * m, 0 * m
+    n = (rest + room.sqrt()) / 2
+    lift = a * w / n / 2
+    return n, lift + (lift * lift + M / n).sqrt()
+
+
 def chatter_completes(t: arb, w: arb, end: arb, ratio: float, speed: float, motion: Motion) -> bool:
     """Return whether a ball that leaves the wall at t with w > 0 surely rests before ``end``, F < 0 up to there.
 
@@ -533,8 +550,8 @@ def chatter_completes(t: arb, w: arb, end: arb, ratio: float, speed: float, moti
         slack = bend * e * e / 8
         m, M = (-F).min(-Fe) - slack, (-F).max(-Fe) + slack
         if m > 0:
-            grown = (M / m).sqrt()
-            if ratio * grown < 1 and grown * w <= speed and 2 * w <= e * m * (1 - ratio * grown):
+            m, grown = hop_bounds(m, M, w, motion)
+            if m > 0 and ratio * grown < 1 and grown * w <= speed and 2 * w <= e * m * (1 - ratio * grown):
                 return True
         e = (2 * e).mid()
     return False

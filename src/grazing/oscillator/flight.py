@@ -1,7 +1,8 @@
 """Free flight of the forced linear oscillator, exact from one instant to another for any damping and stiffness.
 
 The homogeneous part is written with functions that are entire in q^2 = alpha^2/4 - k^2, so over-, critically and
-under-damped, undamped and free balls are one case. The forced part is the difference of two steady responses where
+under-damped, undamped and free balls are one case, and so are those with a negative stiffness (k^2 stands for it) or
+a negative damping. The forced part is the difference of two steady responses where
 those are of ordinary size; otherwise (k -> 0, resonance) and for short flights it is Duhamel's integral, term by
 term a divided difference of exponentials, which has no singular case.
 """
@@ -182,6 +183,8 @@ def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
 
     Tested against ball arithmetic in ``tests/oscillator/test_flight.py``.
     """
+    if c.grows > 0.0:
+        return growing_noise(s, a, c)
     reach = min(s, 1.0 / c.spread) if c.spread > 0.0 else s  # |E12| <= reach, |E11| and |E22| <= grown
     grown = 1.0 + 0.5 * c.alpha * reach if c.q2 <= 0.0 else 1.0
     if c.steady and s * c.rate > SHORT:
@@ -198,3 +201,24 @@ def noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
     y = rounding + brought_y
     v = 4.0 * c.rate * rounding + 1e-15 * (abs(a.v) + hurried) + brought_v
     return y, v
+
+
+def growing_noise(s: float, a: Anchor, c: Constants) -> tuple[float, float]:
+    """Return the bounds of :func:`noise` where alpha or the stiffness is negative.
+
+    With g = e^(l s), l the larger real part of the roots, |E12| <= g min(s, 1/q), and |E11| and |E22| are at most
+    g (1 + |alpha|/2 min(s, 1/q)). What is rounded before the flight grows as much; e^(l s) has 1 + l s roundings.
+    """
+    g = exp(c.grows * s)
+    reach = g * (min(s, 1.0 / c.spread) if c.spread > 0.0 else s)
+    grown = g + 0.5 * abs(c.alpha) * reach
+    last = 1.2e-15 * (1.0 + c.grows * s)
+    if c.steady and s * c.rate > SHORT:
+        rounding = last * (grown * (abs(a.h0) + c.size) + reach * (abs(a.h1) + c.rate * c.size))
+        hurried = 0.0
+    else:
+        rounding = last * (grown * abs(a.y) + reach * abs(a.v) + g * min(c.size, 0.5 * c.force * s * s))
+        hurried = c.force * s
+    y = rounding + grown * a.error_y + reach * a.error_v
+    v = 4.0 * c.rate * rounding + last * grown * (abs(a.v) + hurried)
+    return y, v + abs(c.k2) * reach * a.error_y + grown * a.error_v

@@ -70,7 +70,7 @@ def recorder_of(
                     leg[5], leg[6] = arrived, ball.v
                 fastest = max(fastest, ball.v) if how == FLIES else 0.0
                 if said & (BAD_LAW | DIVERGED):
-                    leg[7], leg[8] = flags, ball.v
+                    leg[7], leg[8] = flags, (ball.v if said & BAD_LAW else 0.0)
                     break
                 if how != FLIES:
                     rest = legs[count]
@@ -135,6 +135,8 @@ def flown_legs(model: Oscillator, state: tuple[float, float], start: float, unti
                 f"more than {limit} impacts up to t = {start + now[0] * model.period + now[1]:g}; "
                 "choose an earlier end, r < 1 or a larger V, or declare the contraction of your law"
             )
+        if (legs[:count, FLAGS].astype(int) & DIVERGED).any():
+            break
     return np.concatenate(tables)
 
 

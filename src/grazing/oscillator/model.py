@@ -6,14 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
-from grazing.oscillator.reach import drive_of, reach_of
+from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
 from grazing.oscillator.si import Base, checked_side, si_numbers
+from grazing.oscillator.spring import frequency_of, spring_of
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, updated
 from grazing.units import magnitude
@@ -23,19 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class Reach(NamedTuple):
-    """Where orbits stay as a rule: the wall, the period, the height above the wall, speeds in flight, after an impact.
-
-    Estimated from force, spring, gap, frequency and the law, see :mod:`grazing.oscillator.reach`.
-    """
-
-    sigma: float
-    period: float
-    height: float
-    speed: float
-    after: float
-
-
 @dataclass(frozen=True, slots=True)
 class Oscillator:
     """A forced linear oscillator above a wall: u'' + alpha u' + k^2 u = f(t) for u > sigma, and a reset law.
@@ -43,7 +31,7 @@ class Oscillator:
     Parameters
     ----------
     alpha : float
-        Damping coefficient, >= 0.
+        Damping coefficient; a negative one feeds the motion.
     k : float
         Natural frequency, >= 0.
     forcing : Forcing
@@ -55,6 +43,10 @@ class Oscillator:
     mass : float, optional
         In kg, > 0: the numbers are then metres and seconds, and results and figures carry units. Default: all is
         dimensionless. :meth:`from_si` makes such a model from mass, damper, spring and force.
+    stiffness : float, optional
+        In place of k, and of either sign: u'' + alpha u' + stiffness u = f(t). A negative one drives the ball away from
+        u = 0, as gravity does an inverted pendulum. Between walls the motion stays bounded; where nothing holds the
+        ball, its outcome is *diverged*. The parameter has this name then.
     walls : sequence of wall, optional
         One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
         move. The model is then of another class, for trajectories and stroboscopic maps.
@@ -77,10 +69,11 @@ class Oscillator:
     """
 
     alpha: float
-    k: float
-    forcing: Forcing
-    reset: Reset
+    k: float = None  # type: ignore[assignment]  # a number, unless the stiffness is given
+    forcing: Forcing = None  # type: ignore[assignment]  # these two are asked for
+    reset: Reset = None  # type: ignore[assignment]
     sigma: float = 0.0
+    stiffness: float | None = field(default=None, kw_only=True)
     mass: float | None = field(default=None, kw_only=True, repr=False)
     offset_name: str = field(default="offset", kw_only=True, repr=False)
     paper: bool = field(default=False, kw_only=True, repr=False)
@@ -93,17 +86,18 @@ class Oscillator:
                 f"sigma = {shown(self.sigma)}; an oscillator has one wall, at one number, below the ball; two stops "
                 "are impossible: give the lower one alone where the upper one is never reached"
             )
-        for name in ("alpha", "k", "sigma"):
+        spring = spring_of(self)[0]
+        for name in ("alpha", spring, "sigma"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
         if self.mass is not None:
             object.__setattr__(self, "mass", MASS.check(self.mass))
         if self.stop is not None:
             checked_side(self.stop, "stop")
-        for name in ("alpha", "k"):
-            if getattr(self, name) > HIGHEST:
-                raise InputError(
-                    f"{name} = {getattr(self, name):g}; allowed is {name} <= {HIGHEST:g}: beyond, numbers overflow"
-                )
+        for name, high in (("alpha", HIGHEST), (spring, HIGHEST if spring == "k" else HIGHEST**2)):
+            value = getattr(self, name)
+            if abs(value) > high:
+                size = f"|{name}|" if value < 0.0 or name == "stiffness" else name
+                raise InputError(f"{name} = {value:g}; allowed is {size} <= {high:g}: beyond, numbers overflow")
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")
         if not isinstance(self.reset, Reset):
@@ -115,8 +109,8 @@ class Oscillator:
             cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
             object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
         if not self.reset.affine:
-            f, force = self.forcing, self.forcing.offset - self.k * self.k * self.sigma
-            speed = drive_of(self.alpha, self.k, f.omega, force, f.cos, f.sin)[1]
+            f, force = self.forcing, self.forcing.offset - self.k2 * self.sigma
+            speed = drive_of(self.alpha, frequency_of(self), f.omega, force, f.cos, f.sin)[1]
             probe(self.reset, speed)
             warn_of_gain(self.reset, speed)
 
@@ -127,13 +121,13 @@ class Oscillator:
         from grazing.oscillator.walled import Walled
 
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
-        beside = sorted(set(given) - {"alpha", "k", "forcing"})
+        beside = sorted(set(given) - {"alpha", "k", "stiffness", "forcing"})
         if beside or len(args) > 3:
             raise InputError(
                 f"walls are given beside {listed(beside or ['reset'])}; each wall has its own law and position: "
                 "gz.wall(position, law)"
             )
-        return Walled(**given, walls=walls)
+        return Walled(**({"k": None} | given), walls=walls)
 
     @classmethod
     def from_si(
@@ -244,9 +238,15 @@ class Oscillator:
                 "else, or follow orbits with gz.continuation"
             )
 
+    @property
+    def k2(self) -> float:
+        """The stiffness: k^2, or as it was given."""
+        return self.k * self.k if self.stiffness is None else self.stiffness
+
     def _flight_params(self) -> dict[str, float]:
         f = self.forcing
-        values = {"alpha": self.alpha, "k": self.k, "omega": f.omega, "t0": f.t0, self.offset_name: f.offset}
+        spring, value = spring_of(self)
+        values = {"alpha": self.alpha, spring: value, "omega": f.omega, "t0": f.t0, self.offset_name: f.offset}
         for j, (c, s) in enumerate(zip(f.cos, f.sin, strict=True), start=1):
             values |= {f"cos{j}": c, f"sin{j}": s}
         return values | {"sigma": self.sigma}
@@ -258,16 +258,17 @@ class Oscillator:
 
     def reach_at(self, row: Sequence[float]) -> Reach:
         """Return how far and how fast the ball goes at other parameter values, in the order of :attr:`params`."""
-        alpha, k, omega, _t0, offset = row[:5]
+        alpha, spring, omega, _t0, offset = row[:5]
+        k, k2 = (spring, spring * spring) if self.stiffness is None else (natural(spring), spring)
         wall = 5 + 2 * self.harmonics
         sigma, cos, sin = row[wall], row[5:wall:2], row[6:wall:2]
-        forces = omega, offset - k * k * sigma, cos, sin
-        law = dict(zip(self.reset.params, row[wall + 1 :], strict=False))
+        force = offset - k2 * sigma
+        forces, law = (omega, force, cos, sin), dict(zip(self.reset.params, row[wall + 1 :], strict=False))
         if self.reset.affine:
             r, V = law.get("r", 0.0), law.get("V", 0.0)
         else:
             r, V = linear_part(self.reset, law, drive_of(alpha, k, *forces)[1])
-        return Reach(sigma, 2.0 * pi / omega, *reach_of(alpha, k, *forces, sigma, r, V))
+        return Reach(sigma, 2.0 * pi / omega, *before_saddle(reach_of(alpha, k, *forces, sigma, r, V), force, k2))
 
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
@@ -323,7 +324,8 @@ class Oscillator:
         )
         law = self.reset.replace(**{name: new[name] for name in self.reset.params})
         kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base", "stop")}
-        return Oscillator(new["alpha"], new["k"], forcing, law, new["sigma"], **kept)
+        kept[spring_of(self)[0]] = new[spring_of(self)[0]]
+        return Oscillator(new["alpha"], forcing=forcing, reset=law, sigma=new["sigma"], **kept)
 
     def _number(self, name: str, value: Any) -> Any:
         """Return what a parameter is changed to, in its units."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 
 from grazing.oscillator.reset import KNOWN
@@ -10,8 +11,9 @@ from grazing.parameter import Parameter
 PARAMETERS = {
     parameter.name: parameter
     for parameter in (
-        Parameter("alpha", r"\alpha", "linear damping coefficient", 0.0, units="1/s"),
+        Parameter("alpha", r"\alpha", "linear damping coefficient", units="1/s"),
         Parameter("k", "k", "natural frequency; the stiffness is k^2", 0.0, units="rad/s"),
+        Parameter("stiffness", r"\kappa", "stiffness, negative for a force away from u = 0", units="1/s^2"),
         Parameter("omega", r"\omega", "frequency of the forcing", 0.0, inf, "low", "rad/s"),
         Parameter("t0", "t_0", "time shift of the forcing", units="s"),
         Parameter("offset", "d", "constant part of the forcing", units="N/kg"),
@@ -50,6 +52,11 @@ def describe_parameter(name: str) -> Parameter:
             meaning = f"{word} amplitude of harmonic {j} of the forcing"
             return Parameter(name, rf"{kind[0]}_{{{j}}}", meaning, units="N/kg")
     return Parameter(name, rf"\mathrm{{{name}}}", LAWS_OWN, units="")
+
+
+def damped(parameter: Parameter) -> Parameter:
+    """Return a parameter with the range that it has where a steady response is to attract: no negative damping."""
+    return replace(parameter, low=0.0) if parameter.name == "alpha" else parameter
 
 
 def means_model(name: str) -> bool:

@@ -43,9 +43,12 @@ def pointed_contraction(p: Any) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def flight_fields(harmonics: int) -> tuple[str, ...]:
-    """Return the names of the numbers that a flight needs, without those of a reset law."""
+    """Return the names of the numbers that a flight needs, without those of a reset law.
+
+    ``direct`` is 1 where the second one is the stiffness itself, not k.
+    """
     waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
-    return (*HEAD, *waves, "sigma", "phase", *LAW)
+    return (*HEAD, *waves, "sigma", "phase", "direct", *LAW)
 
 
 #: The law, its slope and what is known of it near zero speed, for a kernel that gets them by address.
@@ -104,12 +107,13 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     refuse_to_compile(harmonics)  # before the law is: its parameters are as many
     law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
     flight = len(HEAD) + 2 * harmonics + 1
-    found = np.empty((len(rows), flight + 6))  # written in place: of one row, as of a single orbit, joining took longer
+    found = np.empty((len(rows), flight + 7))  # written in place: of one row, as of a single orbit, joining took longer
     found[:, :flight] = rows[:, :flight]
     found[:, flight] = rows[:, -1] if kind._fields[-1] == "phase" else 0.0  # type: ignore[attr-defined]
-    found[:, flight + 1 : flight + 3] = contractions(law.contraction, kind, rows.tobytes())
-    found[:, flight + 3], found[:, flight + 4] = law_at, slope_at
-    found[:, flight + 5] = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    found[:, flight + 1] = 1.0 if "stiffness" in kind._fields else 0.0  # type: ignore[attr-defined]
+    found[:, flight + 2 : flight + 4] = contractions(law.contraction, kind, rows.tobytes())
+    found[:, flight + 4], found[:, flight + 5] = law_at, slope_at
+    found[:, flight + 6] = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
     return found
 
 

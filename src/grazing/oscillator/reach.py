@@ -6,7 +6,7 @@ In units of length and time of any size: every number here is made of the model'
 from __future__ import annotations
 
 from math import pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, length
 
@@ -18,6 +18,24 @@ DETUNED = 0.25
 LONGEST = 1000.0
 #: Numbers that go no further, so that no product of them is lost.
 SMALL, LARGE = 1e-150, 1e150
+
+
+class Reach(NamedTuple):
+    """Where orbits stay as a rule: the wall, the period, the height above the wall, speeds in flight, after an impact.
+
+    Estimated from force, spring, gap, frequency and the law.
+    """
+
+    sigma: float
+    period: float
+    height: float
+    speed: float
+    after: float
+
+
+def natural(stiffness: float) -> float:
+    """Return the natural frequency of a stiffness, 0 where it holds nothing back."""
+    return sqrt(max(stiffness, 0.0))
 
 
 def drive_of(alpha: float, k: float, omega: float, F0: float, cos: Any, sin: Any) -> tuple[float, float]:
@@ -61,3 +79,15 @@ def reach_of(
         fastest = min(fall / k, LONGEST * travel / T)
     height = max(min(height, LONGEST * travel) + width, 1e-6 * abs(sigma))
     return max(min(height, LARGE), SMALL), min(fastest, LARGE), speed
+
+
+def before_saddle(reach: tuple[float, float, float], F0: float, stiffness: float) -> tuple[float, float, float]:
+    """Return the reach cut to where a negative stiffness does not carry the ball away; else as it is.
+
+    At the height F0/k^2 it balances a force F0 < 0 towards the wall. Unforced orbits below it stay where
+    |v| < |k| (F0/k^2 - y); half of that height, with half of that speed at the wall, lies within.
+    """
+    if not (stiffness < 0.0 and F0 < 0.0):
+        return reach
+    height, speed = 0.5 * (F0 / stiffness), 0.5 * (-F0 / sqrt(-stiffness))
+    return min(reach[0], height), min(reach[1], speed), min(reach[2], speed)

@@ -27,6 +27,7 @@ from grazing.oscillator.legs import (
 )  # fmt: skip
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reach import drive_of
+from grazing.oscillator.spring import frequency_of
 from grazing.oscillator.walled import Walled
 from grazing.oscillator.walled_trajectory import walled_trajectory
 from grazing.outcome import (
@@ -38,7 +39,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import real, whole
+from grazing.parameter import parameters, real, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -152,8 +153,9 @@ def _flown(model: Oscillator, state: tuple[float, float], start: float, until: f
     Heights above a wall far below have few digits left. A ball that does not meet a nearer wall meets no wall.
     """
     (u, v), f, T = state, model.forcing, model.period
-    swing, _speed = drive_of(model.alpha, model.k, f.omega, f.offset, f.cos, f.sin)
-    stiff = max(model.k, f.omega)
+    k = frequency_of(model)
+    swing, _speed = drive_of(model.alpha, k, f.omega, f.offset, f.cos, f.sin)
+    stiff = max(k, f.omega)
     nearer = -64.0 * max(abs(u), abs(v) * T, swing, abs(f.offset) / stiff / stiff)
     if FAR * model.sigma < nearer < 0.0:
         raised = model.replace(sigma=nearer)
@@ -180,8 +182,8 @@ def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) ->
 
 def refuse_swings(model: Oscillator | Walled) -> None:
     """Raise InputError for a free ball that swings more often in a period than can be followed."""
-    q2, spread, _l1, _l2 = roots(model.alpha, model.k)
-    if q2 < 0.0 and model.period > MAX_SWINGS * piece_of(q2, spread, model.period):
+    q2, spread, l1, _l2 = roots(parameters(model.params))
+    if model.period > MAX_SWINGS * piece_of(q2, spread, l1, model.period):
         raise InputError(describe(TOO_MANY_SWINGS))
 
 

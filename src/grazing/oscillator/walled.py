@@ -7,7 +7,7 @@ turns u into -u, a moving one adds its inertia to the force. So all that is prov
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import pi
 from typing import NamedTuple
 
@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.oscillator.forcing import Forcing, series_said
-from grazing.oscillator.model import Oscillator, Reach
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES, describe_parameter, means_model
+from grazing.oscillator.reach import Reach
+from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, parameter_tuple, updated
@@ -40,19 +42,21 @@ class Place(NamedTuple):
 class Walled:
     """A forced linear oscillator with its walls: what ``gz.Oscillator(..., walls=...)`` makes.
 
-    u'' + alpha u' + k^2 u = f(t) between the walls; a wall's law says what an impact makes of the velocity relative to
-    it.
+    u'' + alpha u' + k^2 u = f(t) between the walls, or with a stiffness of either sign in place of k^2; a wall's law
+    says what an impact makes of the velocity relative to it.
 
     Parameters
     ----------
     alpha : float
-        Damping coefficient, >= 0.
-    k : float
-        Natural frequency, >= 0; 0 for a ball without a spring.
+        Damping coefficient.
+    k : float or None
+        Natural frequency, >= 0; 0 for a ball without a spring. None where the stiffness is given.
     forcing : Forcing
         The periodic force f; its frequency is that of the walls' motions, too.
     walls : sequence of Wall
         One or two of :func:`grazing.wall`; from below, once the model is made.
+    stiffness : float, optional
+        In place of k.
 
     Raises
     ------
@@ -73,6 +77,7 @@ class Walled:
     k: float
     forcing: Forcing
     walls: Sequence[Wall]
+    stiffness: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         walls = checked_walls(self.walls)
@@ -104,7 +109,8 @@ class Walled:
         With two walls those of each have its name in front: ``A.sigma``, ``A.r``; so has a motion, ``A.cos1``, always.
         """
         f = self.forcing
-        values = {"alpha": self.alpha, "k": self.k, "omega": f.omega, "t0": f.t0, "offset": f.offset}
+        name, value = spring_of(self)
+        values = {"alpha": self.alpha, name: value, "omega": f.omega, "t0": f.t0, "offset": f.offset}
         for j, (c, s) in enumerate(zip(f.cos, f.sin, strict=True), start=1):
             values |= {f"cos{j}": c, f"sin{j}": s}
         for one in self.walls:
@@ -163,7 +169,7 @@ class Walled:
             motion = Forcing(head["omega"], head["t0"], cos=wave[::2], sin=wave[1::2]) if wave else None
             law = one.law.replace(**dict(zip(one.law.params, row[place.law], strict=True)))
             walls.append(replace(one, position=row[place.sigma], motion=motion, law=law))
-        return Walled(row[0], row[1], forcing, walls)
+        return Walled(row[0], **{"k": None, spring_of(self)[0]: row[1]}, forcing=forcing, walls=walls)
 
     def made_from_base(self, values: Floats) -> Floats:
         """Return all parameters: no force of it is made from a moving base."""
@@ -227,7 +233,8 @@ class Walled:
         found[:, HEAD : HEAD + own.shape[1]] = own
         cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
         W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
-        lift, drag = W * W - rows[:, 1:2] * rows[:, 1:2], rows[:, :1] * W
+        stiffness = rows[:, 1:2] * rows[:, 1:2] if self.stiffness is None else rows[:, 1:2]
+        lift, drag = W * W - stiffness, rows[:, :1] * W
         moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
         found[:, moved[0]] += lift * cosines - drag * sines
         found[:, moved[1]] += lift * sines + drag * cosines
@@ -239,7 +246,7 @@ class Walled:
     def kind_seen_from(self, j: int) -> type:
         """Return the named tuple of a row of :meth:`rows_seen_from`, and of a phase behind it."""
         waves = [f"{name}{i}" for i in range(1, self.harmonics + 1) for name in ("cos", "sin")]
-        head = ("alpha", "k", "omega", "t0", "offset", *waves, "sigma")
+        head = ("alpha", spring_of(self)[0], "omega", "t0", "offset", *waves, "sigma")
         return parameter_tuple((*head, *self.walls[j].law.params, "phase"))
 
     def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
@@ -250,7 +257,8 @@ class Walled:
         law = self.walls[j].law
         forcing = Forcing(found[2], found[3], found[4], cos=found[HEAD:stop:2], sin=found[HEAD + 1 : stop : 2])
         law = law.replace(**dict(zip(law.params, found[stop + 1 :], strict=True)))
-        return Oscillator(found[0], found[1], forcing, law, found[stop])
+        spring = {spring_of(self)[0]: found[1]}
+        return Oscillator(found[0], forcing=forcing, reset=law, sigma=found[stop], **spring)
 
     def waves(self, j: int, rows: Floats) -> Floats:
         """Return the motion of wall j as harmonics 1, 2, ..., cosine and sine: shape (rows, 2 harmonics)."""

@@ -79,7 +79,7 @@ def walled_recorder(harmonics: int) -> Callable[..., int]:
                     leg[5], leg[6] = arrived, ball.v
                 fastest = max(fastest, ball.v) if how == FLIES else 0.0
                 if said & (BAD_LAW | DIVERGED):
-                    leg[7], leg[8] = flags, ball.v
+                    leg[7], leg[8] = flags, (ball.v if said & BAD_LAW else 0.0)
                     break
                 if how != FLIES:
                     rest = legs[count]

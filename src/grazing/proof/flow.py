@@ -11,6 +11,7 @@ from math import ceil, frexp
 from typing import TYPE_CHECKING, NamedTuple
 
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.spring import refuse_stiffness
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
@@ -53,6 +54,7 @@ class Flow:
             p[name] = value
         self.params = p
         d = {key: arb(1 if key == name else 0) for key in p}
+        refuse_stiffness(model, "a proof")
         self.alpha, self.k2, self.omega = p["alpha"], p["k"] ** 2, p["omega"]
         dk2 = 2 * p["k"] * d["k"]
         self.t0, self.dt0, self.domega = p["t0"], d["t0"], d["omega"]

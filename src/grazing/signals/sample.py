@@ -119,10 +119,11 @@ def model_of(trajectory: Any) -> Oscillator | Walled:
             cos=tuple(has[name] for name in waves),
             sin=tuple(has["sin" + name[3:]] for name in waves),
         )
+        spring = {name: has[name] for name in (("stiffness",) if "stiffness" in has else ("k",))}
         if "wall_position" in names:
             walls = _walls(trajectory, has, forcing)
-            return Walled(has["alpha"], has["k"], forcing, walls)
-        return Oscillator(has["alpha"], has["k"], forcing, newton(1.0), has["sigma"])
+            return Walled(has["alpha"], forcing=forcing, walls=walls, **({"k": None} | spring))
+        return Oscillator(has["alpha"], forcing=forcing, reset=newton(1.0), sigma=has["sigma"], **spring)
     except KeyError as missing:
         raise InputError(f"the trajectory does not say its parameter {missing}; give one from gz.trajectory") from None
 
@@ -172,7 +173,7 @@ def _between_walls(model: Walled, t: Floats, u: Floats, v: Floats, times: Floats
     after = np.minimum(before + 1, len(t) - 1)
     low, high = float(u.min()), float(u.max())
     floor = low - max(high - low, np.spacing(max(abs(low), abs(high))))
-    free = Oscillator(model.alpha, model.k, model.forcing, newton(1.0), floor)
+    free = Oscillator(model.alpha, model.k, model.forcing, newton(1.0), floor, stiffness=model.stiffness)
     phases = np.fmod(t[before] - t[0], model.period)
     us, vs = flown(free, t[0], phases, u[before] - floor, v[before], times - t[before])
     (now, speed), (places, speeds) = model.places_at(times), model.places_at(t)
