@@ -120,6 +120,7 @@ def test_a_single_wall_may_be_above():
         ([*SHELL, "B.r=1.5"], "allowed is 0 <= r <= 1 (coefficient of restitution)"),
         ([*SHELL, "B.r=0.5", "A.sigma=0.5"], "A.sigma is given twice"),
         ([*SHELL, "B.r=0.5", "A.cos=x"], "A.cos[0]"),
+        (["cos=1:3:5", *SHELL, "B.r=0.5"], "cos: unknown parameter; did you mean 'cos1'"),
         ([*SHELL, "B.r=0.5", "--map", "gap"], "--walls: the map gap has no wall; leave them out"),
     ],
 )

@@ -412,8 +412,10 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             yield Problem(("parameters",), str(error))
 
 
-def _first(config: Recipe, name: str) -> float:
+def _first(config: Recipe, name: str) -> float | list[float]:
     """Return a value of a parameter that varies; what is wrong with its range is said elsewhere."""
+    if last_of(name) in AMPLITUDES:  # a list, of which cos1 may vary and cos may not
+        return []
     try:
         return float(extremes(range_of(config["vary"][name], name))[0])
     except (InputError, KeyError):

@@ -10,7 +10,7 @@ const PLACES = /** @type {[number, number, CanvasTextAlign][]} */ ([[9, -9, "lef
 
 /**
  * The four points for a state at the section, or null where the flight of constant acceleration does not reach the wall.
- * @param {import("./machine.js").Machine} machine @param {Float64Array} row @param {number} u @param {number} v
+ * @param {import("./machine.js").Machine} machine @param {import("./machine.js").Floats} row @param {number} u @param {number} v
  * @returns {ZeroTime | null}
  */
 export function zeroTime(machine, row, u, v) {
