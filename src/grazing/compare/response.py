@@ -149,6 +149,8 @@ def response(
 
 def checked_strobe(P: Any) -> Map:
     """Return the stroboscopic map of an oscillator at phase 0, where its branches are; raise InputError for others."""
+    if isinstance(P, Map) and P.walled is not None:
+        raise InputError("a response is that of an oscillator with one wall below it, at rest; this one has others")
     if not isinstance(P, Map) or P.model is None or P.section != "strobe":
         said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
         raise InputError(f"P is {shown(P)}: {said}")

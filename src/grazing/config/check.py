@@ -24,6 +24,8 @@ from grazing.outcome import GrazingError, InputError, shown
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
+#: What is said of a rig with walls of its own.
+WITHOUT_UNITS = "models with walls have no units yet: give lengths in one unit, and forces divided by the mass"
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
@@ -79,6 +81,8 @@ def checked(
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
+    if raw.get("si") is not None and raw.get("walls") is not None:
+        raise refusal([Problem(("si",), WITHOUT_UNITS)], source, label)
     if raw.get("si") is not None:
         raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
@@ -227,12 +231,14 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     if config.get("law") and (config.get("model") or not oscillator):
         brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
         yield Problem(("law",), f"{brings}; leave the law out")
-    brought = "the walls bring their own laws" if oscillator else f"the map {kind} has no wall"
-    for key in ("law", "model", "mass", "base", "stop") if config.get("walls") and oscillator else ():
+    for key in ("law", "model") if config.get("walls") and oscillator else ():
         if key in config:
-            yield Problem((key,), f"{brought}; leave the {key} out")
+            yield Problem((key,), f"the walls bring their own laws; leave the {key} out")
+    for key in ("mass", "base", "stop") if config.get("walls") and oscillator else ():
+        if key in config:
+            yield Problem((key,), f"{WITHOUT_UNITS}; leave the {key} out")
     if config.get("walls") and not oscillator:
-        yield Problem(("walls",), f"{brought}; leave them out")
+        yield Problem(("walls",), f"the map {kind} has no wall; leave them out")
     if "mass" in config and (config.get("model") or not oscillator):
         brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
         yield Problem(("mass",), f"{brings}; leave the mass out")
