@@ -42,9 +42,8 @@ class Oscillator:
         In kg, > 0: the numbers are then metres and seconds, and results and figures carry units. Default: all is
         dimensionless. :meth:`from_si` makes such a model from mass, damper, spring and force.
     stiffness : float, optional
-        In place of k, and of either sign: u'' + alpha u' + stiffness u = f(t). A negative one drives the ball away from
-        u = 0, as gravity does an inverted pendulum. Between walls the motion stays bounded; where nothing holds the
-        ball, its outcome is *diverged*. The parameter has this name then.
+        In place of k, and a parameter of this name: u'' + alpha u' + stiffness u = f(t). A negative one drives the ball
+        away from u = 0, as gravity does an inverted pendulum; one that nothing holds has *diverged*.
     walls : sequence of wall, optional
         One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
         move. The model is then of another class, for trajectories and stroboscopic maps.
@@ -173,8 +172,8 @@ class Oscillator:
         frequency, omega : float
             Of the forcing, in Hz or in rad/s: one of them.
         acceleration : float or sequence of float
-            Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by
-            acceleration/omega^2 cos(omega t). Added to ``base``.
+            Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by acceleration/omega^2 cos(omega t).
+            Added to ``base``.
 
         Returns
         -------
