@@ -172,8 +172,8 @@ class Oscillator:
         frequency, omega : float
             Of the forcing, in Hz or in rad/s: one of them.
         acceleration : float or sequence of float
-            Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by acceleration/omega^2 cos(omega t).
-            Added to ``base``.
+            Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by
+            acceleration/omega^2 cos(omega t). Added to ``base``.
 
         Returns
         -------
@@ -258,8 +258,7 @@ class Oscillator:
         alpha, spring, omega, _t0, offset = row[:5]
         k, k2 = (spring, spring * spring) if self.stiffness is None else (natural(spring), spring)
         wall = 5 + 2 * self.harmonics
-        sigma, cos, sin = row[wall], row[5:wall:2], row[6:wall:2]
-        force = offset - k2 * sigma
+        sigma, cos, sin, force = row[wall], row[5:wall:2], row[6:wall:2], offset - k2 * row[wall]
         forces, law = (omega, force, cos, sin), dict(zip(self.reset.params, row[wall + 1 :], strict=False))
         if self.reset.affine:
             r, V = law.get("r", 0.0), law.get("V", 0.0)
