@@ -207,6 +207,31 @@ def test_between_stops_nothing_diverges():
     assert c.params["stiffness"] == -1.0 and "k" not in c.params
 
 
+def test_a_moving_wall_adds_its_inertia_with_a_negative_stiffness_too():
+    """With x = u - z the force is f - z'' - alpha z' - stiffness z, here written out."""
+    z, W = 0.05, 2.0
+    walls = [gz.wall(0.0, gz.active(0.6, 0.3), motion=gz.Forcing(omega=W, cos=(z,)))]
+    spring = {"alpha": -0.1, "stiffness": -0.8}
+    moved = gz.Oscillator(forcing=gz.Forcing(omega=W, offset=-0.9, cos=(0.3,)), walls=walls, **spring)
+    force = gz.Forcing(omega=W, offset=-0.9, cos=(0.3 + z * W * W + 0.8 * z,), sin=(-0.1 * W * z,))
+    still = gz.Oscillator(forcing=force, reset=gz.active(0.6, 0.3), **spring)
+    there = gz.stroboscopic_map(moved).orbit((0.2, 0.0), 5)
+    here = gz.stroboscopic_map(still).orbit((0.2 - z, 0.0), 5)
+    assert there.letters.tolist() == here.letters.tolist() and there.letters.max() > 1
+    assert np.abs(there.points - here.points - (z, 0.0)).max() < 1e-11
+
+
+def test_grazing_curves_graze():
+    spring = {"alpha": -0.1, "stiffness": -0.8}
+    m = gz.Oscillator(forcing=gz.Forcing(omega=2.0, offset=-0.3, cos=(0.9,)), reset=gz.active(0.6, 0.3), **spring)
+    curve, P = gz.grazing_curve(m, preimages=1, points=30), gz.stroboscopic_map(m)
+    states = [(s, n) for s, n in zip(curve.graze.values, curve.order.values, strict=True) if np.isfinite(s).all()]
+    assert {int(n) for _s, n in states} == {0, 1}
+    for state, n in states:
+        segment = P.orbit(tuple(state), int(n) + 1)
+        assert min(segment.near_miss, segment.slowest**2) < 1e-11
+
+
 def test_starts_are_drawn_where_a_negative_stiffness_does_not_carry_them_away():
     m = gz.Oscillator(alpha=0.0, stiffness=-0.5, forcing=gz.Forcing(1.0, 0.0, -0.6, (0.0,)), reset=gz.newton(0.7))
     (low, high), (slow, fast) = gz.stroboscopic_map(m).box
@@ -262,6 +287,12 @@ def test_what_is_not_right_for_such_models_refuses_them(ask, spring):
     m = gz.Oscillator(forcing=gz.Forcing(omega=2.2, offset=-0.2), reset=gz.active(0.6, 0.3), **spring)
     with pytest.raises(gz.GrazingError, match="is for oscillators with alpha >= 0 and a natural frequency k, not for"):
         ask(m)
+
+
+def test_no_law_has_a_parameter_called_stiffness():
+    law = gz.reset(lambda v, p: -0.5 * v / (1.0 + p.stiffness), stiffness=1.0)
+    with pytest.raises(gz.InputError, match="'stiffness' has the name of a model parameter; rename it"):
+        gz.Oscillator(0.1, 1.0, gz.Forcing(omega=1.0), law)
 
 
 @pytest.mark.parametrize(

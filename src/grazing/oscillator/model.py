@@ -44,9 +44,8 @@ class Oscillator:
         In kg, > 0: the numbers are then metres and seconds, and results and figures carry units. Default: all is
         dimensionless. :meth:`from_si` makes such a model from mass, damper, spring and force.
     stiffness : float, optional
-        In place of k, and of either sign: u'' + alpha u' + stiffness u = f(t). A negative one drives the ball away from
-        u = 0, as gravity does an inverted pendulum. Between walls the motion stays bounded; where nothing holds the
-        ball, its outcome is *diverged*. The parameter has this name then.
+        In place of k, and a parameter of this name: u'' + alpha u' + stiffness u = f(t). A negative one drives the ball
+        away from u = 0, as gravity does an inverted pendulum; one that nothing holds has *diverged*.
     walls : sequence of wall, optional
         One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
         move. The model is then of another class, for trajectories and stroboscopic maps.
@@ -261,8 +260,7 @@ class Oscillator:
         alpha, spring, omega, _t0, offset = row[:5]
         k, k2 = (spring, spring * spring) if self.stiffness is None else (natural(spring), spring)
         wall = 5 + 2 * self.harmonics
-        sigma, cos, sin = row[wall], row[5:wall:2], row[6:wall:2]
-        force = offset - k2 * sigma
+        sigma, cos, sin, force = row[wall], row[5:wall:2], row[6:wall:2], offset - k2 * row[wall]
         forces, law = (omega, force, cos, sin), dict(zip(self.reset.params, row[wall + 1 :], strict=False))
         if self.reset.affine:
             r, V = law.get("r", 0.0), law.get("V", 0.0)
