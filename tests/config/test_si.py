@@ -45,6 +45,14 @@ def test_it_is_the_model_that_python_makes(si, rig):
         assert params[name] == pytest.approx(plain[name], rel=1e-15), name
 
 
+def test_a_decimal_comma_is_named_and_nothing_else_is_said_of_the_table():
+    with pytest.raises(gz.InputError) as refused:
+        checked(RIG | {"si": "m=0,8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14"})
+    assert str(refused.value).endswith("write a decimal point in numbers") and "frequency, in Hz" not in str(
+        refused.value
+    )
+
+
 @pytest.mark.parametrize(("side", "sign"), [("above", -1.0), ("below", 1.0)])
 def test_words_of_the_table(side, sign):
     recipe = checked(RIG | {"si": SI | {"side": side, "load": 8.0, "base": 1e-3, "moves": "stop"}})
@@ -57,6 +65,8 @@ def test_words_of_the_table(side, sign):
     del swept["frequency"]
     both = {"study": "diagram", "vary": {"omega": "80:90:3"}, "parameters": {"r": 0.7}, "si": swept}
     assert map_in(checked(both)).replace(omega=80.0).model.base.displacement == (-1e-3,)
+    if side == "below":  # said beside the table it means the same
+        assert checked(RIG | {"stop": side}) == checked(RIG | {"si": SI | {"side": side}})
     with pytest.raises(gz.InputError, match="base = 'moves=up'; give moves=both, spring or stop"):
         checked({"study": "diagram", "vary": {"d": "0:1:3"}, "base": "moves=up"})
 

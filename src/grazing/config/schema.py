@@ -121,8 +121,8 @@ class Config(Table):
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
         default=None,
         description="mass, damping, stiffness and stop in SI units or with their own, in place of parameters: "
-        "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2mm,frequency=14Hz; then frequency, force, load, gap, c and k may vary, "
-        "and be given as NAME=VALUE",
+        "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2mm,side=below,frequency=14Hz; then frequency, force, load, gap, c and k "
+        "may vary, and be given as NAME=VALUE; the stop is above unless side, or --stop, says below",
     )
     parameters: Parameters = Field(  # type: ignore[valid-type]
         default_factory=Parameters, description=str(Parameters.__doc__)

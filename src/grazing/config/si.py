@@ -67,6 +67,9 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     """
     found = {name: value for name, value in raw.items() if name != "si"}
     table, faults = _table(raw["si"])
+    read = bool(table)
+    if "side" not in table and "stop" in found:
+        table["side"] = found.pop("stop")
     beside = _beside(found, table)
     vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
     given_frequency = {"frequency", "omega"} & {*table}
@@ -77,13 +80,13 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     usual |= dict.fromkeys((*AMPLITUDES, "load"), 0.0)
     absent = [name for name in NEEDED if name not in table]
     missing = [name for name in absent if name not in vary]
-    if missing and table:
+    if missing and read:
         faults.append(f"{', '.join(missing)} missing; give m, c, k and gap, with units or in kg, N s/m, N/m and m")
     table |= {name: SOUND.get(name, usual.get(name)) for name in (*absent, *wrong)}
     try:
         made = si_numbers(**{**usual, "omega": 1.0 if open_frequency else None, **table})
     except InputError as error:
-        faults.append(str(error))
+        faults += [str(error)] if read else []
         made = si_numbers(**{**usual, **SOUND, "frequency": None})
     cos, sin = (made.cos, made.sin) if made.base is None else (made.base.cos, made.base.sin)
     parameters = {
@@ -128,7 +131,9 @@ def _table(given: Any) -> tuple[dict[str, Any], list[str]]:
     if isinstance(given, str):
         parts = [part.partition("=") for part in given.split(",")]
         if not all(equals for _name, equals, _value in parts):
-            return {}, [f"si = {shown(given)}; give NAME=VALUE, commas between several: m=0.8,c=2.4,gap=1.2 mm"]
+            alone = any(name.strip()[:1].isdigit() for name, equals, _value in parts if not equals)
+            hint = "; write a decimal point in numbers" if alone else ""
+            return {}, [f"si = {shown(given)}; give NAME=VALUE, commas between several: m=0.8,c=2.4,gap=1.2 mm{hint}"]
         given = {name.strip(): _number(value.strip()) for name, _equals, value in parts}
     if not isinstance(given, Mapping) or not given:
         return {}, [f"si = {shown(given)}; give a table, such as {{ m = 0.8, c = 2.4, k = 3200.0, ... }}"]
