@@ -322,7 +322,7 @@ def test_scan_and_branches_together(folder, capsys):
     assert "limit of 10" in told(capsys, *tokens, "--points", "10")["unfinished"]
     assert ("scan and branches agree\n" if not found["disagreements"] else "\ndisagreement  mu") in text
     gz.save(expected, "python.nc")  # made in Python, it knows its limits too
-    again = "grazing bifurcations mu=0.3:0.9:7 --map gap --lam 0.8 --l 1.0 --starts 8 --period 6"
+    again = "grazing bifurcations mu=0.3:0.9:7 --map gap --lam 0.8 --l 1.0 --starts 8 --period 4"
     assert again in said(capsys, 0, "info", "python.nc")
 
 

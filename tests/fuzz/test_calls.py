@@ -291,6 +291,7 @@ NOT_CALLED = {
     "ImpactOrbit",
     "InputError",
     "Locus",
+    "NormalForm",
     "Orbit",
     "Orbits",
     "Outcome",

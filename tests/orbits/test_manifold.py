@@ -304,7 +304,7 @@ def test_an_image_of_the_manifold_lies_on_it(saddle):
     frame = np.array(whole.attrs["box"]).reshape(2, 2)
     images = images[((images > frame[:, 0]) & (images < frame[:, 1])).all(axis=1)]
     diagonal = float(np.hypot(*(frame[:, 1] - frame[:, 0])))
-    for part in (50, 400):
+    for part in (50, 1600):
         found = manifolds(saddle, "unstable", length=3.0, spacing=diagonal / part)
         worst.append(float(np.quantile(distances(images, found), 0.95)))
     assert worst[0] < 1e-3 * diagonal and worst[1] < max(0.1 * worst[0], 1e-9)

@@ -1,8 +1,10 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.orbits.periodic import Orbits, periodic_orbits
+from grazing.orbits.periodic import Orbits, _one_of_each_continuum, periodic_orbits
 from grazing.orbits.word import word
 from grazing.outcome import InputError
 from grazing.studies.classify import classify
@@ -273,7 +275,16 @@ def test_a_continuum_of_orbits_is_listed_once_and_neutral():
     (free,) = (orbit for orbit in found if orbit.word == "0")
     assert free.neutral and not free.stable and "neutral" in repr(free)
     assert abs(free.multipliers) == pytest.approx([1.0, np.exp(-0.1 * rattle.period)], abs=1e-12)
-    ((word, period, many),) = found.searched.continua
-    assert (word, period) == ("0", 1) and many > 10
-    assert f"of word 0 and period 1 a continuum: {many} with a multiplier 1 were met, one listed" in found.statement
-    assert ", 1 neutral and " in found.statement
+    assert 0.5 < free.clearance < 1.0 and ", 1 neutral and " in found.statement
+    (above,) = gz.periodic_orbits(
+        gz.stroboscopic_map(gz.Oscillator(0.1, 0, rattle.forcing, gz.newton(0.6))), 1, starts=40
+    )
+    assert above.neutral and above.impacts == 0 and above.clearance > 0.0
+
+
+def test_what_a_search_meets_of_a_continuum_is_listed_once():
+    force = gz.Forcing(omega=1.0, cos=(), sin=(0.3,))
+    (free,) = gz.periodic_orbits(gz.stroboscopic_map(gz.Oscillator(0.1, 0, force, gz.newton(0.6))), 1, starts=40)
+    others = [dataclasses.replace(free, points=free.points + up) for up in (0.1, 0.2)]
+    assert _one_of_each_continuum([free, *others]) == ([free], (("0", 1, 3),))
+    assert _one_of_each_continuum([free, others[0]]) == ([free, others[0]], ())  # as many as meet at a fold

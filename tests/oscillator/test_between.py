@@ -197,7 +197,7 @@ WALLS = {
 def test_random_models_are_flown_as_by_the_scalar_routine(walls, models):
     P = gz.stroboscopic_map(gz.Oscillator(3.0, 1.0, gz.Forcing(omega=2.2, sin=(0.1,)), walls=WALLS[walls]))
     rows, random = random_rows(P, models, 4)
-    boxes = P.boxes(rows)
+    boxes = P.origin.boxes(rows)
     lanes = random.uniform(boxes[:, :, :1], boxes[:, :, 1:], (models, 2, 12))
     strict, fast, scalar = ways(P, rows, lanes, 3)
     assert not np.array_equal(strict.points, scalar.points)  # the block did have a say

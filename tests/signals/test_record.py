@@ -66,7 +66,7 @@ def test_the_shell_prints_what_was_found_and_writes_it(folder, capsys):
     assert main(["history", *rig, "--of", "v", "-o", "a.png", "-o", "a.nc"]) == 0
     assert "27 impacts, certified" in capsys.readouterr().out
     assert main(["sample", *rig, "--rate", "2000", "--since", "1", "-o", "b.csv", "-o", "b.nc", "-o", "b.pdf"]) == 0
-    assert "2001 samples, 2000 per unit of time, t from 1 to 2" in capsys.readouterr().out
+    assert "2001 samples, 2000 per s, t from 1 to 2 s" in capsys.readouterr().out
     assert (folder / "b.csv").read_text().startswith("t (s),u (mm),v (m/s)")
     assert main(["spectrum", *rig, "--since", "1", "--window", "boxcar", "-o", "c.nc", "-o", "c.svg", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)

@@ -58,6 +58,16 @@ class FreeEquations(FlightEquations):
         # a multiplier that is 1 but for rounding puts it so far away that none of its digits counts
         return np.asarray(found if (np.abs(found) < FAR * self.scale).all() else np.full(2, np.nan))
 
+    def neutral(self, p: Floats) -> Floats:
+        """Return one of the orbits of a ball that no spring holds, in the middle of them; NaN where it drifts away."""
+        end, E, _dips = self.turned(np.zeros(2), p)
+        x: Floats = np.linalg.lstsq(np.eye(2) - E, end, rcond=1e-12)[0].astype(np.float64)
+        if self.frames(p).a.k2 != 0.0 or not (np.abs(x - E @ x - end) <= 1e-12 * self.scale).all():
+            return np.full(2, np.nan)
+        lows = self.turned(x, p)[2][:, 0]
+        up = 0.5 * float(lows[1] - lows[0]) if len(lows) > 1 else float(self.scale[0] - lows[0])
+        return np.asarray(x + np.array([up, 0.0]))
+
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the state after a period differs, and the derivative of that."""
         if not self.apart(self.values(p)):

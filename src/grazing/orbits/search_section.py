@@ -170,7 +170,8 @@ def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations 
     impacts = section_of(search.P) == "impact"
     if not impacts and 1 in search.periods:
         free = FreeEquations(search.model, ())
-        start = free.start(NOTHING)
+        start = free.neutral(NOTHING)
+        start = start if np.isfinite(start).all() else free.start(NOTHING)
         if np.isfinite(start).all():  # in resonance there is no free orbit, or one from every state
             yield free, start
     for (N, pieces), solutions in sorted(found.found.items()):

@@ -190,6 +190,11 @@ class Walled:
         return replace(known, units="1")
 
     @property
+    def k2(self) -> float:
+        """The stiffness: k^2, or as it was given."""
+        return self.k * self.k if self.stiffness is None else self.stiffness
+
+    @property
     def symmetric(self) -> bool:
         """Whether the model is its own mirror image half a period later, as far as rounding tells.
 
@@ -203,7 +208,7 @@ class Walled:
             return False
         rows, stop = np.array([list(self.params.values())]), HEAD + 2 * self.harmonics
         seen = [self.rows_seen_from(j, rows)[0, HEAD - 1 : stop + 1] for j in (0, 1)]
-        pulls = self.k * self.k * np.abs([one[-1] for one in seen]).max()
+        pulls = abs(self.k2) * np.abs([one[-1] for one in seen]).max()
         for one in seen:
             one[0] -= self.k * self.k * one[-1]  # the constant force on a ball at the wall
         seen = [one[:-1] for one in seen]
