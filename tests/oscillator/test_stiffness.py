@@ -310,3 +310,15 @@ def test_ranges_are_said(given, words):
     for walls in ({"reset": gz.newton(0.5)}, {"walls": [gz.wall(0.0, gz.newton(0.5))]}):
         with pytest.raises(gz.InputError, match=words):
             gz.Oscillator(**({"alpha": 0.1, "forcing": gz.Forcing(omega=1.0)} | given | walls))
+
+
+def test_a_buckled_beam_between_equal_stops_is_its_own_mirror_image():
+    walls = gz.wall(-1.0, gz.newton(0.8)), gz.wall(1.0, gz.newton(0.8))
+    m = gz.Oscillator(alpha=0.1, stiffness=-0.25, forcing=gz.Forcing(omega=2.0, cos=(1.5,)), walls=walls)
+    assert m.symmetric and not m.replace(offset=0.1).symmetric
+    assert m.replace(stiffness=0.25).symmetric
+
+
+def test_units_of_a_negative_stiffness_are_those_of_its_force():
+    m = gz.Oscillator(alpha=0.1, stiffness=-0.25, forcing=gz.Forcing(omega=2.0, cos=(1.5,)), reset=gz.newton(0.8))
+    assert m.unit_of("sigma") > 0.0 and m.unit_of("offset") > 0.0

@@ -271,8 +271,8 @@ class Oscillator:
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
         f = self.forcing
-        push = math.fsum(map(math.hypot, f.cos, f.sin)) or abs(f.offset - self.k * self.k * self.sigma) or 1.0
-        drive = drive_of(self.alpha, self.k, f.omega, push, f.cos, f.sin)[1]
+        push = math.fsum(map(math.hypot, f.cos, f.sin)) or abs(f.offset - self.k2 * self.sigma) or 1.0
+        drive = drive_of(self.alpha, frequency_of(self), f.omega, push, f.cos, f.sin)[1]
         known = {
             "alpha": f.omega, "k": f.omega, "omega": f.omega, "t0": 0.5 * self.period,
             "sigma": natural_size(self.alpha, self.period, push), "V": drive, "trigger": drive,

@@ -210,7 +210,7 @@ class Walled:
         seen = [self.rows_seen_from(j, rows)[0, HEAD - 1 : stop + 1] for j in (0, 1)]
         pulls = abs(self.k2) * np.abs([one[-1] for one in seen]).max()
         for one in seen:
-            one[0] -= self.k * self.k * one[-1]  # the constant force on a ball at the wall
+            one[0] -= self.k2 * one[-1]  # the constant force on a ball at the wall
         seen = [one[:-1] for one in seen]
         later = np.concatenate([[1.0], np.repeat((-1.0) ** np.arange(1, self.harmonics + 1), 2)])
         between = self.waves(1, rows)[0] - self.waves(0, rows)[0]
