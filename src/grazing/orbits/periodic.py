@@ -186,8 +186,9 @@ def periodic_orbits(
     equations (:mod:`grazing.orbits.closing`). Each solution is flown once more by the exact advance, which says whether
     it is admissible. Orbits that rest on the wall are found by flying from each instant at which the forcing lifts
     the ball; their list is complete. A guess costs the cube of its impacts, so of words with more than 15 fewer are
-    tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one. Of a continuum of orbits, as
-    a ball without a spring flies between two walls, one is listed: the statement says how many were met.
+    tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one. Where a ball without a
+    spring flies wherever it likes, one flight is listed for all; of any other continuum that is met, one orbit, and the
+    statement says how many were met.
 
     Examples
     --------
