@@ -99,19 +99,23 @@ def contracting_norm(M: Any, rate: float, Q: Any) -> None:
 def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
     """Say whether orbit j approaches the cycle through z (dim, 1) with derivative M.
 
-    Its distance, in the norm above, falls in every two turns (near -1 a quadratic term makes one of the two sides
-    larger), and over all at no less than a tenth of the linear rate; within the tolerance it counts as arrived.
+    Its distance, in the norm above with coordinates in units of the tolerance, falls in every two turns (near -1 a
+    quadratic term makes one of the two sides larger), and over all at no less than a tenth of the linear rate; within
+    the tolerance it counts as arrived.
     """
     keep, d, _n = x.shape
     radius = exp(log_radius(M))
     if not radius < 1.0 - INSIDE:
         return False
-    Q = np.empty((d, d))
-    contracting_norm(M, 0.5 * (1.0 + radius), Q)
-    trace, worst = 0.0, 0.0
+    A, Q = np.empty((d, d)), np.empty((d, d))
     for i in range(d):
-        trace, worst = trace + Q[i, i], max(worst, tolerance[i, j])
-    floor = sqrt(trace) * worst
+        for m in range(d):
+            A[i, m] = M[i, m] * (tolerance[m, j] / tolerance[i, j])
+    contracting_norm(A, 0.5 * (1.0 + radius), Q)
+    trace = 0.0
+    for i in range(d):
+        trace += Q[i, i]
+    floor = sqrt(trace)
     turns = (keep - 1) // N
     distance = np.empty(turns + 1)
     for t in range(turns + 1):
@@ -119,7 +123,8 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
         k = keep - 1 - t * N
         for i in range(d):
             for m in range(d):
-                total += (x[k, i, j] - z[i, 0]) * Q[i, m] * (x[k, m, j] - z[m, 0])
+                one, other = (x[k, i, j] - z[i, 0]) / tolerance[i, j], (x[k, m, j] - z[m, 0]) / tolerance[m, j]
+                total += one * Q[i, m] * other
         distance[t] = sqrt(max(total, 0.0))
         if t >= 2 and not (distance[t - 2] < distance[t] or distance[t - 2] <= floor):
             return False
