@@ -549,6 +549,14 @@ def _normalised(P: Map) -> Callable[..., Any]:
     return ending(step, escape)
 
 
+def swift(P: Map) -> Map:
+    """Return the map without its exact arithmetic for steps that double precision cannot decide.
+
+    For states that are guesses, or lie at a cut that is bisected to rounding: there either decision is right.
+    """
+    return P if P.origin.settle is None else replace(P, origin=P.origin.unsettled())
+
+
 def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
     """Wrap a step so that an orbit ends, in NaN, beyond ``escape`` or with a fatal outcome."""
 
