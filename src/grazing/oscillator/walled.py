@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from grazing.oscillator.forcing import Forcing, series_said
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
+from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model, parameter_units
 from grazing.oscillator.reach import Reach
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.si import Base
@@ -195,9 +195,8 @@ class Walled(Rig):
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
             meaning = known.meaning.replace("of the forcing", f"of the motion of wall {front}")
             meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
-            units = "m" if of == "motion" else known.units
             symbol = f"{known.symbol.rstrip()}^{{{front}}}"
-            known = replace(known, name=name, symbol=symbol, meaning=meaning, units=units)
+            known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
         return known if self.mass is not None else replace(known, units="1")
 
     @property
