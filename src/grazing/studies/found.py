@@ -145,6 +145,8 @@ def in_basins(result: xr.Dataset) -> Row:
     """Return the attractors with their shares of the grid, and what the boundary between them is like."""
     columns = (result[name].values.tolist() for name in ("period", "word", "fraction", "point"))
     rows = [attractor(p, w, share=share, point=point) for p, w, share, point in zip(*columns, strict=True)]
+    for row, neutral in zip(rows, result["neutral"].values.tolist() if "neutral" in result else (), strict=False):
+        row |= {"neutral": bool(neutral)} | ({"kind": f"{row['kind']}, a neutral continuum"} if neutral else {})
     said = {
         "states": int(result["basin"].size),
         "coordinates": result["coordinate"].values.tolist(),
