@@ -50,7 +50,8 @@ def test_defaults_are_those_of_the_functions():
 
 @pytest.mark.parametrize("study", studies())
 def test_every_argument_of_a_study_is_a_setting_or_none_for_a_reason(study):
-    assert set(inspect.signature(named(studies()[study].compute)).parameters) <= {*SETTINGS, *ARGUMENTS, *studies()[study].options}
+    known = studies()[study]
+    assert set(inspect.signature(named(known.compute)).parameters) <= {*SETTINGS, *ARGUMENTS, *known.options}
 
 
 def test_a_checked_configuration_is_checked_again_to_itself():

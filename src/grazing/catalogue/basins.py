@@ -16,6 +16,8 @@ def found(result: Any) -> Row:
 
     columns = (result[name].values.tolist() for name in ("period", "word", "fraction", "point"))
     rows = [attractor(p, w, share=share, point=point) for p, w, share, point in zip(*columns, strict=True)]
+    for row, neutral in zip(rows, result["neutral"].values.tolist() if "neutral" in result else (), strict=False):
+        row |= {"neutral": bool(neutral)} | ({"kind": f"{row['kind']}, a neutral continuum"} if neutral else {})
     said = {
         "states": int(result["basin"].size),
         "coordinates": result["coordinate"].values.tolist(),
