@@ -10,6 +10,7 @@ from grazing.config import values
 from grazing.config.problems import Problem
 from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT
+from grazing.oscillator.deflection import warn_of_gap
 from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.si import AMPLITUDES, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
@@ -106,7 +107,18 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     problems = [Problem(("si",), fault) for fault in faults] + beside
     problems += _renamed(found, _sides(made, found["stop"]), made.mass)
     found.setdefault("law", LAW)
+    if not problems:
+        warn_of_gap(made, _least_gap(found["vary"] if vary else {}, -made.sigma))
     return found, problems
+
+
+def _least_gap(vary: Any, gap: float) -> float:
+    """Return the least gap of a study; 0 where forces or what holds the mass vary, so that its deflection is open."""
+    if {"alpha", "k", "d", "cos1", "sin1"} & {*vary}:
+        return 0.0
+    written = vary.get("sigma", gap)
+    ends = written.split(":")[:2] if isinstance(written, str) else written
+    return min(abs(float(end)) for end in (ends if isinstance(ends, list) else [ends]))
 
 
 def _beside(found: dict[str, Any], table: dict[str, Any]) -> list[Problem]:

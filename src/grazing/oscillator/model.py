@@ -9,6 +9,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 from grazing.oscillator.constants import natural_size
+from grazing.oscillator.deflection import warn_of_gap
 from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
@@ -155,7 +156,8 @@ class Oscillator:
         m, c, k : float
             Mass, > 0, in kg; viscous damping, >= 0, in N s/m; stiffness, >= 0, in N/m.
         gap : float
-            Distance from the mass to the stop where the spring is relaxed, >= 0, in m.
+            Distance from the mass to the stop where the spring is relaxed, >= 0, in m. A warning says where it is more
+            than ten times the largest deflection that the force brings.
         reset : Reset
             Such as ``gz.newton(0.7)``; its speeds are in m/s.
         force : float or sequence of float
@@ -197,6 +199,7 @@ class Oscillator:
         newton(r=0.7)>
         """
         found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega, acceleration)
+        warn_of_gap(found, -found.sigma)
         forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
         return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base, stop=side)
 
