@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import AMPLITUDES, defaults_of, described
+from grazing.config.parameters import AMPLITUDES, STIFFNESS, defaults_of, described
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import FLOWN, STUDIES
@@ -24,8 +24,6 @@ from grazing.outcome import GrazingError, InputError, shown
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
-#: What is said of a rig with walls of its own.
-WITHOUT_UNITS = "models with walls have no units yet: give lengths in one unit, and forces divided by the mass"
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
@@ -81,8 +79,6 @@ def checked(
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
-    if raw.get("si") is not None and raw.get("walls") is not None:
-        raise refusal([Problem(("si",), WITHOUT_UNITS)], source, label)
     if raw.get("si") is not None:
         raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
@@ -234,9 +230,8 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     for key in ("law", "model") if config.get("walls") and oscillator else ():
         if key in config:
             yield Problem((key,), f"the walls bring their own laws; leave the {key} out")
-    for key in ("mass", "base", "stop") if config.get("walls") and oscillator else ():
-        if key in config:
-            yield Problem((key,), f"{WITHOUT_UNITS}; leave the {key} out")
+    if config.get("walls") and oscillator and "stop" in config:
+        yield Problem(("stop",), "the walls say themselves where they are; leave the stop out")
     if config.get("walls") and not oscillator:
         yield Problem(("walls",), f"the map {kind} has no wall; leave them out")
     if "mass" in config and (config.get("model") or not oscillator):
@@ -395,6 +390,8 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             extra = (
                 f"the {config['law']} law has none"
                 if name in ("r", "V", "trigger") and config.get("law")
+                else "stiffness is given in its place"
+                if name == "k" and STIFFNESS in known
                 else "unknown parameter"
             )
             yield Problem(("parameters", name), partial(unknown_key, name, known, extra))

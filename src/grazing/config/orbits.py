@@ -78,10 +78,11 @@ def orbit_table(found: Orbits) -> xr.Dataset:
         table["symmetric"] = column((getattr(one, "symmetric", False) for one in found), np.int8, "own mirror image")
         table["depth"] = column((getattr(one, "depth", 0.0) for one in found), np.float64, "how far it passes a wall")
     for j, name in enumerate(P.coordinates):
-        said = {"long_name": name, "symbol": name} if P.model is None else P.model.describe(name).attributes
+        known = P.origin.describe(name)
+        said = {"long_name": name, "symbol": name} if known is None else known.attributes
         table[name] = ("orbit", "n"), points[:, :, j], said
     attributes = {"title": f"periodic orbits of the {P.name or 'map'}", "statement": found.statement}
-    return xr.Dataset(table, attrs=attributes | ({} if P.model is None else P.model.attributes))
+    return xr.Dataset(table, attrs=attributes | P.origin.attributes)
 
 
 def window_table(

@@ -15,8 +15,7 @@ from grazing.maps.derivative import Derived
 from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
-from grazing.maps.of_oscillator import apart
-from grazing.maps.origin import Origin
+from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
@@ -50,7 +49,6 @@ from grazing.outcome import (
 from grazing.outcome import (
     CHATTER as CHATTERED,
 )
-from grazing.parameter import Parameter
 from grazing.pool import Task
 
 INFINITY = float("inf")
@@ -195,7 +193,7 @@ def between_walls(harmonics: int, walls: int) -> Setting:
     return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
 
 
-class Strobed(Origin):
+class Strobed(OfRig):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
     walled: Walled
@@ -231,10 +229,6 @@ class Strobed(Origin):
         return block_tasks(
             setting, model.harmonics, numbers, source, ends, lanes, transient, found, arithmetic, block, who
         )  # fmt: skip
-
-    def describe(self, name: str) -> Parameter:
-        """Return what is known of a parameter or coordinate."""
-        return self.walled.describe(name)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a ball inside a wall."""

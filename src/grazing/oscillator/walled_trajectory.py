@@ -199,7 +199,7 @@ def walled_trajectory(
             "impact_speed": (
                 "impact",
                 -legs[hits, V_MINUS],
-                {"long_name": "speed of approach to the wall", "units": "1"},
+                {"long_name": "speed of approach to the wall", "units": model.units_of("v")},
             ),
             "rest_time": (
                 ("rest", "end"),
@@ -209,7 +209,7 @@ def walled_trajectory(
             "wall_position": (
                 ("wall", "t"),
                 model.places_at(t)[0],
-                {"long_name": "position of the wall", "units": "1"},
+                {"long_name": "position of the wall", "units": model.units_of("u")},
             ),
             "side": ("wall", [str(wall.side) for wall in model.walls], {"long_name": "side of the ball"}),
             "trust": ((), trust.value),
@@ -219,6 +219,7 @@ def walled_trajectory(
             "title": f"trajectory of {model!r}",
             "grazing_outcome": flags,
             "chatter": int(bool(flags & CHATTER)),
+            **model.attributes,
             **{f"parameter_{name}": value for name, value in model.params.items()},
         },
     )
