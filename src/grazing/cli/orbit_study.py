@@ -13,6 +13,7 @@ from grazing.cli import output, progress
 from grazing.cli.certificates import certificates_at, orbit_proofs, proof_lines, window_proofs, written_proofs
 from grazing.cli.orbit_rows import TABLES, plain
 from grazing.cli.orbit_words import WORDS
+from grazing.cli.rig import as_given, given_names
 from grazing.cli.summary import lines
 from grazing.config import command_of, result_of
 from grazing.config.build import orbits_as_table, orbits_of
@@ -41,7 +42,8 @@ def compute(
             else:
                 result = result_of(recipe, threads=threads)
     shown = output.converted_as_far(result, units)
-    tables = TABLES[study](shown)
+    printed = as_given(shown, units)
+    tables = TABLES[study](printed)
     good = True
     if certify:
         with progress.said("proving", quiet):
@@ -53,9 +55,7 @@ def compute(
     written += [proof["file"] for proof in tables.get("proofs", ()) if proof.get("file")]
     summary = {
         "study": study,
-        "title": str(result.attrs.get("title", "")),
-        "sizes": {str(name): size for name, size in result.sizes.items()},
-        "units": output.units_of(shown),
+        **output.described(printed),
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
@@ -67,6 +67,10 @@ def compute(
         head, *rest = lines(summary)
         if study == "orbit" and not written:
             rest[-1] = "written: nothing; -o orbits.nc keeps the table, --save folder the proofs"
-        print("\n".join([head, "", *WORDS[study](tables, shown, recipe), *proof_lines(tables), *rest]))
+        print(
+            "\n".join(
+                [head, "", *WORDS[study](tables, printed, given_names(printed, recipe)), *proof_lines(tables), *rest]
+            )
+        )
     sys.stdout.flush()
     return DONE if good else FAILED

@@ -19,6 +19,7 @@ from grazing.cli.figures import style_of
 from grazing.cli.found_words import words_of
 from grazing.cli.options import RUN, recipe_from, signature_of
 from grazing.cli.orbit_rows import plain
+from grazing.cli.rig import as_given
 from grazing.cli.summary import lines
 from grazing.cli.whole import whole_number
 from grazing.config import command_of, plan_of, result_of, toml_of
@@ -135,12 +136,11 @@ def compute(
     for file in files:
         if file not in stores:
             written += output.write(result, file, **style)
+    result = as_given(result, units)
     found = found_in(recipe["study"], result)
     summary = {
         "study": recipe["study"],
-        "title": str(result.attrs.get("title", "")),
-        "sizes": {str(name): size for name, size in result.sizes.items()},
-        "units": output.units_of(result),
+        **output.described(result),
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
