@@ -25,6 +25,7 @@ LAYERS = (
     ("orbits",),
     ("proof",),
     ("studies",),
+    ("catalogue",),
     ("plans",),
     ("config",),
     ("sweep", "compare"),
@@ -64,7 +65,7 @@ SYSTEMS = ("grazing.oscillator", "grazing.systems")
 NAME_NO_SYSTEM = {
     "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
     "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
-    "grazing.studies", "grazing.sweep", "grazing.plot", "grazing.cli",
+    "grazing.studies", "grazing.catalogue", "grazing.sweep", "grazing.plot", "grazing.cli",
 }  # fmt: skip
 # These still do: what they need is not asked of an origin yet.
 STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}

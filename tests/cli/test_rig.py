@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.catalogue import studies
+from grazing.catalogue.bifurcations import found as diagram_rows
+from grazing.catalogue.branch import found as branch_rows
+from grazing.catalogue.rows import told
 from grazing.cli.app import main
-from grazing.cli.orbit_rows import branch_rows, diagram_rows
 from grazing.cli.rig import as_given
 from grazing.measured import downwards, measured
-from grazing.studies.found import found
 
 SI = "m=0.8,c=2.4,k=3200,force=2.5"
 LAW = gz.newton(0.7)
@@ -56,8 +58,9 @@ def test_the_ends_of_windows_change_places_with_what_happens_there():
             "low": -one["high"], "low_type": one["high_type"], "high": -one["low"], "high_type": one["low_type"]
         }  # fmt: skip
     assert {row["high_type"] for row in plain} != {row["low_type"] for row in plain}
-    assert [row["ranges"] for row in found("diagram", as_given(result))["attractors"]] == [
-        [[-high, -low] for low, high in reversed(row["ranges"])] for row in found("diagram", result)["attractors"]
+    assert [row["ranges"] for row in told(studies()["diagram"], as_given(result))["attractors"]] == [
+        [[-high, -low] for low, high in reversed(row["ranges"])]
+        for row in told(studies()["diagram"], result)["attractors"]
     ]
 
 
@@ -77,7 +80,7 @@ def test_coexistence_tells_changes_in_gap():
     assert len(result["before"]) > 0
     given = as_given(result)
     assert given["before"].values.tolist() == (-result["before"].values).tolist()
-    assert found("coexistence", given)["parameter"] == "gap"
+    assert told(studies()["coexistence"], given)["parameter"] == "gap"
 
 
 def test_what_is_not_of_a_rig_is_printed_as_it_is():

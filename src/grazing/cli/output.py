@@ -16,10 +16,18 @@ FIGURES = (".png", ".pdf", ".svg")
 STORE = ".zarr"
 DATA = (".nc", ".csv", ".parquet")
 ENDINGS = (*FIGURES, *DATA, STORE)
-HELP = (
-    "File to write; may be repeated. Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), "
-    "csv or parquet (tables), zarr (result, computed chunk by chunk and resumable)."
+#: What the endings mean.
+MEANT = (
+    (FIGURES, "png, pdf, svg (figure)"),
+    (DATA, "nc (result, NetCDF), csv or parquet (tables)"),
+    ((STORE,), "zarr (result, computed chunk by chunk and resumable)"),
 )
+
+
+def help_of(endings: Sequence[str]) -> str:
+    """Return the help of the option that names files with some of the endings."""
+    formats = ", ".join(means for some, means in MEANT if {*some} <= {*endings})
+    return f"File to write; may be repeated. Its ending chooses the format: {formats}."
 
 
 def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:

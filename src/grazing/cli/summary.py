@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from grazing.catalogue.study import Study
 from grazing.cli import output, progress
 from grazing.cli.streams import printable
 
@@ -12,18 +13,15 @@ from grazing.cli.streams import printable
 MOST = 3
 
 
-def lines(summary: Mapping[str, Any]) -> list[str]:
+def lines(summary: Mapping[str, Any], study: Study) -> list[str]:
     """Return the summary in words."""
     sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
     time = f"time:    {progress.duration(summary['seconds'])}"
-    said = [
-        printable(summary["title"], newlines=False),
-        f"sizes:   {sizes}",
-        *units_line(summary["units"]),
-        *signs_line(summary),
-        time,
-    ]
-    none = "nothing; -o diagram.png or -o result.nc keeps it".replace("diagram", summary["study"])
+    units = [*units_line(summary["units"]), *signs_line(summary)]
+    said = [printable(summary["title"], newlines=False), f"sizes:   {sizes}", *units, time]
+    none = f"nothing; -o {study.name}.png or -o result.nc keeps it"
+    if not study.drawn_by:
+        none = f"nothing; -o {study.name}s.nc keeps the table{', --save folder the proofs' if study.proves else ''}"
     return [*said, f"written: {output.named(summary['files']) or none}"]
 
 

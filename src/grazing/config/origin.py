@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.catalogue import studies
 from grazing.config.build import RECIPE, map_in
 from grazing.config.check import Recipe, checked
 from grazing.config.parameters import AMPLITUDES, GAP, LAWS, OF_LAWS, law_names
 from grazing.config.schema import MAPS
-from grazing.config.settings import STUDIES, settings_of
+from grazing.config.settings import settings_of
 from grazing.config.values import extremes, values_of, written_as
 from grazing.oscillator.si import base_of
 from grazing.outcome import GrazingError, InputError, shown
@@ -76,7 +77,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
 def _recipe_in(
     config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str, attrs: Mapping[str, Any]
 ) -> Recipe:
-    study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
+    study = next((name for name, known in studies().items() if known.function == config.get("study")), None)
     if study is None:
         raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
     recipe = {

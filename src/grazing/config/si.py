@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from math import pi
 from typing import Any, NamedTuple
 
+from grazing.catalogue import studies
 from grazing.config import values
 from grazing.config.problems import Problem
-from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT
 from grazing.config.walls import checked_walls, flat, front_of, last_of, sides_of
 from grazing.oscillator.deflection import warn_of_gap
@@ -269,7 +269,7 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
                 faults.append(Problem(("si",), f"{name} and {own.name} both vary; give one of them"))
         return {names.get(name, Own(name)).name: converted(item, name, bounded, at) for name, item in table.items()}
 
-    study = STUDIES.get(str(found.get("study")))
+    study = studies().get(str(found.get("study")))
     if isinstance(found.get("vary"), Mapping):
         varied = [*found["vary"]]
         found["vary"] = named(found["vary"], study is not None and study.form == "bounds", "vary")
