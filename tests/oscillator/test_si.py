@@ -229,5 +229,5 @@ def test_what_is_no_parameter_of_the_model_is_said_before_its_units():
 def test_what_is_missing_of_a_stop_is_named_with_an_example():
     with pytest.raises(gz.InputError, match=r"reset is missing; give .* such as reset=gz\.newton\(r=0\.7\)"):
         gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, gap=1e-3, frequency=14)
-    with pytest.raises(gz.InputError, match=r"gap is missing; give .* such as gap='1\.2 mm'"):
+    with pytest.raises(gz.InputError, match=r"gap is missing; give .* such as gap='1.2 mm'"):
         gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, reset=gz.newton(0.7), frequency=14)
