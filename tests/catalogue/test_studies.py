@@ -79,7 +79,8 @@ def test_a_study_of_ones_own_has_a_command_and_help(asked):
     listed = [line.split()[1] for line in out.splitlines() if line.startswith("\u2502 ")]
     assert listed.index("coexistence") < listed.index("below") < listed.index("trajectory")
     assert "--level NUMBER" in out and "where to cut" in out and "--dry-run" in out and "at most " in out
-    assert "Its ending chooses the format: nc (result, NetCDF), csv or parquet" in " ".join(out.replace("\u2502", "").split())
+    words = " ".join(out.replace("\u2502", "").split())
+    assert "Its ending chooses the format: nc (result, NetCDF), csv or parquet" in words  # it has no figure
 
 
 def test_it_is_in_the_schema_and_completed(asked):
