@@ -14,12 +14,12 @@ MAKE = Path(__file__).parents[2] / "docs" / "make_api.py"
 #: A study of one's own in a file of its own: how many of the starts are left of zero.
 OWN = """
 from grazing.catalogue.study import Study
+from grazing.studies.plan import Plan, Variable, planned
 
 
-def plan(P, name, values, *, starts=100, seed=0, level=0.0):
+@planned
+def below(P, name, values, *, starts=100, seed=0, level=0.0, threads=None, progress=None):
     import numpy as np
-
-    from grazing.studies.plan import Plan, Variable
 
     def compute(cells, arrays):
         for i, cell in enumerate(cells.tolist()):
@@ -34,12 +34,7 @@ def plan(P, name, values, *, starts=100, seed=0, level=0.0):
                 compute=compute, together=1, work=5 * starts)
 
 
-def below(P, name, values, *, starts=100, seed=0, level=0.0, threads=None, progress=None):
-    from grazing.studies.plan import run_plan
-
-    return run_plan(plan(P, name, values, starts=starts, seed=seed, level=level), threads, progress)
-
-
+plan = below.plan
 STUDY = Study(
     name="below", place=65, compute="grazing.catalogue.below:below", plan="grazing.catalogue.below:plan",
     least=1, most=1, says="how many orbits end below a level", help="Count the orbits that end below a level.",
