@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
 from grazing.catalogue import studies
 from grazing.cli import progress
 from grazing.cli.stored import curve_in
 from grazing.config import boundaries_of
-from grazing.config.build import RECIPE
 from grazing.outcome import InputError, shown
 
 
@@ -22,16 +22,15 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
     InputError
         For a result of no study that has a figure.
     """
-    from grazing import plot
-
     study = study_of(result.attrs)
     if study not in drawn():
         raise InputError(
             f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
             f"allowed are {', '.join(drawn())}"
         )
-    draw: Callable[..., Mapping[str, Any]] = getattr(plot, study)
-    return branch_figure(result, **style) if draw is plot.branch else draw(result, **style)
+    module = import_module(f"grazing.plot.{study}")  # where the figure of a result is more than its axes, it says so
+    draw: Callable[..., Mapping[str, Any]] = getattr(module, "whole", getattr(module, study))
+    return draw(result, **style)
 
 
 def drawn() -> list[str]:
@@ -57,23 +56,6 @@ def study_of(attrs: Mapping[str, Any]) -> str:
         if study in (known.name, known.function):
             return known.drawn_by or known.name
     return study if "study" in said else ""
-
-
-def branch_figure(result: Any, **style: Any) -> Mapping[str, Any]:
-    """Draw a branch, and beside it the loci of its special points if there are any."""
-    from grazing import plot
-    from grazing.compare.word_branches import loci_of
-
-    recipe = json.loads(result.attrs.get(RECIPE, "{}"))
-    if recipe:
-        style = {"virtual": bool(recipe["settings"].get("virtual")), **style}
-    loci = loci_of(result)
-    if not loci:
-        return plot.branch(result, plot.panels(174.0, 80.0)[1][0], **style)
-    figure, (left, right) = plot.panels(174.0, 80.0, columns=2)
-    plot.branch(result, left, **style)
-    plot.locus(loci, right, virtual=style.get("virtual", True), names=style.get("names", True))
-    return {"figure": figure}
 
 
 def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:

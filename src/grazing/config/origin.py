@@ -64,10 +64,12 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     if "grazing_config" not in attrs:
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
-    if str(attrs.get("title", "")).startswith("bifurcation diagram") and config.get("study") == "orbit_diagram":
+    title = str(attrs.get("title", ""))
+    known = [one for one in studies().values() if one.titled and title.startswith(one.titled)]
+    if any(one.function != config.get("study") for one in known):
         raise InputError("an earlier version made it in Python, and did not say how far its branches were followed")
     try:
-        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs)
+        return _recipe_in(config, coordinates or {}, title, attrs)
     except GrazingError:
         raise
     except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:  # it can say anything
