@@ -16,4 +16,5 @@ STUDY = Study(
     prints="the number of impacts and the first five, chatter, rests on the wall, whether it is certified",
     found=trajectory.found,
     words=trajectory.words,
+    sounds=True,
 )

@@ -78,6 +78,8 @@ class Study:
         ``prove(of, found)``: a row for each proof that is due, from the map or model and what ``compute`` returned.
     orbits : bool
         Whether it is a study of orbits and branches: its tables then stand beside the summary.
+    sounds : bool
+        Whether its result is a motion that can be heard.
 
     Examples
     --------
@@ -115,6 +117,7 @@ class Study:
     proves: str = ""
     prove: Callable[[Any, Any], list[Row]] | None = None
     orbits: bool = False
+    sounds: bool = False
 
     @property
     def function(self) -> str:
