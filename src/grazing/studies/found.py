@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Hits, Struck
 from grazing.outcome import FATAL, Outcome
 from grazing.studies.outside import NOTE
 
@@ -293,6 +293,8 @@ def rests(t: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]
 
 def symbol(code: int, variable: Any) -> str:
     """Return a letter as words have it: a count, the walls that are hit, or the symbol of its code."""
+    if "walls" in variable.attrs:
+        return Struck(str(variable.attrs["walls"])).symbol(code)
     if "surfaces" in variable.attrs:
         return Hits(str(variable.attrs["surfaces"])).symbol(code)
     flags = dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
