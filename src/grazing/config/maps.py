@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+from grazing.catalogue import studies
 from grazing.config.own import is_own, own_object
 from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, STIFFNESS, defaults_of, law_names, spring_in
 from grazing.config.schema import MAPS
@@ -183,8 +184,11 @@ def section_of(model: Any, config: Mapping[str, Any]) -> Map:
 
 def has_beside(config: Mapping[str, Any]) -> bool:
     """Say whether a configuration is the graph of a stroboscopic map, which a discontinuity map can stand beside."""
-    if config.get("study") != "graph" or not is_own(config["map"]):
-        return config.get("study") == "graph" and config["map"] == "stroboscopic" and not config.get("walls")
+    study = studies().get(str(config.get("study")))
+    if study is None or not study.has("order"):
+        return False
+    if not is_own(config["map"]):
+        return config["map"] == "stroboscopic" and not config.get("walls")
     found = own_object(config["map"])
     return isinstance(found, Map) and found.model is not None and found.section == "strobe"
 
