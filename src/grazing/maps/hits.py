@@ -15,6 +15,10 @@ MANY = -5
 CHATTER, LAY = -1, -2
 
 
+#: What the letter of an impact map between walls has more than the strobes passed, where the second wall is hit.
+LATER = 2**30
+
+
 def most_of(walls: int) -> int:
     """Return how many impacts a letter can tell apart: digits to base walls + 1, below 2**31.
 
@@ -135,3 +139,54 @@ class Hits:
         for name in inside if inside != "0" else "":
             letter = self.base * letter + 1 + self.names.index(name)
         return letter, found.end()
+
+
+@dataclass(frozen=True, slots=True)
+class Struck(Hits):
+    """The alphabet of an impact map between two walls.
+
+    A letter is the wall that the step ends at, with the strobes passed on the way in front of it: ``A``, ``1B``.
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import LATER, Struck
+    >>> struck = Struck("AB")
+    >>> struck.symbol(0), struck.symbol(LATER + 12), struck.read("A12B", 1) == (LATER + 12, 4)
+    ('A', '12B', True)
+    """
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_symbols", re.compile(rf"(0|[1-9][0-9]{{0,4}})?([{re.escape(self.names)}])"))
+
+    @property
+    def most(self) -> int:
+        """Signs of a letter beside the parentheses of others."""
+        return 5
+
+    @property
+    def special(self) -> dict[int, str]:
+        """What letters mean that are no impacts: there are none."""
+        return {}
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        wall, strobes = divmod(letter, LATER)
+        return f"{strobes or ''}{self.names[wall]}"
+
+    def strobes(self, letter: int) -> int:
+        """Return how many strobes a step passes."""
+        return letter % LATER
+
+    def walls(self, letter: int) -> tuple[int, ...]:
+        """Return the number of the wall that is hit."""
+        return (letter // LATER,)
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        found = self._symbols.match(text, position)
+        if found is None:
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{' and '.join(self.names)}, with the strobes passed in front: 1{self.names[-1]}"
+            )
+        return int(found[1] or 0) + LATER * self.names.index(found[2]), found.end()

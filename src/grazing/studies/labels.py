@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import processor
 from grazing.kernel.content import digest
-from grazing.maps.hits import Hits
+from grazing.maps.hits import LATER, Hits, Struck
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
 
@@ -59,6 +59,10 @@ def letter_attributes(P: Map) -> Attributes:
         special = np.array([CHATTER_LETTER, STUCK_LETTER], np.int32)
         meanings = "completed_chatter stuck_throughout"
         return {"long_name": "letter of the step: a count", "flag_values": special, "flag_meanings": meanings}
+    if isinstance(P.letters, Struck):
+        names = P.letters.names
+        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
+        return {"long_name": said, "walls": names}
     if isinstance(P.letters, Hits):
         codes = np.array(sorted(P.letters.special), np.int32)
         meanings = " ".join(P.letters.special[code] for code in codes.tolist())
