@@ -457,7 +457,7 @@ def test_nothing_is_searched_before_the_files_are_checked(monkeypatch, capsys):
     def never(*_arguments, **_more):
         raise AssertionError("it was searched")
 
-    monkeypatch.setattr("grazing.cli.orbit_study.orbits_of", never)
+    monkeypatch.setattr("grazing.cli.study.made_of", never)
     said(capsys, 2, "orbit", "--word", "001", "-o", "no/a.nc")
     said(capsys, 2, "orbit", "--word", "001", "--save", "no/a.json")
     monkeypatch.setattr(os, "access", lambda *_given, **_more: False)

@@ -9,16 +9,25 @@ from pathlib import Path
 from typing import Any
 
 from grazing.cli.streams import printable
+from grazing.measured import downwards
 from grazing.outcome import InputError
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE = ".zarr"
 DATA = (".nc", ".csv", ".parquet")
 ENDINGS = (*FIGURES, *DATA, STORE)
-HELP = (
-    "File to write; may be repeated. Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), "
-    "csv or parquet (tables), zarr (result, computed chunk by chunk and resumable)."
+#: What the endings mean.
+MEANT = (
+    (FIGURES, "png, pdf, svg (figure)"),
+    (DATA, "nc (result, NetCDF), csv or parquet (tables)"),
+    ((STORE,), "zarr (result, computed chunk by chunk and resumable)"),
 )
+
+
+def help_of(endings: Sequence[str]) -> str:
+    """Return the help of the option that names files with some of the endings."""
+    formats = ", ".join(means for some, means in MEANT if {*some} <= {*endings})
+    return f"File to write; may be repeated. Its ending chooses the format: {formats}."
 
 
 def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
@@ -88,6 +97,17 @@ def units_of(result: Any) -> dict[str, list[str]]:
         if unit != "1":
             found.setdefault(unit, []).append(str(name))
     return found
+
+
+def described(result: Any) -> dict[str, Any]:
+    """Return title, sizes and units of a result, and of a rig with its stop above what counts downwards."""
+    down = downwards(result)
+    return {
+        "title": str(result.attrs.get("title", "")),
+        "sizes": {str(name): size for name, size in result.sizes.items()},
+        "units": units_of(result),
+        **({"down": down} if down else {}),
+    }
 
 
 def write(result: Any, path: Path, **style: Any) -> list[str]:

@@ -7,7 +7,7 @@ default from the signature of the function that has it.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf
 from typing import Annotated, Any
@@ -65,6 +65,8 @@ def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
 FLIGHT = [name for name in inspect.signature(pinball).parameters if name not in law_names("active")]
 OF_LAWS = list(dict.fromkeys(name for law in LAWS for name in law_names(law)))
 GAP = list(GAP_MAP)
+#: In place of k, where it is named: of either sign.
+STIFFNESS = "stiffness"
 AMPLITUDES = ("cos", "sin")
 
 
@@ -79,6 +81,12 @@ def _parameter_field(name: str) -> Any:
     usual = defaults_of(pinball).get(name)  # what the models take if nothing is said; for us that is None
     extra = None if usual is None else {"default": usual}
     return kind, Field(default=None, description=meaning(name), json_schema_extra=extra)
+
+
+def spring_in(config: Mapping[str, Any]) -> str:
+    """Return the name of the spring's parameter in a configuration: k, unless it names a stiffness."""
+    named = any(STIFFNESS in (config.get(key) or ()) for key in ("parameters", "vary"))
+    return STIFFNESS if named else "k"
 
 
 def meaning(name: str) -> str:
@@ -104,7 +112,7 @@ def _amplitudes_field(name: str) -> Any:
 
 def parameter_names() -> list[str]:
     """Return the names of all parameters of our own maps."""
-    return [*FLIGHT, *AMPLITUDES, *OF_LAWS, "phase", *GAP]
+    return [*FLIGHT, STIFFNESS, *AMPLITUDES, *OF_LAWS, "phase", *GAP]
 
 
 class OpenTable(Table):

@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
+from grazing.catalogue import studies
 from grazing.config import values
 from grazing.config.parameters import LAWS, Parameters, Table
-from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
+from grazing.config.settings import PAIR, STATE, settings_of
 from grazing.config.si import SCHEMA
 from grazing.config.walls import SAYS, Walls
 from grazing.maps.discontinuity import ORDERS
@@ -43,10 +44,6 @@ VARIED: dict[str, tuple[Any, str]] = {
 }
 
 
-#: Keys of one study's configuration alone: what the figure shows beside the result.
-DRAWN = {"chart": ("curves",), "graph": ("coordinate",)}
-
-
 #: The order of no discontinuity map: the graph of the stroboscopic map alone.
 ALONE = "none"
 
@@ -60,6 +57,17 @@ Curves = Annotated[
     BeforeValidator(_curves),
     WithJsonSchema({"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}}),
 ]
+
+
+#: Keys of the configurations of some studies alone: what the figure shows beside the result.
+BESIDE: dict[str, tuple[Any, str]] = {
+    "curves": (
+        Curves,
+        "drawn on top: the exact boundary curves of periods, where theory knows them (2,3,5 or 2:7), or a stored "
+        "branch or locus",
+    ),
+    "coordinate": (str | None, "coordinate whose images are drawn; the one that varies if not given"),
+}
 
 
 def _mass(value: Any) -> float | None:
@@ -97,7 +105,7 @@ def _in_order(value: Any) -> Any:
 class Config(Table):
     """What is computed: a study of a map, at these parameter values."""
 
-    study: Literal[tuple(STUDIES)] = Field(description="what is computed")  # type: ignore[valid-type]
+    study: Literal[tuple(studies())] = Field(description="what is computed")  # type: ignore[valid-type]
     map: Annotated[str, WithJsonSchema({"type": "string", "examples": [*MAPS, "file.py:name"]})] = Field(
         default="stroboscopic", description=f"{', '.join(MAPS)}, or file.py:name for a gz.Map of your own"
     )
@@ -136,29 +144,23 @@ class Config(Table):
 @cache
 def config_of(study: str) -> type[Config]:
     """Return the schema of one study's configuration."""
-    table = settings_of(study)
+    known, table = studies()[study], settings_of(study)
     kind: Any = Literal[study]
-    extra: dict[str, Any] = {}
-    if study == "chart":
-        says = (
-            "drawn on top: the exact boundary curves of periods, where theory knows them (2,3,5 or 2:7), or a stored "
-        )
-        says += "branch or locus"
-        extra["curves"] = (Curves, Field(default=None, description=says))
-    if study == "graph":
-        says = "coordinate whose images are drawn; the one that varies if not given"
-        extra["coordinate"] = (str | None, Field(default=None, description=says))
+    extra: dict[str, Any] = {
+        key: (BESIDE[key][0], Field(default=None, description=BESIDE[key][1])) for key in known.beside
+    }
+    if known.has("order"):
         says = f"terms of the discontinuity map; {ALONE} leaves it out beside the stroboscopic map"
         extra["order"] = (Literal[(*ORDERS, ALONE)] | None, Field(default=None, description=says))
-    if STUDIES[study].form != "values":
-        form, what = VARIED[STUDIES[study].form]
+    if known.form != "values":
+        form, what = VARIED[known.form]
         varied = Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(form)]
         extra["vary"] = (varied, Field(default_factory=dict, description=what))
     return create_model(
         f"{study.capitalize()}Config",
         __base__=Config,
-        __doc__=STUDIES[study].says,
-        study=(kind, Field(description=STUDIES[study].says)),
+        __doc__=known.says,
+        study=(kind, Field(description=known.says)),
         settings=(table, Field(default_factory=dict, validate_default=True, description=str(table.__doc__))),
         **extra,
     )
@@ -169,7 +171,7 @@ def json_schema() -> dict[str, Any]:
     from pydantic import TypeAdapter
 
     kinds: Any = None
-    for study in STUDIES:
+    for study in studies():
         kinds = config_of(study) if kinds is None else kinds | config_of(study)
     schema = TypeAdapter(Annotated[kinds, Field(discriminator="study")]).json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "grazing configuration", **schema}

@@ -167,11 +167,12 @@ def _graze(ax: Axes, result: Any, names: tuple[str, ...], highest: int | None) -
 def _entries(ax: Axes, result: Any, colours: list[str], lines: dict[int, Any], dots: dict[int, Any]) -> list[Any]:
     period, fraction = (result[name].values.tolist() for name in ("period", "fraction"))
     words = [str(word) for word in result["word"].values]
+    idle = result["neutral"].values.tolist() if "neutral" in result else [0] * len(words)
     largest = sorted(range(len(colours)), key=lambda k: -fraction[k])
     room = min(LISTED, rows_beside(ax) - 2 * bool(lines) - bool(dots))
     listed = largest if len(largest) <= room else largest[: max(room, 2) - 1]
     entries: list[Any] = [
-        patch(colours[k], f"{class_name(words[k], period[k])}: {percent(fraction[k])}")
+        patch(colours[k], f"{class_name(words[k], period[k])}{', neutral' * idle[k]}: {percent(fraction[k])}")
         for k in sorted(listed, key=lambda k: (*order_of(period[k]), -fraction[k]))
     ]
     rest = largest[len(listed) :]

@@ -10,11 +10,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
-from grazing.plot.branch import branch, shade_of, special_entries, spread
+from grazing.plot.branch import branch, shade_of, special_entries
 from grazing.plot.classes import blended, legend_extended, patch
 from grazing.plot.drawn import inline
 from grazing.plot.orbit_diagram import orbit_diagram
 from grazing.plot.provenance import provenance_of
+from grazing.plot.spread import spread
 from grazing.plot.style import DOUBLE, INK, axes, root, styled
 from grazing.plot.words import words_in
 

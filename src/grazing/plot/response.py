@@ -11,11 +11,12 @@ from matplotlib.lines import Line2D
 
 from grazing.outcome import InputError, shown
 from grazing.plot.bifurcation_diagram import branch_part
-from grazing.plot.branch import DASHES, branch, kinds, special_entries, spread
+from grazing.plot.branch import DASHES, branch, kinds, special_entries
 from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
+from grazing.plot.spread import spread
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
 
 #: Marks of the sweeps; random starts are dots.
