@@ -51,10 +51,23 @@ class Commands(App):
         return found
 
 
+#: Files in bash: readline finds and quotes them itself, whatever they are called; bash 3 cannot be asked for that.
+FILES = """_grazing_files() {
+  COMPREPLY=()
+  compopt -o default -o filenames 2>/dev/null && return
+  local _x
+  while IFS= read -r _x; do COMPREPLY+=("$_x"); done < <(compgen -f -- "$1")
+}
+
+"""
 #: What the scripts of completion say, and what they should: bash, zsh (--map=VALUE, then --map VALUE), fish.
 COMPLETED = (
-    ("COMPREPLY=( $(compgen -f", "local IFS=$'\\n'; compopt -o filenames 2>/dev/null; COMPREPLY=( $(compgen -f"),
-    ('"normal-form")', '"normal-form" $(compgen -G "*.py"))'),
+    ("_grazing() {\n  local cur", FILES + "_grazing() {\n  local cur"),
+    ('COMPREPLY=( $(compgen -f -- "${cur}") )', '_grazing_files "${cur}"'),
+    (
+        '"normal-form")',
+        '"normal-form"); while IFS= read -r _x; do [[ -e $_x ]] && _c+=("$_x"); done < <(compgen -G "*.py")',
+    ),
     ("'gap' 'normal-form'", "'gap' 'normal-form' *.py(N)"),
     (
         ":map:(stroboscopic impact discontinuity gap normal-form)",

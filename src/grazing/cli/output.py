@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.cli.streams import printable
+from grazing.measured import downwards
 from grazing.outcome import InputError
 
 FIGURES = (".png", ".pdf", ".svg")
@@ -96,6 +97,17 @@ def units_of(result: Any) -> dict[str, list[str]]:
         if unit != "1":
             found.setdefault(unit, []).append(str(name))
     return found
+
+
+def described(result: Any) -> dict[str, Any]:
+    """Return title, sizes and units of a result, and of a rig with its stop above what counts downwards."""
+    down = downwards(result)
+    return {
+        "title": str(result.attrs.get("title", "")),
+        "sizes": {str(name): size for name, size in result.sizes.items()},
+        "units": units_of(result),
+        **({"down": down} if down else {}),
+    }
 
 
 def write(result: Any, path: Path, **style: Any) -> list[str]:

@@ -23,6 +23,7 @@ from grazing.cli import output, progress
 from grazing.cli.certificates import certificates_at, proof_lines, written_proofs
 from grazing.cli.figures import style_of
 from grazing.cli.options import RUN, recipe_from, signature_of
+from grazing.cli.rig import as_given, given_names
 from grazing.cli.summary import lines
 from grazing.cli.whole import whole_number
 from grazing.config import command_of, plan_of, toml_of
@@ -119,7 +120,8 @@ def compute(
         else:
             made = made_of(recipe, threads, show)
     result = output.converted_as_far(made.result, units)
-    found = told(study, result)
+    given = as_given(result, units)
+    found = told(study, given)
     if certify and study.prove is not None:
         with progress.said("proving", quiet):
             proofs = study.prove(made.of, made.found)
@@ -132,9 +134,7 @@ def compute(
     written += [proof["file"] for proof in found.get("proofs", ()) if proof.get("file")]
     summary = {
         "study": study.name,
-        "title": str(result.attrs.get("title", "")),
-        "sizes": {str(name): size for name, size in result.sizes.items()},
-        "units": output.units_of(result),
+        **output.described(given),
         "seconds": round(seconds, 3),
         "files": written,
         "config_sha256": result.attrs.get("grazing_config_sha256"),
@@ -144,7 +144,11 @@ def compute(
         print(text.dumps({**summary, **(plain(found) if study.orbits else {"found": plain(found)})}))
     else:
         head, *rest = lines(summary, study)
-        print("\n".join([head, "", *words_of(study, found, result, recipe), *proof_lines(found), *rest]))
+        print(
+            "\n".join(
+                [head, "", *words_of(study, found, given, given_names(given, recipe)), *proof_lines(found), *rest]
+            )
+        )
     sys.stdout.flush()
     return DONE if all(proof["proven"] or not proof["due"] for proof in found.get("proofs", ())) else FAILED
 

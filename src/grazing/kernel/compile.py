@@ -128,13 +128,13 @@ def compiler_time() -> Iterator[Callable[[], float]]:
 
 def call(entry: Callable[..., Any], *args: Any, who: str = "kernel") -> Any:
     """Call a compiled kernel; an error of the compiler, or of a user's function, becomes one sentence."""
-    if jit_disabled():
-        return entry(*args)
     try:
         return entry(*args)
     except (GrazingError, MemoryError):
         raise
     except Exception as error:
+        if jit_disabled():
+            raise
         if not type(error).__module__.startswith("numba."):
             raise UserCodeError(f"{who} raised {told(error)}; let it return nan where it has no value") from error
         raise UserCodeError(f"{who} does not compile: {_first_sentence(error)}") from None

@@ -34,7 +34,7 @@ from grazing.oscillator.frames import (
     seen_from_strobe,
 )  # fmt: skip
 from grazing.oscillator.impacts import impacts_of
-from grazing.oscillator.pointed import POINTED, law_addresses
+from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
     AMBIGUOUS,
@@ -219,12 +219,10 @@ class Strobed(OfRig):
         """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
         model = self.walled
         numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
-        strikes = [
-            law_addresses(one.law.law, one.law.slope, one.law.name, model.kind_seen_from(j), arithmetic)[2]
-            for j, one in enumerate(model.walls)
-        ]
+        laws = [one.law for one in model.walls]
+        strikes = [strike_address(law.law, law.name, law_kind(law), arithmetic) for law in laws]
         setting = between_walls(model.harmonics, len(model.walls) if block else 0)
-        who = " or ".join(f"the reset law {one.law.name}" for one in model.walls)
+        who = " or ".join(f"the reset law {law.name}" for law in laws)
         ends = strikes[0], strikes[-1]
         return block_tasks(
             setting, model.harmonics, numbers, source, ends, lanes, transient, found, arithmetic, block, who

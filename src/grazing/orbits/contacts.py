@@ -19,11 +19,10 @@ from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows, plain_frames
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses
+from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses, law_kind, law_start
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
 from grazing.oscillator.wall import NAMES, Wall
 from grazing.oscillator.walled import Walled
-from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 Model = Oscillator | Walled
@@ -104,20 +103,18 @@ def law_numbers(model: Model, j: int, values: Floats) -> dict[str, float]:
     return dict(zip(law, values[place].tolist(), strict=True))
 
 
-def numbers_seen(model: Model, values: Floats) -> list[tuple[type, Floats]]:
-    """Return for each wall the parameters that it sees, as its law gets them, and their names."""
+def numbers_seen(model: Model, values: Floats) -> list[Floats]:
+    """Return for each wall the parameters that it sees, of all parameters of the model."""
     if isinstance(model, Oscillator):
-        return [(parameter_tuple(tuple(model.params)), values)]
+        return [values]
     rows = values[None]
-    return [
-        (model.kind_seen_from(j), np.append(model.rows_seen_from(j, rows)[0], 0.0)) for j in range(len(model.walls))
-    ]
+    return [model.rows_seen_from(j, rows)[0] for j in range(len(model.walls))]
 
 
 def flight_row(model: Model, values: Floats) -> Floats:
     """Return the numbers that flights need, as :func:`framer` takes them; the fields of laws are 0."""
     n, head = len(flight_fields(model.harmonics)), len(HEAD) + 2 * model.harmonics + 1  # alpha to sigma
-    seen = [numbers for _kind, numbers in numbers_seen(model, values)]
+    seen = numbers_seen(model, values)
     ends = (seen[0],) if isinstance(model, Oscillator) else (seen[0], seen[-1])
     row = np.zeros(n * len(ends))
     for j, numbers in enumerate(ends):
@@ -154,13 +151,13 @@ def frames_at(model: Model, values: Floats, phase: float = 0.0) -> Frames:
     return alone(constants_of(model.harmonics)(flight_kind(model.harmonics)(*flight_row(model, values).tolist())))
 
 
-def addresses(model: Model, contacts: Sequence[int]) -> tuple[list[float], list[float]]:
-    """Return for each impact the address of the piece of the law that acts there, and of its slope.
+def addresses(model: Model, contacts: Sequence[int]) -> list[tuple[float, float, int]]:
+    """Return for each impact where the piece of the law lies that acts there, its slope, and in a row its parameters.
 
-    A piece of a trigger goes on smoothly beyond the trigger's speed, so that Newton's method and virtual orbits can.
+    The last in bytes behind what a wall sees, see :func:`numbers_seen`. A piece of a trigger goes on smoothly beyond
+    the trigger's speed, so that Newton's method and virtual orbits can.
     """
-    walls, kinds = walls_of(model), [kind for kind, _numbers in numbers_seen(model, np.array([*model.params.values()]))]
-    pairs = []
+    walls, found = walls_of(model), []
     for contact in contacts:
         law = walls[wall_of(contact)].law
         known = {
@@ -168,15 +165,9 @@ def addresses(model: Model, contacts: Sequence[int]) -> tuple[list[float], list[
             FIRED: (active_law, newton_slope, "active"),
             PASSIVE: (newton_law, newton_slope, "newton"),
         }
-        pairs.append(_addresses(*known[piece_of(contact)], kinds[wall_of(contact)]))
-    return [at for at, _slope in pairs], [slope for _at, slope in pairs]
-
-
-@lru_cache(maxsize=64)
-def _addresses(law: Any, slope: Any, name: str, kind: type) -> tuple[float, float]:
-    """Return the addresses of a law and its slope in strict arithmetic."""
-    at, slope_at, _strike = law_addresses(law, slope, name, kind, "strict")
-    return at, slope_at
+        code = law_addresses(*known[piece_of(contact)], law_kind(law), "strict")
+        found.append((*code, law_start(model.harmonics, law)))
+    return found
 
 
 def sizes_of(model: Model) -> tuple[float, float]:
