@@ -128,7 +128,8 @@ def _check_envelope(document: Any) -> None:
     if type(version) is not int or version != VERSION:
         raise Rejected(
             f"the certificate has version {quoted(version)} of the format, this program reads {VERSION}; prove it "
-            "again with this version of grazing: gz.certify(orbit).save(file), or gz.enclose(orbit, kind, name).save(file)"
+            "again with this version of grazing: gz.certify(orbit).save(file), or "
+            "gz.enclose(orbit, kind, name).save(file)"
         )
     if set(document) != set(FIELDS):
         wrong = sorted(set(document) ^ set(FIELDS))
