@@ -19,6 +19,7 @@ PAGE = Path(__file__).with_name("api.md")
 HEADINGS = {
     "oscillator": "Models and trajectories",
     "systems": "Systems of your own",
+    "billiard": "Pinball tables",
     "signals": "Signals",
     "maps": "Maps",
     "studies": "Studies",
