@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from grazing.outcome import InputError, shown
@@ -34,8 +35,82 @@ def most_of(walls: int) -> int:
     return count
 
 
+class Alphabet:
+    """What spells letters in words where they are neither counts nor one character each.
+
+    ``most`` is how long a symbol is at most, without parentheses.
+    """
+
+    __slots__ = ()
+
+    @property
+    def most(self) -> int:
+        """Characters of a symbol at most."""
+        raise NotImplementedError
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        raise NotImplementedError
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Names(Alphabet):
+    """The alphabet of a map whose letters are names of objects: one character as it is, longer ones in parentheses.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of letters 0, 1, ...
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import Names
+    >>> names = Names(("A", "bumper"))
+    >>> names.symbol(1), names.read("A(bumper)", 1)
+    ('(bumper)', (1, 9))
+    """
+
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return ", ".join(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    @property
+    def most(self) -> int:
+        """Characters of a name at most."""
+        return max(map(len, self.names))
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        if not 0 <= letter < len(self.names):
+            raise InputError(f"letter {letter} has no name; allowed are 0 to {len(self.names) - 1}: {self}")
+        name = self.names[letter]
+        return name if len(name) == 1 else f"({name})"
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        end = text.find(")", position) if text[position] == "(" else position
+        name = text[position : end + 1].strip("()") if end >= 0 else ""
+        if name not in self.names:
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{', '.join(map(self.symbol, range(len(self.names))))}"
+            )
+        return self.names.index(name), end + 1
+
+
 @dataclass(frozen=True, slots=True)
-class Hits:
+class Hits(Alphabet):
     """The alphabet of a map between walls.
 
     A letter is the walls hit in the step, in order: ``0`` for none, ``A``, ``B``, and several in parentheses, ``(AB)``.
