@@ -8,7 +8,7 @@ attracts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,12 +16,12 @@ import numpy as np
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.branch import Branch, Piece, continuation
+from grazing.orbits.branch_windows import windows_of_piece
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.orbits.contacts import contacts_of, piece_of, pieces_of, wall_of
 from grazing.orbits.curves import Edge
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
-from grazing.orbits.path import closed
 from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import NOTHING, Solutions, Tally
 from grazing.orbits.search_section import GUESSES, Search, starts_of
@@ -44,7 +44,7 @@ ALIKE = 1e-9
 SAME = 1e-6
 
 
-class Window(NamedTuple):
+class WordWindow(NamedTuple):
     """A window of an orbit: its periods, its walls in order, its two ends with the walls that are grazed there."""
 
     N: int
@@ -82,11 +82,11 @@ def checked_words(model: Walled, words: Any) -> list[str]:
 
 def word_windows(
     model: Walled, name: str, periods: Sequence[int], words: Sequence[str], bounds: tuple[float, float], values: int
-) -> list[Window]:
+) -> list[WordWindow]:
     """Return the windows of orbits with these orders of walls; see :func:`grazing.windows`."""
     low, high = bounds
     P = stroboscopic_map(model)
-    found: list[Window] = []
+    found: list[WordWindow] = []
     branches: list[Branch] = []
     for share in range(values):
         value = low + (high - low) * (share + 0.5) / values
@@ -150,48 +150,21 @@ def followed(P: Map, orbit: ImpactOrbit, name: str, bounds: tuple[float, float])
     return [first, *(continuation(point.orbit.map, point, name, bounds, points=POINTS) for point in broken)]
 
 
-def windows_on(branch: Branch, names: str) -> Iterator[Window]:
+def windows_on(branch: Branch, names: str) -> Iterator[WordWindow]:
     """Yield the windows on a branch."""
     for number, piece in enumerate(branch.pieces):
-        if isinstance(piece.equations, ImpactEquations):
-            yield from _on_piece(branch, number, piece, names)
-
-
-def _on_piece(branch: Branch, number: int, piece: Piece, names: str) -> Iterator[Window]:
-    last = len(piece.values) - 1
-    marks = sorted({0, last, *piece.events})
-    runs: list[list[tuple[int, int, ImpactOrbit]]] = []
-    for a, b in pairwise(marks):
-        orbit = _between(piece, a, b)
-        if orbit is None or not (orbit.admissible and orbit.stable):
+        if not isinstance(piece.equations, ImpactEquations):
             continue
-        if runs and runs[-1][-1][1] == a and _event(piece, a) not in ("lp", "bp"):
-            runs[-1].append((a, b, orbit))
-        else:
-            runs.append([(a, b, orbit)])
-    for run in runs:
-        ends = [_edge(branch, number, piece, i) for i in (run[0][0], run[-1][1])]
-        if ends[0][0].value > ends[1][0].value:
-            ends.reverse()
-        orbit = run[len(run) // 2][2]
-        word = order_of(piece.equations.walls, names)  # type: ignore[attr-defined]
-        if ends[0][0].value < ends[1][0].value:
-            walls = ends[0][1], ends[1][1]
-            yield Window(orbit.period, word, ends[0][0], ends[1][0], walls, orbit.symmetric, orbit)
+        word = order_of(piece.equations.walls, names)
+        for one in windows_of_piece(piece):
+            orbit = one.inner
+            if isinstance(orbit, ImpactOrbit) and one.low < one.high:
+                (low, left), (high, right) = (_edge(branch, number, piece, i) for i in one.at)
+                yield WordWindow(one.period, word, low, high, (left, right), orbit.symmetric, orbit)
 
 
 def _event(piece: Piece, index: int) -> str:
     return dict(zip(piece.events, piece.types, strict=True)).get(index, "")
-
-
-def _between(piece: Piece, a: int, b: int) -> ImpactOrbit | None:
-    """Return an orbit inside a stretch between two special points; None where none is found."""
-    orbit: Any = piece.orbits[(a + b) // 2] if b > a + 1 else None
-    if orbit is None:
-        p = np.array([0.5 * (piece.values[a] + piece.values[b])])
-        x = closed(piece.equations, 0.5 * (piece.unknowns[a] + piece.unknowns[b]), p)
-        orbit = None if x is None else piece.equations.orbit(x, p)
-    return orbit if isinstance(orbit, ImpactOrbit) else None
 
 
 def _edge(branch: Branch, number: int, piece: Piece, index: int) -> tuple[Edge, str]:
@@ -206,14 +179,14 @@ def _edge(branch: Branch, number: int, piece: Piece, index: int) -> tuple[Edge, 
     return Edge(value, kind, "zero" if sure else "bracket"), wall if kind in ("gr", "v0", "law", "st") else ""
 
 
-def fits(window: Window, periods: Sequence[int], words: Sequence[str]) -> bool:
+def fits(window: WordWindow, periods: Sequence[int], words: Sequence[str]) -> bool:
     """Whether a window is one of those that are asked for."""
     return window.N in periods and window.word in words
 
 
-def distinct(found: Iterable[Window], close: float) -> list[Window]:
+def distinct(found: Iterable[WordWindow], close: float) -> list[WordWindow]:
     """Return windows in order, each once: two orbits that are images of each other have one."""
-    kept: list[Window] = []
+    kept: list[WordWindow] = []
     for one in sorted(found, key=lambda one: (one.N, len(one.word), one.word, one.low.value, one.high.value)):
         if not any(
             (one.N, one.word) == (other.N, other.word)
@@ -225,7 +198,7 @@ def distinct(found: Iterable[Window], close: float) -> list[Window]:
     return kept
 
 
-def piece_words(window: Window, model: Walled) -> str:
+def piece_words(window: WordWindow, model: Walled) -> str:
     """Return the pieces of the laws that act, in order; one word where they are the same."""
     orbit = window.orbit
     walls = [model.names.index(wall) for wall in orbit.walls]
