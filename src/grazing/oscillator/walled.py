@@ -199,6 +199,15 @@ class Walled(Rig):
             known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
         return known if self.mass is not None else replace(known, units="1")
 
+    def unit_of(self, name: str) -> float:
+        """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
+        front, _dot, last = name.rpartition(".")
+        moving = bool(front) and last.startswith(("cos", "sin"))
+        seen = self.seen_from(self.names.index(front) if front else 0)
+        unit = seen.unit_of("sigma" if moving else last)
+        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+        return min(unit, 0.5 * room) if moving or last == "sigma" else unit
+
     @property
     def symmetric(self) -> bool:
         """Whether the model is its own mirror image half a period later, as far as rounding tells.
