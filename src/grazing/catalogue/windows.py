@@ -81,24 +81,12 @@ def prove(of: Any, found: Any) -> list[Row]:
 
 
 STUDY = Study(
-    name="windows",
-    place=150,
-    compute="grazing.orbits.table:window_table",
-    least=1,
-    most=1,
-    form="bounds",
-    of="model",
+    name="windows", place=150, compute="grazing.orbits.table:window_table", of="model", least=1, most=1, form="bounds",
     orbits=True,
     says="where stable one-impact orbits exist",
     help="List where stable one-impact orbits exist, and why they end.",
     example="d --N 2:7 --V 0.4 -o windows.png",
     prints="the windows, what ends each, and the derivatives of their edges",
-    found=found,
-    words=words,
-    options={"samples": ("whole", 2, "cells of the first grid")},
-    figure="windows",
-    titled="windows of",
-    takes_long="looking for windows",
-    proves="the edges of the windows",
-    prove=prove,
-)
+    found=found, words=words, options={"samples": ("whole", 2, "cells of the first grid")}, figure="windows",
+    titled="windows of", takes_long="looking for windows", proves="the edges of the windows", prove=prove,
+)  # fmt: skip
