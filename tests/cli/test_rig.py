@@ -134,3 +134,28 @@ def test_a_study_in_gap_and_frequency_is_answered_in_them(capsys):
     assert "N  gap (mm) from" in said
     said = run(capsys, "response", "frequency=12:14:3", "--starts", "1", "--si", f"{SI},gap=1.2 mm", "--r", "0.7")
     assert "gr             12.92270452912 " in said and "special point  frequency (Hz)" in said
+
+
+def test_a_history_is_written_as_sound(capsys, tmp_path):
+    from scipy.io import wavfile
+
+    args = ["history", "u=0", "v=0", "--until", "2", "--si", f"{SI},gap=1.2 mm,frequency=14", "--r", "0.7"]
+    run(capsys, *args, "--units", "mm", "-o", f"{tmp_path}/rig.wav", "-o", f"{tmp_path}/rig.nc")
+    rate, played = wavfile.read(tmp_path / "rig.wav")
+    assert len(played) / rate == pytest.approx(2.0, abs=1e-4)  # seconds as they were, whatever the units of the rest
+    gz.to_wav(gz.trajectory(rig(), (0.0, 0.0), until=2.0), tmp_path / "python.wav")
+    assert (tmp_path / "python.wav").read_bytes() == (tmp_path / "rig.wav").read_bytes()
+    model = gz.pinball(d=0.12, V=0.4)
+    run(capsys, "history", "u=0.1", "v=0", "--until", "600", "--d", "0.12", "--V", "0.4", "-o", f"{tmp_path}/b.wav")
+    rate, played = wavfile.read(tmp_path / "b.wav")
+    assert len(played) / rate == pytest.approx(
+        600.0 / (440.0 * model.period), abs=1e-3
+    )  # the forcing is a tone of 440 Hz
+
+
+def test_a_motion_that_rests_has_no_sound(capsys, tmp_path):
+    rest = ["history", "u=0", "v=0", "--until", "600", "--d=-3", "--V", "0", "--r", "0.5", "-o", f"{tmp_path}/rest.wav"]
+    assert main([*rest, "-q"]) == 2
+    assert "the motion rests: its velocity does not change, and nothing sounds" in capsys.readouterr().err
+    assert main(["sample", "u=0", "v=0", "--until", "6", "-o", f"{tmp_path}/rest.wav", "-q"]) == 2
+    assert "allowed are png, pdf, svg, nc, csv, parquet, in small letters" in capsys.readouterr().err

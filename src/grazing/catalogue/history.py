@@ -11,5 +11,5 @@ STUDY = Study(
     help="Show position or velocity over time, with every impact.",
     example="u=0 v=0 --until 20 --d 0.12 --V 0.4 -o history.png",
     prints="the number of impacts and the first five, chatter, rests on the wall, whether it is certified",
-    found=trajectory.found, words=trajectory.words,
+    found=trajectory.found, words=trajectory.words, sounds=True,
 )  # fmt: skip

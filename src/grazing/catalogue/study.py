@@ -79,6 +79,8 @@ class Study:
     prove: Callable[[Any, Any], list[Row]] | None = None
     #: Whether it is a study of orbits and branches: its tables then stand beside the summary.
     orbits: bool = False
+    #: Whether its result is a motion that can be heard.
+    sounds: bool = False
 
     @property
     def function(self) -> str:

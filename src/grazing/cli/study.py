@@ -98,7 +98,8 @@ def command(study: Study) -> Callable[..., int]:
 
 def endings(study: Study) -> tuple[str, ...]:
     """Return the endings of the files that a study can write."""
-    return (*(output.FIGURES if study.drawn_by else ()), *output.DATA, *((output.STORE,) if study.plan else ()))
+    drawn, stored = output.FIGURES if study.drawn_by else (), (output.STORE,) if study.plan else ()
+    return (*drawn, *output.DATA, *stored, *((output.SOUND,) if study.sounds else ()))
 
 
 def compute(
@@ -130,7 +131,7 @@ def compute(
     written = [str(file) for file in stores]
     for file in files:
         if file not in stores:
-            written += output.write(result, file, **style)
+            written += output.write(made.result if file.suffix == output.SOUND else result, file, **style)
     written += [proof["file"] for proof in found.get("proofs", ()) if proof.get("file")]
     summary = {
         "study": study.name,

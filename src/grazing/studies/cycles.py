@@ -234,7 +234,7 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
                 move[i] = end[i, 0] - z[i, 0]
                 for m in range(dimension):
                     A[i, m] = (1.0 if i == m else 0.0) - M[i, m] + (B[i, m] if kept else 0.0)
-            if not solved(A, move):
+            if not solved(A, move, tolerance[:, j]):
                 return NONE
             small, moved = True, False
             for i in range(dimension):
