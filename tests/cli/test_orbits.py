@@ -8,6 +8,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 import grazing as gz
 from grazing.cli import certificates, main, orbit_study
@@ -80,7 +81,8 @@ def test_orbits_are_those_of_the_closed_form(alpha, V, d, capsys):
 
 
 def test_orbits_in_words_and_files(folder, capsys):
-    text = said(capsys, 0, "orbit", "--period", "1:4", "mu=0.5", *GAP, "--virtual", "-o", "a.nc", "-o", "a.csv")
+    files = ["-o", "a.nc", "-o", "a.csv", "-o", "a.parquet"]
+    text = said(capsys, 0, "orbit", "--period", "1:4", "mu=0.5", *GAP, "--virtual", *files)
     lines = text.splitlines()
     assert lines[0] == "periodic orbits of the gap map" and lines[2].split()[:2] == ["word", "period"]
     rows = {line.split()[0]: line.split()[1:5] for line in lines[3:7]}
@@ -94,6 +96,8 @@ def test_orbits_in_words_and_files(folder, capsys):
     point, image = table.x.values[2, :2]
     assert image == pytest.approx(0.8 * point + 0.5, abs=1e-14)
     assert next(csv.DictReader((folder / "a.csv").read_text().splitlines()))["word"] == "L"
+    assert list(dict.fromkeys(parquet.read_table("a.parquet")["word"].to_pylist())) == table.word.values.tolist()
+    assert "allowed are nc, csv, parquet, in small letters" in said(capsys, 2, "orbit", "--word", "L", "-o", "a.png")
     command = json.loads(said(capsys, 0, "info", "a.nc", "--json"))["command"]
     assert command == ("grazing orbit --map gap --lam 0.8 --mu 0.5 --l 1.0 --period 1,2,3,4 --virtual -o a.nc")
 

@@ -98,18 +98,11 @@ def _between(one: Row, unit: str) -> str:
 
 
 STUDY = Study(
-    name="response",
-    place=170,
-    compute="grazing.compare.response:response",
-    least=1,
-    most=1,
-    orbits=True,
+    name="response", place=170, compute="grazing.compare.response:response", least=1, most=1, orbits=True,
     says="what instruments read going up, going down and from random starts",
     help="Show what instruments read going up, going down and from random starts, and the branches through it.",
     example="omega=2:3:200 --V 0.4 -o response.png",
     prints="where the sweeps differ, the greatest readings, and the special points",
-    found=found,
-    words=words,
-    options={"period": ("whole", 1, "longest period of an attractor that is followed")},
+    found=found, words=words, options={"period": ("whole", 1, "longest period of an attractor that is followed")},
     takes_long="points of branches",
-)
+)  # fmt: skip

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from grazing.catalogue.rows import runs
 from grazing.plot.classes import legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -97,20 +98,6 @@ def lyapunov(
         "legend": beside,
         "provenance": provenance_of(result),
     }
-
-
-def runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return begin and end of each run of True.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from grazing.plot.lyapunov import runs
-    >>> runs(np.array([True, True, False, True]))
-    [(0, 2), (3, 4)]
-    """
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in steps.reshape(-1, 2)]
 
 
 def _lines(ax: Axes, values: Floats, exponent: Floats) -> list[Any]:

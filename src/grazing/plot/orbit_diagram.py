@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from grazing.catalogue.rows import runs
 from grazing.plot.classes import ENDED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -131,9 +132,7 @@ def _ended(values: NDArray[Any], period: NDArray[Any]) -> list[tuple[float, floa
     """Return the ranges of neighbouring values at which every orbit ended, to halfway to the next values."""
     x, order = ordered(values)
     edges = edges_of(x)
-    gone = np.concatenate([[False], (period[order] == ENDED).all(axis=1), [False]])
-    turns = np.flatnonzero(gone[1:] != gone[:-1])
-    return [(float(edges[a]), float(edges[b])) for a, b in turns.reshape(-1, 2)]
+    return [(float(edges[a]), float(edges[b])) for a, b in runs((period[order] == ENDED).all(axis=1))]
 
 
 def _classes(
