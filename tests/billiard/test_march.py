@@ -154,6 +154,13 @@ def test_a_ball_inside_an_object_and_one_at_rest_end_by_name():
     assert flags == 0 and t == pytest.approx(2e-3 / table.gravity)
 
 
+@pytest.mark.parametrize("up", [0.0, 1e-17, -1e-17, -1e-16])
+def test_a_ball_that_lies_on_a_floor_does_not_fall_through(up):
+    table = gz.table([gz.segment("A", (-9, 0), (9, 0), gz.newton(0.5))], rho=0.125, tilt=0.3)
+    flown = gz.trajectory(table, (0.0, 0.125 + up, 1.0, 0.0), until=9.0)
+    assert flown.outcome == "chatter not resolved" and flown.y.values.min() > 0.124
+
+
 def test_a_ball_that_meets_nothing_is_told_so():
     table = gz.table([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.arc("B", (9, 0), 1.0, 0.0, 1.0, ELASTIC)])
     assert contact(table, (5.0, 5.0, 1.0, 1.0)) == (-1, float("inf"), 0)

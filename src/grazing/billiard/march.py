@@ -122,7 +122,7 @@ def crossing(
         h, dh = sign * (x * x + y * y - size2), sign * 2.0 * (x * vx + y * now)
         bend, c3, w = vx * vx + now * now - g * y, -g * now, end - t
         e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size2), GAP * EPS * far * fast
-        b = GAP * EPS * (fast * fast + g * far)
+        b = GAP * EPS * (fast * fast + g * (far + size))
         if not (e < INFINITY and b < INFINITY):
             return t, 0.0, flags | DIVERGED
         if sign < 0.0 and fast + g > 0.0:  # it is inside, and does not stay there
@@ -136,7 +136,7 @@ def crossing(
             if rate < 0.0:
                 near = min(4.0 * max(up, 0.0) / -rate, w)
                 most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
-                most = max(sign * bend + most + b, 0.0)
+                most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
                 D = rate * rate - 4.0 * most * up
                 reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
                 late = (e + d * near) / -rate + 4.0 * EPS * t
@@ -185,12 +185,14 @@ def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool
             return INFINITY, 0.0, GRAZE | AMBIGUOUS
         if D < 0.0:
             return INFINITY, 0.0, OK
-    elif D < 0.0 or (h < -e and dh <= 0.0):
+    elif h < -e and (D < 0.0 or dh <= 0.0):
         return INFINITY, 0.0, OK
-    root = sqrt(D)
-    t = 2.0 * h / (root - dh) if dh < 0.0 else -(dh + root) / (2.0 * k)
-    late = (e + d * abs(t)) / root + 4.0 * EPS * abs(t) if root > 0.0 else 0.0
-    return max(t, 0.0), late, OK
+    root = sqrt(max(D, 0.0))
+    t = max(2.0 * h / (root - dh) if dh < 0.0 else -(dh + root) / (2.0 * k), 0.0)
+    if D > unsure:
+        return t, (e + d * t) / sqrt(D - unsure) + 4.0 * EPS * t, OK
+    # pressed against it, or hardly moving at all
+    return t, 2.0 * sqrt(unsure) / -k if k < 0.0 else t - max(h - e, 0.0) / (d - dh), OK
 
 
 def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: Any) -> Any:

@@ -219,11 +219,15 @@ def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[flo
 
 
 def box_of(table: Table, on: str, params: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
-    """Return where starts are drawn: on an object, away from it, as fast as a fall over its table or around 1."""
-    gravity = params["g"] * sin(params["tilt"])
+    """Return where starts are drawn: on an object, away from it, up to as fast as a fall over the table, or 1."""
+    fast = fastest(params)
+    return places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+
+
+def fastest(params: Mapping[str, float]) -> float:
+    """Return how fast a ball is that falls over the whole table, 1 on a level one."""
     heights = [value for name, value in params.items() if name.rpartition(".")[2] in ("y", "y1", "y2")]
-    fast = sqrt(2.0 * gravity * (max(heights) - min(heights)))
-    return places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.0, fast) if fast > 0.0 else (0.5, 1.5)
+    return sqrt(2.0 * params["g"] * sin(params["tilt"]) * (max(heights) - min(heights))) or 1.0
 
 
 def checked_table(table: object) -> Table:

@@ -19,6 +19,7 @@ from grazing.plot.provenance import provenance, provenance_of
 from grazing.plot.response import response
 from grazing.plot.spectrum import spectrum
 from grazing.plot.style import figure, panels, period_colour, rendered, save, styled
+from grazing.plot.table import table
 from grazing.plot.trajectory import trajectory
 from grazing.plot.tree import tree
 from grazing.plot.validity import validity
@@ -52,6 +53,7 @@ __all__ = [
     "save",
     "spectrum",
     "styled",
+    "table",
     "trajectory",
     "tree",
     "validity",
