@@ -38,7 +38,7 @@ ENTRY = 3.75
 #: A run of at least so many equal letters is written as a power.
 RUN = 4
 
-_LETTER = re.compile(r"\([0-9]+\)|.")
+_LETTER = re.compile(r"\([^()]*\)|.")
 
 
 def order_of(period: int) -> tuple[bool, int]:
@@ -95,8 +95,8 @@ def written(word: str) -> str:
     Examples
     --------
     >>> from grazing.plot.classes import written
-    >>> written("LLR"), written("LLLLLR"), written("1(12)0")
-    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0')
+    >>> written("LLR"), written("LLLLLR"), written("1(12)0"), written("(left_drain)")
+    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0', '(left_drain)')
     """
     runs = [(letter, len(list(same))) for letter, same in groupby(_LETTER.findall(word))]
     parts: list[tuple[str, int]] = []
@@ -106,7 +106,7 @@ def written(word: str) -> str:
     parts = parts[: LETTERS - 1] if end else parts
     if not end and all(count == 1 for _letter, count in parts):
         return plain(word)
-    formula = "".join(rf"\mathrm{{{a}}}" + (f"^{{{n}}}" if n > 1 else "") for a, n in parts) + end
+    formula = "".join(rf"\mathrm{{{a}}}".replace("_", r"\_") + (f"^{{{n}}}" if n > 1 else "") for a, n in parts) + end
     short = word if not end else word[: sum(len(a) * n for a, n in parts)] + "..."
     return mathematics(formula, short)
 
