@@ -58,7 +58,7 @@ def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         rows = Inequalities(inequalities)
         curve = Curve(problem, data, rows)
         dip = _dip(data, max(problem.n, 1))
-        check_flights(problem, curve.legs, data["cuts"], rows, dip)
+        check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
         ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
         _change_of_sign(problem, data, curve, ends, dip, rows)
         rows.finish()

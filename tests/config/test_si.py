@@ -82,6 +82,7 @@ def test_a_frequency_that_varies_is_omega_in_turns(rig):
     assert listed["vary"]["omega"] == [10 * math.pi, 12 * math.pi]
 
 
+@pytest.mark.filterwarnings("ignore:the gap is")  # metres make round numbers
 def test_what_varies_of_a_rig_is_in_its_own_units():
     rig = {"study": "chart", "si": SI, "parameters": {"r": 0.7}}
     recipe = checked(rig | {"vary": {"force": "2:4:5", "gap": "1 mm:2 mm:3"}})
@@ -132,6 +133,7 @@ def test_what_is_of_the_rig_may_stand_beside_the_table():
     ] == pytest.approx(56 * math.pi)
 
 
+@pytest.mark.filterwarnings("ignore:the gap is")  # metres make round numbers
 def test_a_branch_is_looked_at_in_the_units_of_what_varies():
     branch = {"study": "branch", "si": SI, "parameters": {"r": 0.7}, "vary": {"frequency": "5:25"}}
     for at in (20, "20", "20 Hz", [20.0], "1200 rpm"):
@@ -309,6 +311,7 @@ ODD = [
 ]  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore:the gap is")  # of 1e160 m, too
 @pytest.mark.parametrize("part", range(4))
 def test_whatever_stands_in_the_table_is_answered(part):
     for seed in range(100 * part, 100 * part + 100):

@@ -22,7 +22,7 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: gz.wall("low", LAW), "position = 'low' is not a real number"),
+        (lambda: gz.wall("low", LAW), "position = 'low' is no quantity"),
         (lambda: gz.wall(0.0, 0.8), "law of a wall is 0.8; give gz.newton"),
         (lambda: gz.wall(0.0, LAW, side="left"), "side = 'left'; allowed are 'below' and 'above'"),
         (lambda: gz.wall(0.0, LAW, motion=0.1), "motion is 0.1; give a gz.Forcing"),

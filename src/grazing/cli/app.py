@@ -17,6 +17,7 @@ from typing import Any
 from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
 
 from grazing import __version__
+from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, raised, shown
@@ -27,61 +28,8 @@ DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 NARROW, WIDE = 20, 10_000
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
-# The commands of the studies are made from the schema when they are asked for: --help needs none of it.
-STUDIES = {
-    "diagram": ("Show where orbits settle as one parameter varies.", "d=0.05:0.16:500 --V 0.4 -o diagram.png"),
-    "density": (
-        "Count how often orbits visit each part of a range as one parameter varies.",
-        "d=0.05:0.16:2000 --bins 1000 -o density.png",
-    ),
-    "chart": (
-        "Show which attractors there are, by period and word, as two parameters vary.",
-        "d=0.05:0.16:400 V=0:0.4:400 -o chart.png",
-    ),
-    "basins": ("Show which attractor each initial state reaches.", "u=0:0.3:400 v=-0.5:0.5:400 --d 0.1 -o basins.png"),
-    "lyapunov": ("Compute Lyapunov exponents.", "d=0.05:0.16:500 -o exponents.png"),
-    "coexistence": (
-        "Follow all attractors and their shares of the starts as one parameter varies.",
-        "d=0.05:0.16:500 --starts 200 -o shares.png",
-    ),
-    "trajectory": ("Follow the ball in continuous time, with every impact.", "u=0.1 v=0 --until 50 -o orbit.png"),
-    "history": (
-        "Show position or velocity over time, with every impact.",
-        "u=0 v=0 --until 20 --d 0.12 --V 0.4 -o history.png",
-    ),
-    "sample": (
-        "Record a motion at equal times, each computed and none interpolated.",
-        "u=0 v=0 --until 100 --rate 20 --d 0.12 --V 0.4 -o motion.csv",
-    ),
-    "spectrum": (
-        "Take a motion apart into lines at their frequencies.",
-        "u=0 v=0 --until 600 --since 100 --d 0.12 --V 0.4 -o spectrum.png",
-    ),
-    "cobweb": (
-        "Draw an orbit of a one-dimensional map.",
-        "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
-    ),
-    "graph": (
-        "Draw one step of a map along a line of states, beside the discontinuity map of the oscillator.",
-        "u=0.01:0.06:600 v=-0.23 --omega 2.1 --t0 2.2 --d 0.11 --V 0.2 -o graph.png",
-    ),
-}
-ORBITS = {
-    "orbit": ("Find periodic orbits, stable and unstable, and prove them.", "--word 001 --d 0.12 --V 0.4 --certify"),
-    "branch": (
-        "Follow the orbits of a word in a parameter, through folds and grazes.",
-        "d=0.02:0.14 --word 001 --V 0.4 -o branch.png",
-    ),
-    "windows": ("List where stable one-impact orbits exist, and why they end.", "d --N 2:7 --V 0.4 -o windows.png"),
-    "bifurcations": (
-        "Show a scan and the branches through it, and where the two disagree.",
-        "d=0.05:0.16:600 --V 0.4 -o bifurcations.png",
-    ),
-    "response": (
-        "Show what instruments read going up, going down and from random starts, and the branches through it.",
-        "omega=2:3:200 --V 0.4 -o response.png",
-    ),
-}
+#: Studies whose commands have commands of their own.
+WITH_MORE = {"orbit": "grazing.cli.orbits:orbit"}
 RESULTS = {
     "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
@@ -140,13 +88,12 @@ app = Commands(
 _studies, _orbits, _results = (
     Group("Studies", sort_key=1), Group("Orbits and branches", sort_key=2), Group("Results", sort_key=3)
 )  # fmt: skip
-for _order, (_name, (_says, _example)) in enumerate(STUDIES.items()):
-    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
-    app.command(f"grazing.cli.study:{_name}", name=_name, help=_help, group=_studies, sort_key=_order)
-for _order, (_name, (_says, _example)) in enumerate(ORBITS.items()):
-    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
-    _where = "grazing.cli.orbits:orbit" if _name == "orbit" else f"grazing.cli.study:{_name}"
-    app.command(_where, name=_name, help=_help, group=_orbits, sort_key=_order)
+# The commands of the studies are made from the schema when they are asked for: --help needs none of it.
+for _study in studies().values():
+    _help = f"{_study.help}\n\nExample: grazing {_study.name} {_study.example}"
+    _group = _orbits if _study.orbits else _studies
+    _where = WITH_MORE.get(_study.name, f"grazing.cli.study:{_study.name}")
+    app.command(_where, name=_study.name, help=_help, group=_group, sort_key=_study.place)
 for _order, (_name, (_where, _says)) in enumerate(RESULTS.items()):
     app.command(_where, name=_name, help=_says, group=_results, sort_key=_order)
 app.command(paper, group=_results, sort_key=len(RESULTS))
@@ -298,7 +245,7 @@ def _reworded(error: CycloptsError) -> str:
         extra = " ".join(error.unused_tokens or ())
         return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
-        known = [*STUDIES, *ORBITS, *RESULTS, "paper"]
+        known = [*studies(), *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]
         near = get_close_matches(token, known, n=1)
         hint = f'Did you mean "{near[0]}"? ' if near else ""

@@ -15,7 +15,7 @@ from grazing.orbits.branch import POINTS, Branch, Piece, Unsettled, Work, follow
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
-from grazing.orbits.orbit import Orbit
+from grazing.orbits.orbit import Orbit, multipliers_of
 from grazing.orbits.path import closed
 from grazing.orbits.special import Special
 from grazing.outcome import GrazingError, InputError, shown
@@ -35,6 +35,10 @@ SAME = 1e-6
 MOST, SHARE, STEP, LIMIT = 200, 0.25, 0.03, 2000
 #: The word of the orbit of an oscillator without impacts.
 FREE = "0"
+#: Why an attractor was not followed that moves along a line of others.
+NEUTRAL = (
+    "it is neutral, one of a continuum of orbits: a multiplier is 1, and no branch leads through one of them alone"
+)
 
 
 class Window(NamedTuple):
@@ -302,9 +306,12 @@ class Search:
             return
         P = self.P.replace(**{self.name: value})
         orbit = Orbit(
-            map=P, points=points[-N:], word=word, period=N, multipliers=np.zeros(P.dimension, np.complex128),
+            map=P, points=points[-N:], word=word, period=N, multipliers=multipliers_of(P, points[-N:]),
             admissible=True, condition=1.0, residual=0.0,
         )  # fmt: skip
+        if orbit.degenerate:
+            self.alone.append((value, word, N, NEUTRAL))
+            return
         try:
             self._add(self._followed(P, orbit))
         except Unsettled:

@@ -14,6 +14,7 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
+from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, point_at, unscaled
@@ -335,6 +336,11 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     p = np.array([value])
     if isinstance(equations, RestEquations):
         return Seed(equations, Point(np.zeros(2), np.zeros(2), ()))
+    if isinstance(equations, FreeEquations) and orbit.degenerate:
+        raise Unsettled(
+            f"{shown(orbit)} is one of a continuum at {name} = {value:g}: a multiplier is 1, and no branch leads "
+            "through one of them alone; begin with an orbit that has impacts"
+        )
     solved = closed(equations, x, p)
     if solved is None:  # at a fold the derivative is singular; across it, it is not
         fold = seeded_at_fold(equations, x, p)

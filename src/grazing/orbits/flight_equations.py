@@ -38,7 +38,7 @@ class FlightEquations(Equations):
         model.refuse_made(names)
         self.model, self.names = model, names
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
-        self._index = [list(params).index(name) for name in names]
+        self._index = np.array([list(params).index(name) for name in names], np.intp)
         self._base = np.array(list(params.values()))
 
     @property

@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
-from grazing.plot.branch import spread
 from grazing.plot.drawn import inline
+from grazing.plot.spread import spread
 from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
 
 #: Colours of the types of special points, each with dashes of its own so that print in grey keeps them apart.

@@ -31,7 +31,7 @@ MANY = 3000
 
 @inline
 def lyapunov(
-    result: Any, ax: Axes | None = None, *, per: str = "step", positive: float = 1e-3, legend: bool = True
+    result: Any, ax: Axes | None = None, *, per: str = "step", positive: float = 1e-3, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw Lyapunov exponents against a parameter, for all starts.
 
@@ -46,7 +46,8 @@ def lyapunov(
     positive : float
         Where the greatest exponent of any start is greater than this the diagram is shaded: chaos. An exponent that
         is zero in truth is found with an error that falls as the number of steps grows.
-    legend : bool
+    legend : bool, optional
+        Whether one stands beside the axes; None for one in a figure of its own only.
 
     Returns
     -------
