@@ -194,7 +194,9 @@ def checked_periods(N: Any) -> list[int]:
 def _is_number(value: Any) -> bool:
     """Whether a value may stand for one number: of arrays only those of no dimension."""
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
-    return not isinstance(value, (bool, str, bytes)) and getattr(value, "ndim", 0) == 0 and kind in ("f", "i", "u", "O")
+    if kind == "O" and getattr(value, "ndim", 1) == 0:  # an array around any object
+        return _is_number(value.item())
+    return not isinstance(value, (bool, str, bytes, bytearray)) and getattr(value, "ndim", 0) == 0 and kind in "fiu"
 
 
 def called_here(name: object, names: Iterable[str]) -> str:

@@ -411,9 +411,9 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             sound = False
             yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
     complete = {name: given.get(name, default) for name, default in known.items()}
-    around = {name for name, written in config["vary"].items() if written == DEFAULT}  # a range chosen by the value
+    chosen = {name for name, written in config["vary"].items() if isinstance(written, str) and written == DEFAULT}
     config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
     }
     if sound and config["map"] != "normal-form":
         filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}
