@@ -239,6 +239,13 @@ def doubtful_gap_maps():
                 yield gz.gap_map(lam, edge * (1 + off), l)
 
 
+def rattle(alpha, offset, unit=1.0):
+    """A mass without a spring between two walls, forced so weakly that it need not touch them."""
+    walls = (gz.wall(-unit, gz.newton(0.6)), gz.wall(unit, gz.newton(0.6)))
+    force = gz.Forcing(omega=1.0, offset=offset * unit, cos=(0.2 * unit,))
+    return gz.Oscillator(alpha=alpha, k=0.0, forcing=force, walls=walls)
+
+
 MANY = {
     "gap maps": [gz.gap_map(lam, mu, l) for lam in (0.3, 0.8) for l in (0.0, 0.2) for mu in (0.03, 0.1, 0.4)],
     "gap maps at edges": list(doubtful_gap_maps()),
@@ -258,6 +265,7 @@ MANY = {
         )
     ],
     "impact map": [gz.impact_map(gz.pinball(V=0.4, d=d)) for d in (0.05, 0.12)],
+    "no spring": [gz.stroboscopic_map(rattle(alpha, offset)) for alpha in (0.02, 0.1, 2.0) for offset in (0.0, 1e-3)],
 }  # fmt: skip
 
 
@@ -277,6 +285,21 @@ def test_the_tolerance_is_that_of_the_plain_rule(tolerance):
         points, letters, outcomes = P.run(states_in(P, 10), 100, 60)
         found = classify(P, points, letters, outcomes[0], tolerance)
         assert found.period.tolist() == twin.classified(P, points, letters, outcomes[0], tolerance)[0]
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.5e-4])
+def test_a_flight_that_no_spring_holds_has_the_period_of_the_one_that_it_approaches(unit):
+    """Velocities settle by exp(-alpha T) a period, and where the ball ends is a matter of where it began."""
+    P = gz.stroboscopic_map(rattle(0.1, 0.0, unit))
+    for transient in (10, 60, 500):
+        points, letters, outcomes = P.run(unit * np.array([[-0.3, 0.0, 0.2], [0.02, 0.0, -0.01]]), transient, 50)
+        found = classify(P, points, letters, outcomes[0])
+        assert found.period.tolist() == [1, 1, 1] and found.word.tolist() == ["0", "0", "0"]
+        assert len(np.unique(points[-1, 0].round(9))) == 3 or unit < 1.0
+    force = gz.Forcing(omega=1.0, offset=-1e-4, cos=(0.0,))
+    falling = gz.stroboscopic_map(gz.Oscillator(0.1, 0, force, gz.newton(0.6), sigma=-1e6))
+    points, letters, outcomes = falling.run(np.array([[1.0], [0.0]]), 500, 50)
+    assert classify(falling, points, letters, outcomes[0]).period.tolist() == [-1]  # it drifts
 
 
 def test_an_orbit_that_arrives_while_it_is_watched():

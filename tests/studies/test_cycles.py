@@ -18,6 +18,7 @@ from grazing.studies.cycles import (
     contracting_norm,
     falling,
     finder,
+    keeps,
     log_radius,
     multiplied,
     room_for,
@@ -78,6 +79,37 @@ def test_the_radius_of_what_is_no_number(d):
     M = 0.5 * np.eye(d)
     M[0, 1] = np.nan
     assert np.isnan(log_radius(M))
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e9])
+def test_what_a_matrix_keeps_is_the_projector_of_its_multipliers_1(unit):
+    R, b, e = np.empty((2, 2)), 0.7, 0.9355
+    assert keeps(np.array([[1.0, b * unit], [0.0, e]]), R)  # a flight without a spring, a period long
+    assert np.allclose(R, [[1.0, b * unit / (1.0 - e)], [0.0, 0.0]], rtol=1e-12, atol=0.0)
+    rng, S = np.random.default_rng(1), np.empty((4, 4))
+    for _ in range(20):
+        X = rng.normal(size=(4, 4)) * np.array([1.0, unit, 1.0, 1.0])[:, None]
+        assert keeps(X @ np.diag([1.0, 1.0, -0.8, 0.3]) @ np.linalg.inv(X), S)
+        exact = X @ np.diag([1.0, 1.0, 0.0, 0.0]) @ np.linalg.inv(X)
+        size = np.array([1.0, unit, 1.0, 1.0])
+        assert np.allclose(S * size / size[:, None], exact * size / size[:, None], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "M",
+    [
+        [[1.0, 0.7], [0.0, 1.0]],  # what drifts ever farther
+        [[-1.0, 0.0], [0.0, 0.5]],
+        [[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]],
+        [[np.cos(2.0 * np.pi / 3.0), -np.sin(2.0 * np.pi / 3.0)], [np.sin(2.0 * np.pi / 3.0), np.cos(2.0 * np.pi / 3)]],
+        [[0.5, 1.0], [0.0, 0.9]],
+        [[1.0, 0.0], [0.0, 1.5]],
+        [[1.0, np.nan], [0.0, 0.5]],
+        [[1.0 - 1e-6, 0.0], [0.0, 0.5]],
+    ],
+)
+def test_other_matrices_keep_nothing(M):
+    assert not keeps(np.array(M), np.empty((2, 2)))
 
 
 def test_a_matrix_is_not_changed():
@@ -166,8 +198,17 @@ def test_no_tangent_at_the_orbit_is_said():
     assert search(gz.gap_map(0.8, 0.5, 1.0), [0.0], [1])[0] == NO_TANGENT  # the slope is infinite at 0
 
 
-def test_a_multiplier_of_one_has_no_cycle_of_its_own():
-    assert search(linear_map([[1.0]]), [0.3], [0])[0] == NONE
+def test_of_a_continuum_the_cycle_is_the_one_that_the_orbit_approaches():
+    found, z, M = search(linear_map([[1.0]]), [0.3], [0])
+    assert (found, z[0], M[0, 0]) == (FOUND, 0.3, 1.0)
+    found, z, _M = search(linear_map([[1.0, 0.5], [0.0, 0.9]]), [0.3, -0.2], [0])
+    assert found == FOUND and z == pytest.approx([0.3 - 0.2 * 0.5 / 0.1, 0.0], abs=1e-14)  # sum of 0.5 v 0.9^n
+    drift = gz.Map(lambda state, p: (state[0] + p.a,), params={"a": 0.01}, tangent=drifting)
+    assert search(drift, [0.3], [0])[0] == NONE
+
+
+def drifting(state, p):
+    return (state[0] + p.a,), 0, 0, (1.0,)
 
 
 def test_newton_takes_as_many_steps_as_it_says():

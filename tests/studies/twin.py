@@ -80,6 +80,15 @@ def turn_of(matrices):
     return reduce(lambda first, second: second @ first, matrices)
 
 
+def kept_by(M):
+    """The projector onto what M keeps, where all else contracts; else 0."""
+    values, vectors = np.linalg.eig(M)
+    ones = np.abs(values - 1.0) <= 1e-12
+    if not ones.any() or not (np.abs(values[~ones]) < 1.0 - 1e-9).all():
+        return np.zeros_like(M)
+    return ((vectors * ones) @ np.linalg.inv(vectors)).real
+
+
 def cycle_beside(P, state, letters, tolerance, steps=12):
     """A point of the cycle with these letters near a state, and the derivative of a turn from there; None for none."""
     x, N, first = state, len(letters), True
@@ -90,7 +99,8 @@ def cycle_beside(P, state, letters, tolerance, steps=12):
         first = False
         end, matrices = found
         try:
-            move = np.linalg.solve(np.eye(len(x)) - turn_of(matrices), end - x)
+            M = turn_of(matrices)
+            move = np.linalg.solve(np.eye(len(x)) - M + kept_by(M), end - x)
         except np.linalg.LinAlgError:
             return None
         x = x + move
@@ -110,8 +120,8 @@ def cycle_beside(P, state, letters, tolerance, steps=12):
 
 def approaches(z, M, x, N, tolerance):
     """Whether points x fall towards the cycle through z, in coordinates along the eigenvectors of M."""
-    values, vectors = np.linalg.eig(M)
-    radius = np.abs(values).max()
+    _values, vectors = np.linalg.eig(M)
+    radius = np.abs(np.linalg.eigvals(M - kept_by(M))).max()
     if not radius < 1.0 - 1e-9:
         return False
     frame = np.eye(len(M)) if np.linalg.cond(vectors) > 1e8 else np.linalg.inv(vectors)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from math import floor, gcd
 from typing import Any, NamedTuple
 
@@ -94,10 +95,15 @@ class ImpactEquations(FlightEquations):
 
         The numbers must live as long as their addresses are used.
         """
-        at, slope = addresses(self.model, self.pieces)
-        numbers = [row for _kind, row in numbers_seen(self.model, values)]
-        rows = [float(numbers[wall].ctypes.data) for wall in self.walls]
-        return np.column_stack([at, slope, rows, np.array(self.walls, np.float64)]), numbers
+        laws, numbers = self._codes.copy(), numbers_seen(self.model, values)
+        rows = np.array([row.ctypes.data for row in numbers], np.float64)
+        laws[:, 2] += rows[self.walls]
+        return laws, numbers
+
+    @cached_property
+    def _codes(self) -> Floats:
+        """What :meth:`_laws` returns, of numbers their places in a row: it holds for all values of parameters."""
+        return np.column_stack([addresses(self.model, self.pieces), self.walls]).astype(np.float64)
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""

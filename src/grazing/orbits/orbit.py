@@ -81,10 +81,24 @@ class Orbit(ByValue):
         """
         return bool(abs(np.abs(self.multipliers).max(initial=0.0) - 1.0) <= max(ROUNDING, self.doubt))
 
+    @property
+    def degenerate(self) -> bool:
+        """Whether a multiplier is 1, to rounding: along a line of orbits, or at a fold."""
+        return bool((np.abs(self.multipliers - 1.0) <= ROUNDING).any())
+
     def __repr__(self) -> str:
         kind = "stable" if self.stable else "neutral" if self.neutral else "unstable"
         said = [kind, "admissible" if self.admissible else "virtual"]
         return f"<{type(self).__name__} {abridged(self.word)}, period {self.period}, {', '.join(said)}>"
+
+
+def multipliers_of(P: Map, points: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return the multipliers of a cycle through points, shape (period, dim); NaN where a step has no derivative."""
+    J = np.eye(P.dimension)
+    for point in points:
+        J = P.jacobian(point) @ J
+    found = np.linalg.eigvals(J) if np.isfinite(J).all() else np.full(P.dimension, np.nan)
+    return found.astype(np.complex128)
 
 
 def doubt_of(J: NDArray[np.float64], error: NDArray[np.float64]) -> float:

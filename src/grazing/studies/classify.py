@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.map import Map
 from grazing.orbits.word import word
 from grazing.outcome import AMBIGUOUS
@@ -156,5 +156,5 @@ def settled_columns(P: Map, rows: Floats, found: Columns, tolerance: float = TOL
 
 
 @lru_cache(maxsize=65536)
-def _spelled(letters: tuple[int, ...], symbols: str | Hits | None) -> str:
+def _spelled(letters: tuple[int, ...], symbols: str | Alphabet | None) -> str:
     return word(letters, symbols)
