@@ -1,7 +1,7 @@
 """Results of a rig as it is measured: positions and velocities upwards, with the stop where it is.
 
 A model has its wall below: with a stop above, its u is -x. Figures show x, and each draws what :func:`measured`
-returns; results themselves, files and tables keep the model's u.
+returns; results themselves, files and tables keep the model's u, and tables say which columns count downwards.
 """
 
 from __future__ import annotations
@@ -71,6 +71,12 @@ def measured(result: Any) -> Any:
 def sign_of(result: Any) -> float:
     """Return what a state of the model is multiplied by to be drawn over a result that is shown as measured."""
     return -1.0 if result.attrs.get(TURNED) == "above" else 1.0
+
+
+def downwards(result: Any) -> list[str]:
+    """Return the variables of a result whose positive direction is down: positions and velocities where u is -x."""
+    above = getattr(result, "attrs", {}).get(STOP) == "above"
+    return [str(name) for name in result.variables if above and _signed(str(name))]
 
 
 def _signed(name: str) -> bool:

@@ -8,11 +8,12 @@ import xarray as xr
 
 import grazing as gz
 from grazing import memory, theory
+from grazing.catalogue import studies
+from grazing.catalogue.rows import told
 from grazing.orbits.word import letters_of
 from grazing.orbits.word import word as word_of
 from grazing.studies.basins import basins, plan
 from grazing.studies.classify import classify
-from grazing.studies.found import found as found_in
 from grazing.studies.plan import empty_arrays, labelled
 from tests.studies.maps import DOUBLE_WELL, FOLLOWER, HENON, LOGISTIC, PLANE_WELLS, SMOOTH
 
@@ -263,7 +264,7 @@ def test_a_continuum_of_neutral_motions_is_one_row():
     assert found.fraction.values[free][0] > 0.5
     state = P.orbit(found.point.values[free][0], 1).points
     assert np.allclose(state[1], state[0], rtol=0.0, atol=1e-15)
-    kinds = {row["word"]: (row["kind"], row["neutral"]) for row in found_in("basins", found)["attractors"]}
+    kinds = {row["word"]: (row["kind"], row["neutral"]) for row in told(studies()["basins"], found)["attractors"]}
     assert kinds["0"] == ("period 1, a neutral continuum", True)
     assert all(not idle for word, (_kind, idle) in kinds.items() if word != "0")
     legend = [text.get_text() for text in gz.plot.basins(found)["legend"].get_texts()]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+from grazing.catalogue import studies
 from grazing.config.own import is_own, own_object
 from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, STIFFNESS, defaults_of, law_names, spring_in
 from grazing.config.schema import MAPS
@@ -121,7 +122,8 @@ def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     if config.get("walls"):
         phase = ["phase"] if kind in PHASED else []
         given, varied = config.get("parameters", {}), config.get("vary", {})
-        return [*parameters_of(config["walls"], given, varied, spring_in(config)), *phase], ["u", "v"]
+        coordinates = ["tau", "v_plus"] if kind == "impact" else ["u", "v"]
+        return [*parameters_of(config["walls"], given, varied, spring_in(config)), *phase], coordinates
     waves = {name: config.get("parameters", {}).get(name) for name in AMPLITUDES}
     return _names(kind, config.get("law") or LAW, spring_in(config), *(len(waves[name] or ()) for name in AMPLITUDES))
 
@@ -182,8 +184,11 @@ def section_of(model: Any, config: Mapping[str, Any]) -> Map:
 
 def has_beside(config: Mapping[str, Any]) -> bool:
     """Say whether a configuration is the graph of a stroboscopic map, which a discontinuity map can stand beside."""
-    if config.get("study") != "graph" or not is_own(config["map"]):
-        return config.get("study") == "graph" and config["map"] == "stroboscopic" and not config.get("walls")
+    study = studies().get(str(config.get("study")))
+    if study is None or not study.has("order"):
+        return False
+    if not is_own(config["map"]):
+        return config["map"] == "stroboscopic" and not config.get("walls")
     found = own_object(config["map"])
     return isinstance(found, Map) and found.model is not None and found.section == "strobe"
 

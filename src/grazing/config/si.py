@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from math import pi
 from typing import Any, NamedTuple
 
+from grazing.catalogue import studies
 from grazing.config import values
 from grazing.config.problems import Problem
-from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT
 from grazing.config.walls import checked_walls, flat, front_of, last_of, sides_of
+from grazing.oscillator.deflection import warn_of_gap
 from grazing.oscillator.parameters import parameter_units
 from grazing.oscillator.si import AMPLITUDES, GAP, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
@@ -127,7 +128,18 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         found["stop"] = side
         found.setdefault("law", LAW)
     problems += _renamed(found, _sides(made, side, gaps), made.mass)
+    if gaps is None and not problems:
+        warn_of_gap(made, _least_gap(found["vary"] if vary else {}, -made.sigma))
     return found, problems
+
+
+def _least_gap(vary: Any, gap: float) -> float:
+    """Return the least gap of a study; 0 where forces or what holds the mass vary, so that its deflection is open."""
+    if {"alpha", "k", "d", "cos1", "sin1"} & {*vary}:
+        return 0.0
+    written = vary.get("sigma", gap)
+    ends = written.split(":")[:2] if isinstance(written, str) else written
+    return min(abs(float(end)) for end in (ends if isinstance(ends, list) else [ends]))
 
 
 def _gaps(walls: Any) -> dict[str, Own] | None:
@@ -257,7 +269,7 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
                 faults.append(Problem(("si",), f"{name} and {own.name} both vary; give one of them"))
         return {names.get(name, Own(name)).name: converted(item, name, bounded, at) for name, item in table.items()}
 
-    study = STUDIES.get(str(found.get("study")))
+    study = studies().get(str(found.get("study")))
     if isinstance(found.get("vary"), Mapping):
         varied = [*found["vary"]]
         found["vary"] = named(found["vary"], study is not None and study.form == "bounds", "vary")

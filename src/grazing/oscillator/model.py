@@ -9,6 +9,7 @@ from math import pi
 from typing import Any
 
 from grazing.oscillator.constants import natural_size
+from grazing.oscillator.deflection import warn_of_gap
 from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
@@ -157,7 +158,8 @@ class Oscillator(Rig):
         m, c, k : float
             Mass, > 0, in kg; viscous damping, >= 0, in N s/m; stiffness, >= 0, in N/m.
         gap : float
-            Distance from the mass to the stop where the spring is relaxed, >= 0, in m.
+            Distance from the mass to the stop where the spring is relaxed, >= 0, in m. A warning says where it is more
+            than ten times the largest deflection that the force brings.
         reset : Reset
             Such as ``gz.newton(0.7)``; its speeds are in m/s.
         force : float or sequence of float
@@ -213,11 +215,12 @@ class Oscillator(Rig):
             forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
             return Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
         if gap is None or reset is None:
-            raise InputError(
-                f"{'gap' if gap is None else 'reset'} is missing; give gap and reset of one stop, or walls"
-            )
+            one = "gap is missing; give the distance to the stop, such as gap='1.2 mm'"
+            one = one if gap is None else "reset is missing; give the law of the stop, such as reset=gz.newton(r=0.7)"
+            raise InputError(f"{one}; or several stops as walls")
         side = "above" if side is None else side
         found = si_numbers(**numbers, gap=gap, side=side)
+        warn_of_gap(found, -found.sigma)
         forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
         return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base, stop=side)
 

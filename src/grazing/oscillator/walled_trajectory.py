@@ -23,8 +23,10 @@ from grazing.oscillator.frames import (
     seen_from_strobe,
 )  # fmt: skip
 from grazing.oscillator.legs import CAPACITY, MAX_IMPACTS, PATIENCE, flown
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED
-from grazing.oscillator.reset import in_python
+from grazing.oscillator.reset import in_python, newton
+from grazing.oscillator.spring import spring_of
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, InputError, Trust, UserCodeError
 from grazing.parameter import parameters
@@ -130,6 +132,15 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
             break
     del source  # the laws' numbers lie in it: it had to live so long
     return np.concatenate(tables)
+
+
+def above_first(model: Oscillator | Walled) -> Oscillator:
+    """Return an oscillator that flies as a model does, above the place where its first wall is, or has its middle."""
+    if isinstance(model, Oscillator):
+        return model
+    name, value = spring_of(model)
+    spring: dict[str, Any] = {name: value}
+    return Oscillator(model.alpha, forcing=model.forcing, reset=newton(1.0), sigma=model.walls[0].position, **spring)
 
 
 def rests_in(begins: Floats, ends: Floats, lies: NDArray[np.bool_]) -> Floats:

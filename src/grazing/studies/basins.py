@@ -22,7 +22,7 @@ from grazing.studies.attractors import attractors_of
 from grazing.studies.boundary import basin_entropy, evenly_spaced, uncertainty
 from grazing.studies.classify import Settled, settled_columns
 from grazing.studies.growth import on_cycles, turned
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import (
     checked_arithmetic,
     checked_fixed,
@@ -42,20 +42,9 @@ Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions of the result, which a coordinate must not have.
 TAKEN = (
-    "basin",
-    "attractor",
-    "coordinate",
-    "period",
-    "word",
-    "neutral",
-    "fraction",
-    "point",
-    "trust",
-    "outcome",
-    "graze",
-    "graze_order",
-    "outside",
-)
+    "basin", "attractor", "coordinate", "period", "word", "neutral", "fraction", "point", "trust", "outcome", "graze",
+    "graze_order", "outside",
+)  # fmt: skip
 #: Two orbits of the same word and period are on one attractor if their points differ by less than this share of the
 #: grid's extent.
 SAME = 1e-6
@@ -63,6 +52,7 @@ SAME = 1e-6
 CURVE = 2000
 
 
+@planned
 def basins(
     P: Map,
     grid: Mapping[str, ArrayLike] | None = None,
@@ -74,7 +64,7 @@ def basins(
     threads: int | None = None,
     arithmetic: str = "fast",
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return which attractor each initial state of a grid reaches.
 
     Parameters
@@ -127,23 +117,6 @@ def basins(
     >>> found.word.values.tolist(), bool(found.fraction.sum() == 1.0)
     (['LLR', 'LLLR'], True)
     """
-    made = plan(
-        P, grid, fixed=fixed, transient=transient, keep=keep, preimages=preimages, arithmetic=arithmetic
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    grid: Mapping[str, ArrayLike] | None = None,
-    *,
-    fixed: Mapping[str, float] | None = None,
-    transient: int = 500,
-    keep: int = 64,
-    preimages: int = 3,
-    arithmetic: str = "fast",
-) -> Plan:
-    """Return the plan of basins, see :func:`basins`."""
     checked_map(P)
     axes = _checked_grid(P, grid)
     others = checked_fixed(P, axes, fixed)
@@ -189,6 +162,9 @@ def plan(
         finish=partial(_with_attractors, P, axes, preimages),
         finish_work=partial(_finish_work, P, axes, preimages),
     )
+
+
+plan = basins.plan
 
 
 def _compute(
