@@ -24,6 +24,7 @@ LAYERS = (
     ("copies", "pool"),
     ("systems",),
     ("oscillator",),
+    ("billiard",),
     ("maps", "signals"),
     ("orbits",),
     ("proof",),
@@ -64,7 +65,7 @@ OWNERS = {
 # The command line parses, calls and saves: no mathematics.
 FORBIDDEN = {"cli": {"numpy", "scipy"}}
 # What serves every system names none: it asks the origin of a map.
-SYSTEMS = ("grazing.oscillator", "grazing.systems")
+SYSTEMS = ("grazing.oscillator", "grazing.systems", "grazing.billiard")
 NAME_NO_SYSTEM = {
     "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
     "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
@@ -74,7 +75,7 @@ NAME_NO_SYSTEM = {
 STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}
 # Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
 # hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
-BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "maps"}
+BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "billiard", "maps"}
 
 
 def module_name(file: Path, source: Path) -> str:

@@ -47,7 +47,6 @@ STUDY = Study(
     name="basins",
     place=40,
     compute="grazing.studies.basins:basins",
-    plan="grazing.studies.basins:plan",
     least=0,
     most=2,
     varies="coordinate",

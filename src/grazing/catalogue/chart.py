@@ -47,7 +47,6 @@ STUDY = Study(
     name="chart",
     place=30,
     compute="grazing.studies.chart:chart",
-    plan="grazing.studies.chart:plan",
     least=2,
     most=2,
     says="periods and words as two parameters vary",

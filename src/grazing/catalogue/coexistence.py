@@ -59,7 +59,6 @@ STUDY = Study(
     name="coexistence",
     place=60,
     compute="grazing.studies.coexistence:coexistence",
-    plan="grazing.studies.coexistence:plan",
     least=1,
     most=1,
     says="all attractors and their shares",

@@ -38,7 +38,6 @@ STUDY = Study(
     name="density",
     place=20,
     compute="grazing.studies.density:density",
-    plan="grazing.studies.density:plan",
     least=1,
     most=1,
     says="how often orbits visit each part of a range",

@@ -44,7 +44,6 @@ STUDY = Study(
     name="diagram",
     place=10,
     compute="grazing.studies.orbit_diagram:orbit_diagram",
-    plan="grazing.studies.orbit_diagram:plan",
     least=1,
     most=1,
     says="where orbits settle as one parameter varies",

@@ -98,7 +98,6 @@ STUDY = Study(
     name="lyapunov",
     place=50,
     compute="grazing.studies.lyapunov:lyapunov",
-    plan="grazing.studies.lyapunov:plan",
     least=0,
     most=1,
     says="Lyapunov exponents",

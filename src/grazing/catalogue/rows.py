@@ -63,6 +63,10 @@ def attractor(period: int, word: str, **more: Any) -> Row:
 
 def symbol(code: int, variable: Any) -> str:
     """Return a letter as words have it: a count, the walls that are hit, or the symbol of its code."""
+    if "walls" in variable.attrs:
+        from grazing.maps.hits import Struck
+
+        return Struck(str(variable.attrs["walls"])).symbol(code)
     if "surfaces" in variable.attrs:
         from grazing.maps.hits import Hits
 

@@ -74,7 +74,7 @@ def plan_of(config: Mapping[str, Any], *, code: str | None = None) -> Plan:
     if not study.plan:
         others = ", ".join(name for name, known in studies().items() if known.plan)
         raise InputError(f"{study.name} is computed as a whole and has no cells to sweep; allowed are {others}")
-    plan: Plan = named(study.plan)(map_in(recipe), *varied(study, recipe), **recipe["settings"])
+    plan: Plan = study.plan(map_in(recipe), *varied(study, recipe), **recipe["settings"])
     if study.kept:  # found by a trial, whose last digits another machine need not repeat
         found = {name: list(plan.config[name]) for name in study.kept}
         recipe = {**recipe, "settings": {**recipe["settings"], **found}}

@@ -27,6 +27,11 @@ from grazing.parameter import named_by
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
+#: What a model has of its own, and what is said of maps without it.
+BROUGHT = {
+    "law": ("its own reset law", "has no reset law"), "mass": ("its own units", "is dimensionless"),
+    "base": ("its own base", "has no base"), "stop": ("its own stop", "has no stop"),
+}  # fmt: skip
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
@@ -228,9 +233,10 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     oscillator = not is_own(kind) and kind != "gap"
     if config.get("model") and not oscillator:
         yield Problem(("model",), f"the map {kind} is not made of an oscillator; leave the model out")
-    if config.get("law") and (config.get("model") or not oscillator):
-        brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
-        yield Problem(("law",), f"{brings}; leave the law out")
+    for key, (own, none) in BROUGHT.items() if config.get("model") or not oscillator else ():
+        if key in config:
+            brings = f"the model brings {own}" if config.get("model") else f"the map {kind} {none}"
+            yield Problem((key,), f"{brings}; leave the {key} out")
     for key in ("law", "model") if config.get("walls") and oscillator else ():
         if key in config:
             yield Problem((key,), f"the walls bring their own laws; leave the {key} out")
@@ -238,15 +244,6 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
         yield Problem(("stop",), "the walls say themselves where they are; leave the stop out")
     if config.get("walls") and not oscillator:
         yield Problem(("walls",), f"the map {kind} has no wall; leave them out")
-    if "mass" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
-        yield Problem(("mass",), f"{brings}; leave the mass out")
-    if "base" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
-        yield Problem(("base",), f"{brings}; leave the base out")
-    if "stop" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
-        yield Problem(("stop",), f"{brings}; leave it out")
     if "units" in config and "mass" not in config and not config.get("model") and not is_own(kind):
         yield Problem(("units",), "the model is dimensionless; give it with --si, or its mass with --mass")
     beside = has_beside(config)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
+from pydantic import Field, create_model
 
 from grazing.catalogue import studies
 from grazing.catalogue.study import named
 from grazing.config import values
-from grazing.config.parameters import Table
+from grazing.config.parameters import Table, optional
 from grazing.outcome import InputError, shown
 
 
@@ -20,11 +20,7 @@ def _setting(check: Callable[[Any, str], Any], schema: Mapping[str, Any], says: 
     """Return what makes the field of a setting from its name and its default."""
 
     def field(name: str, default: Any) -> Any:
-        def checked(value: Any) -> Any:
-            return None if value is None else check(value, name)
-
-        kind = Annotated[Any, BeforeValidator(checked), WithJsonSchema(dict(schema))]
-        return kind, Field(default=default, description=says)
+        return optional(lambda value: check(value, name), schema), Field(default=default, description=says)
 
     return field
 

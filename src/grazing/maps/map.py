@@ -18,7 +18,7 @@ from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import settle_orbits, warn_of_bad_law
@@ -92,7 +92,7 @@ class Map(ByValue):
         Names of the state's components.
     box : sequence of (low, high)
         Where random starts are drawn, one pair per coordinate.
-    letters : str or Hits, optional
+    letters : str or Alphabet, optional
         The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period); between two walls,
         the walls that letters name.
     pieces : mapping of str to callable, optional
@@ -157,7 +157,7 @@ class Map(ByValue):
     params: Mapping[str, float] = field(default_factory=dict)
     coordinates: Sequence[str] = ("x",)
     box: Sequence[tuple[float, float]] = ((0.0, 1.0),)
-    letters: str | Hits | None = None
+    letters: str | Alphabet | None = None
     prepare: Callable[..., Any] | None = None
     tangent: Callable[..., Any] | None = None
     pieces: Mapping[str, Callable[..., Any]] | None = None
