@@ -213,7 +213,10 @@ class Oscillator(Rig):
             cls._refuse_beside(beside)
             found = si_numbers(**numbers, gap=0.0, side="below")
             forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
-            return Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
+            model = Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
+            still = not model.moves
+            warn_of_gap(found, min(-one.sign * one.position for one in model.walls) if still else 0.0)
+            return model
         if gap is None or reset is None:
             one = "gap is missing; give the distance to the stop, such as gap='1.2 mm'"
             one = one if gap is None else "reset is missing; give the law of the stop, such as reset=gz.newton(r=0.7)"
