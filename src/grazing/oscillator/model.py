@@ -45,7 +45,7 @@ class Oscillator(Rig):
         away from u = 0, as gravity does an inverted pendulum; one that nothing holds has *diverged*.
     walls : sequence of wall, optional
         One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
-        move. The model is then of another class, for trajectories and stroboscopic maps.
+        move. The model is then of another class; what is for one wall at rest alone refuses it.
 
     Raises
     ------
@@ -321,8 +321,8 @@ def checked_model(model: Any) -> None:
     """Raise InputError for anything that is not an oscillator."""
     if hasattr(model, "walls"):
         raise InputError(
-            f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits and branches "
-            "of others: gz.periodic_orbits and gz.continuation of gz.stroboscopic_map(model)"
+            f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits, branches "
+            "and windows of others: gz.periodic_orbits and gz.continuation of their maps, gz.windows"
         )
     if not isinstance(model, Oscillator):
         raise InputError(f"model is {shown(model)}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
