@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from grazing_checker.envelope import VERSION, opened
 from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
 from grazing_checker.orbit import check_orbit, check_walled_orbit
-from grazing_checker.reading import Rejected, demand
+from grazing_checker.reading import Rejected, demand, quoted
 from grazing_checker.value import check_value, check_walled_value
 
 #: All that is imported from the standard library.
@@ -77,7 +77,7 @@ def check(certificate: str | Path | Mapping[str, Any]) -> str:
     """
     document = opened(certificate)
     kind = document["kind"]
-    demand(kind in KINDS, f"its kind is {kind!r}; allowed are {', '.join(KINDS)}")
+    demand(kind in KINDS, f"its kind is {quoted(kind)}; allowed are {', '.join(KINDS)}")
     try:
         said = KINDS[kind].check(document["data"], document["inequalities"])
     except Rejected:

@@ -17,7 +17,7 @@ from grazing_checker.oscillator import (
     preconditioner,
     spread,
 )
-from grazing_checker.reading import Inequalities, decimal, demand, keys, numbers, within
+from grazing_checker.reading import Inequalities, decimal, demand, keys, numbers, quoted, within
 from grazing_checker.sentence import active_harmonics, orbit_sentence
 from grazing_checker.walls import mirrored
 
@@ -129,7 +129,7 @@ def _stability(
     within(det, claims["det"], "the determinant")
     _multipliers(trace, det, claims["multipliers"])
     claimed, found = claims["stability"], margins(trace, det)
-    demand(claimed in ("stable", "unstable", "undecided"), f"the stability claimed is {claimed!r}")
+    demand(claimed in ("stable", "unstable", "undecided"), f"the stability claimed is {quoted(claimed)}")
     if claimed == "stable":
         demand(problem.followed(box), "an impact leaves with w = 0, and the law may throw slow impacts back")
         for name, x in found.items():

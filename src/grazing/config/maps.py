@@ -122,7 +122,8 @@ def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     if config.get("walls"):
         phase = ["phase"] if kind in PHASED else []
         given, varied = config.get("parameters", {}), config.get("vary", {})
-        return [*parameters_of(config["walls"], given, varied, spring_in(config)), *phase], ["u", "v"]
+        coordinates = ["tau", "v_plus"] if kind == "impact" else ["u", "v"]
+        return [*parameters_of(config["walls"], given, varied, spring_in(config)), *phase], coordinates
     waves = {name: config.get("parameters", {}).get(name) for name in AMPLITUDES}
     return _names(kind, config.get("law") or LAW, spring_in(config), *(len(waves[name] or ()) for name in AMPLITUDES))
 

@@ -5,7 +5,7 @@ An oscillator over one wall at rest is a model with one wall below the ball; its
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.lanes import unpacker
-from grazing.maps.hits import Hits
+from grazing.maps.hits import LATER, Hits, Struck
 from grazing.maps.map import Map
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.oscillator.constants import HEAD, constants_of
@@ -37,7 +37,7 @@ def model_of(P: Map) -> Model | None:
 
 def section_of(P: Map) -> str | None:
     """Return where a map sees its oscillator: "strobe" or "impact"; None for another map."""
-    return "strobe" if P.walled is not None else P.section
+    return "strobe" if P.walled is not None and P.section is None else P.section
 
 
 def walls_of(model: Model) -> tuple[Wall, ...]:
@@ -63,6 +63,27 @@ def on_wall(model: Model, j: int, t: float) -> tuple[float, float]:
 def letters_of_walls(model: Model) -> Hits | None:
     """Return the letters of a stroboscopic map, the walls that are hit; None for one wall, whose impacts count."""
     return Hits(model.names) if isinstance(model, Walled) and len(model.walls) > 1 else None
+
+
+def numbered(model: Model, names: Iterable[str]) -> list[int]:
+    """Return the numbers of walls by their names; in a model over one wall there is one only."""
+    letters = [str(wall.name) for wall in walls_of(model)]
+    return [letters.index(name) for name in names]
+
+
+def strobes_of(P: Map, letters: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how many strobes steps of an impact map pass, from their letters."""
+    return letters % LATER if isinstance(P.letters, Struck) else letters
+
+
+def left_walls(model: Model, after: Floats) -> NDArray[np.int64]:
+    """Return the number of the wall that a ball leaves, from the velocity in a state of an impact map."""
+    return np.where(np.signbit(after), len(walls_of(model)) - 1, 0)
+
+
+def signs_of(model: Model) -> Floats:
+    """Return for each wall 1 if it is below the ball, -1 if above."""
+    return np.array([wall.sign for wall in walls_of(model)])
 
 
 def wall_of(contact: int) -> int:
