@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.orbits.contacts import sizes_of, walls_of
+from grazing.orbits.contacts import numbered, sizes_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.signature import impact_equations, numbered
+from grazing.orbits.signature import impact_equations
 from grazing.oscillator.exact import Undecided
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, shown
