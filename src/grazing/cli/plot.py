@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from grazing.catalogue import studies
 from grazing.cli import output
-from grazing.cli.figures import drawn, study_of, style_of
+from grazing.cli.figures import drawing, drawn, study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.stored import Missing, axes_of, curve_in, loaded
 from grazing.cli.streams import printable
@@ -142,10 +142,9 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     """Return arguments for the function of a figure, refusing those that it does not have."""
     import inspect
 
-    from grazing import plot as figures
     from grazing.config.problems import unknown_key
 
-    function = getattr(figures, study) if study in drawn() else None
+    function = drawing(study) if study in drawn() else None
     if not given or function is None:
         return {}
     known = {
