@@ -43,6 +43,8 @@ _PUBLIC = {
     "impact_map": "maps.impact",
     "discontinuity_map": "maps.discontinuity",
     "collision_map": "maps.collisions",
+    "launch_map": "maps.launches",
+    "launches": "maps.launches",
     "zdm": "maps.discontinuity",
     "zdm_points": "maps.discontinuity",
     "NormalForm": "maps.normal_form",
@@ -131,6 +133,8 @@ if TYPE_CHECKING:
     from grazing.maps.discontinuity import zdm_points as zdm_points
     from grazing.maps.gap import gap_map as gap_map
     from grazing.maps.impact import impact_map as impact_map
+    from grazing.maps.launches import launch_map as launch_map
+    from grazing.maps.launches import launches as launches
     from grazing.maps.linearised import linearised_map as linearised_map
     from grazing.maps.map import Map as Map
     from grazing.maps.normal_form import NormalForm as NormalForm

@@ -1,5 +1,6 @@
 """``grazing orbit``, ``branch``, ``windows``, ``bifurcations``: what they find, print, write, prove and refuse."""
 
+import copy
 import csv
 import json
 import os
@@ -10,7 +11,7 @@ import pytest
 from pyarrow import parquet
 
 import grazing as gz
-from grazing.cli import certificates, main
+from grazing.cli import certificates, main, orbit_study
 from grazing.config import checked, command_of, load_config, plan_of, recipe_of, result_of, toml_of
 
 BALL = ["--V", "0.4", "-q"]
@@ -23,6 +24,28 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     return tmp_path
+
+
+@pytest.fixture(autouse=True, scope="module")
+def once():
+    """Compute a study once that several command lines ask for, who say it, draw it or write it in different ways."""
+    known = {}
+
+    def remembering(function):
+        def asked(recipe, *rest, **named):
+            key = function.__name__, json.dumps(recipe)
+            if ".py:" in key[1]:  # a file of one's own may change
+                return function(recipe, *rest, **named)
+            if key not in known:
+                known[key] = function(recipe, *rest, **named)
+            return copy.deepcopy(known[key])
+
+        return asked
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("orbits_of", "result_of"):
+            patch.setattr(orbit_study, name, remembering(getattr(orbit_study, name)))
+        yield
 
 
 def said(capsys, code, *tokens):

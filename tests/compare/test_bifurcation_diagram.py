@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.compare.bifurcation_diagram import bifurcation_diagram, windows_of
+from grazing.compare.bifurcation_diagram import bifurcation_diagram
+from grazing.orbits.branch_windows import windows_of
 
 
 def windows(result):

@@ -1,6 +1,7 @@
 """Maps of tables from impact to impact: cycles in closed form, tangents, ways out, studies."""
 
 import pickle
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
@@ -151,6 +152,19 @@ def test_the_sinai_billiard_has_the_exponent_that_is_known_for_small_discs():
     near, far = (abs(found - SINAI) for found, _error in (sinai(0.01, 64, 20_000), sinai(0.1, 64, 20_000)))
     error = sinai(0.01, 64, 20_000)[1]
     assert near < 3.0 * error and error < 0.012 and far > 0.07
+
+
+def test_a_step_that_doubles_cannot_decide_is_decided_exactly():
+    """From one disc past another that is touched, as exactly as doubles can say."""
+    discs = [gz.disc("A", (0, 0), 1.0, ELASTIC), gz.disc("B", (4, 1), 1.0, ELASTIC), gz.disc("C", (9, 0), 1.0, ELASTIC)]
+    P = gz.collision_map(gz.table(discs))
+    start = pi, 0.0, 1.0  # from the right end of A along the x axis, which touches B
+    bare = replace(P, origin=P.origin.unsettled()).orbit(start, 1)
+    assert gz.Outcome(int(bare.outcomes[0])) == gz.Outcome.ambiguous | gz.Outcome.graze
+    found = P.orbit(start, 1)
+    assert gz.Outcome(int(found.outcomes[0])) == gz.Outcome.graze and found.undecided == 0
+    assert P.letters.names[found.letters[0]] == "C" and np.isnan(P.jacobian(start)).all()
+    np.testing.assert_allclose(found.points[1], [4.0 * pi, 0.0, 1.0], atol=1e-14)
 
 
 def test_a_state_on_a_wall_inside_another_object_ends_by_name():

@@ -18,21 +18,21 @@ def impact(surface: int, t: float, x: float, y: float, vx: float, vy: float, tab
 
     Returns
     -------
-    (owner, flags), (x, y, vx, vy) just before, the same just after, (v_minus, v_plus, along, curvature, place, nx, ny)
+    (owner, flags), (x, y, vx, vy) just before, the same just after, (v_minus, v_plus, along, curvature, nx, ny)
         The velocities are those along the normal, and the one along the surface, which stays as it is; then the
-        curvature of the surface, the place on it and its normal. At a drain the
+        curvature of the surface and its normal. At a drain the
         state is that before, and there are no velocities.
     """
     bx, by, bvx, bvy = flown(x, y, vx, vy, table[GRAVITY], t)
-    owner, px, py, nx, ny, curvature, place = met(surface, bx, by, table)
+    owner, px, py, nx, ny, curvature = met(surface, bx, by, table)
     if is_open(owner, table):
-        return (owner, ESCAPED), (bx, by, bvx, bvy), (bx, by, bvx, bvy), (NAN, NAN, NAN, curvature, place, nx, ny)
+        return (owner, ESCAPED), (bx, by, bvx, bvy), (bx, by, bvx, bvy), (NAN, NAN, NAN, curvature, nx, ny)
     speed, along = min(bvx * nx + bvy * ny, 0.0), bvy * nx - bvx * ny
     away, flags = struck(owner, speed, table), 0
     if not (away >= 0.0 and away < INFINITY):
         flags = BAD_LAW
     after = px, py, away * nx - along * ny, away * ny + along * nx
-    return (owner, flags), (px, py, bvx, bvy), after, (speed, away, along, curvature, place, nx, ny)
+    return (owner, flags), (px, py, bvx, bvy), after, (speed, away, along, curvature, nx, ny)
 
 
 @unit
@@ -42,7 +42,7 @@ def next_impact(x: float, y: float, vx: float, vy: float, left: float, table: An
     The surface is -1, and the time infinite, for a ball that leaves for good without meeting anything: it *escapes*.
     """
     surface, t, flags = first_contact(x, y, vx, vy, left, table)
-    state, none = (x, y, vx, vy), (NAN, NAN, NAN, NAN, NAN, NAN, NAN)
+    state, none = (x, y, vx, vy), (NAN, NAN, NAN, NAN, NAN, NAN)
     if flags & FATAL:
         return (surface, -1, t, flags), state, state, none
     if surface < 0:

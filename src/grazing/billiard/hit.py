@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, pi, sin, sqrt
 from typing import Any
 
 from grazing.billiard.rows import (
@@ -48,37 +48,38 @@ def rows_of(table: Any) -> Any:
 
 
 def met(surface: int, x: float, y: float, table: Any) -> Any:
-    """Return what a ball at a surface meets: the object, the ball's own place moved onto it, normal, curvature, place.
+    """Return what a ball at a surface meets: the object, its own place moved onto the surface, normal, curvature.
 
-    The normal points to the ball; the curvature is that of the ball's path along the surface, negative inside an arc.
+    The normal points to the ball; the curvature is that of the ball's way along the surface, negative inside an arc.
     """
     rows, faces, circles = rows_of(table), int(table[FACES]), int(table[CIRCLES])
     if surface < 2 * faces:
         row, sign = behind(rows, WIDTH * (surface // 2)), 2.0 * (surface % 2) - 1.0
-        dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-        nx, ny = sign * ey, -sign * ex
-        off, foot = row[SIZE] - (nx * dx + ny * dy), ex * dx + ey * dy
-        place = row[RIGHT] + foot if sign > 0.0 else row[FROM] + row[LONG] - foot
-        return int(row[OWNER]), x + off * nx, y + off * ny, nx, ny, 0.0, place
-    row = behind(rows, WIDTH * (faces + surface - 2 * faces))
-    sign = row[SIGN] if surface >= 2 * faces + circles else 1.0
+        nx, ny = sign * row[EY], -sign * row[EX]
+        off = row[SIZE] - (nx * (x - row[PX]) + ny * (y - row[PY]))
+        return int(row[OWNER]), x + off * nx, y + off * ny, nx, ny, 0.0
+    row = behind(rows, WIDTH * (surface - faces))
+    sign, size = row[SIGN] if surface >= 2 * faces + circles else 1.0, row[SIZE]
     dx, dy = x - row[PX], y - row[PY]
-    far = hypot(dx, dy)
+    far = sqrt(dx * dx + dy * dy)
     ux, uy = dx / far, dy / far
-    turn = sign * (atan2(uy, ux) - row[ANGLE]) % (2.0 * pi)
-    span = row[LONG] / row[SIZE]
+    return int(row[OWNER]), row[PX] + size * ux, row[PY] + size * uy, sign * ux, sign * uy, sign / size
+
+
+def place_of(surface: int, x: float, y: float, table: Any) -> Any:
+    """Return the place of a ball on a surface, as a length, see :mod:`grazing.billiard.rows`."""
+    rows, faces, circles = rows_of(table), int(table[FACES]), int(table[CIRCLES])
+    if surface < 2 * faces:
+        row = behind(rows, WIDTH * (surface // 2))
+        foot = row[EX] * (x - row[PX]) + row[EY] * (y - row[PY])
+        return row[RIGHT] + foot if surface % 2 == 1 else row[FROM] + row[LONG] - foot
+    row = behind(rows, WIDTH * (surface - faces))
+    sign, size = row[SIGN] if surface >= 2 * faces + circles else 1.0, row[SIZE]
+    turn = sign * (atan2(y - row[PY], x - row[PX]) - row[ANGLE]) % (2.0 * pi)
+    span = row[LONG] / size
     if turn > span:
         turn = span if turn - span < 2.0 * pi - turn else 0.0
-    size = row[SIZE]
-    return (
-        int(row[OWNER]),
-        row[PX] + size * ux,
-        row[PY] + size * uy,
-        sign * ux,
-        sign * uy,
-        sign / size,
-        (row[FROM] + size * turn),
-    )
+    return row[FROM] + size * turn
 
 
 def struck(owner: int, speed: float, table: Any) -> float:

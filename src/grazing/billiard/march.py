@@ -1,196 +1,56 @@
 """The first contact of a ball on a table: no surface can be jumped over. Proof: docs/table.md.
 
-Flights are parabolas, so a gap is a polynomial: quadratic for a face, which is solved; quartic for a circle, whose
-first root is marched to by lower bounds h(t + s) >= h + dh s + k s^2 that are proven on what is left of the flight.
+Faces are solved first, as that is quick. The earliest contact known so far is the end of what must be looked at: of a
+circle that is surely free until then nothing more is asked.
 """
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any
 
+from grazing.billiard.gaps import DEEP, EPS, GAP, crossing, face_crossing, first_step, lowest, side_contact
 from grazing.billiard.rows import (
     CIRCLES,
-    COSINE,
     EX,
     EY,
     FACES,
     GRAVITY,
     HEAD,
     LONG,
-    MX,
-    MY,
     OWNER,
     PX,
     PY,
     SIDES,
-    SIGN,
     SIZE,
     THING,
     THINGS,
     WIDTH,
-)
+)  # fmt: skip
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
 
 INFINITY = float("inf")
-EPS = 2.0**-52
-#: Rounding errors in units of the last place of the sizes that a number is made of, see docs/table.md.
-GAP = 16.0
-#: Rounding errors by which a ball may begin below a surface.
-DEEP = 64.0
-#: Looks at one surface in one flight after which it ends by name.
-LOOKS = 10_000
-#: A step shorter than so many widths of the rounding error is none.
-LEAST = 1e-3
-#: Steps of Newton's method from where it surely converges.
-ROOTS = 60
 
 
 @inlined
-def lowest(c3: float, a4: float, w: float) -> float:
-    """Return the least value of c3 s + a4 s^2 for s in [0, w], a4 >= 0."""
-    s = w
-    if c3 >= 0.0:
-        s = 0.0
-    elif a4 > 0.0:
-        s = min(-0.5 * c3 / a4, w)
-    return (c3 + a4 * s) * s if s < INFINITY else -INFINITY
+def nearer(found: Any, surface: int, owner: float, t: float, late: float) -> Any:
+    """Return the earlier of what was found and another contact, ambiguous if their order is not sure.
 
-
-@inlined
-def highest(c3: float, a4: float, w: float) -> float:
-    """Return the greatest value of c3 s + a4 s^2 for s in [0, w], a4 >= 0."""
-    if w < INFINITY:
-        return max(0.0, (c3 + a4 * w) * w)
-    return INFINITY if a4 > 0.0 or c3 > 0.0 else 0.0
-
-
-@inlined
-def safe_step(h: float, dh: float, k: float) -> float:
-    """Return the first root s > 0 of h + dh s + k s^2 with h >= 0, infinity for none; if h is 0, dh is not yet down."""
-    if dh >= 0.0:
-        if k >= 0.0:
-            return INFINITY
-        return -(dh + sqrt(dh * dh - 4.0 * k * h)) / (2.0 * k) if k > -INFINITY else 0.0
-    D = dh * dh - 4.0 * k * h
-    if D < 0.0:
-        return INFINITY
-    return 2.0 * h / (sqrt(D) - dh)
-
-
-@inlined
-def rests(dh: float, k: float, e: float) -> bool:
-    """Say whether a ball that leaves a surface at rate dh and is pulled back rises by less than can be told."""
-    return k < 0.0 and dh * dh <= -4.0 * k * e
-
-
-def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -> float:
-    """Return the root of h + dh s + k s^2 + c3 s^3 + a4 s^4 in [0, reach], in which it falls throughout."""
-    a, b, s = 0.0, reach, 0.0
-    for _ in range(ROOTS):
-        value = (((a4 * s + c3) * s + k) * s + dh) * s + h
-        rate = ((4.0 * a4 * s + 3.0 * c3) * s + 2.0 * k) * s + dh
-        if value > 0.0:
-            a = s
-        else:
-            b = s
-        new = s - value / rate if rate < 0.0 else 0.5 * (a + b)
-        if not a <= new <= b:
-            new = 0.5 * (a + b)
-        if abs(new - s) <= EPS * s or not a < b:
-            return new
-        s = new
-    return s
-
-
-def crossing(
-    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, begin: float, fresh: bool,
-    end: float,
-) -> Any:  # fmt: skip
-    """Return (t, late, flags): when h = sign (|d|^2 - size^2) first comes down to 0 after ``begin``, good to ``late``.
-
-    d = (dx, dy) at t = 0 is the ball's place as seen from the centre. Infinity for never before ``end``. ``fresh``: it
-    is at 0 and rises at ``begin``. Without it h >= 0 is known there, up to rounding.
+    ``found`` is (surface, time, how late that may be, object, flags). Two surfaces of one object are the same contact:
+    a face ends where the circle around its end begins.
     """
-    a4, size2, t, doubt, flags = 0.25 * g * g, size * size, begin, INFINITY, OK
-    for _ in range(LOOKS):
-        now = vy - g * t
-        x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
-        fast = abs(vx) + abs(vy) + g * t
-        far = abs(dx) + abs(dy) + fast * t
-        h, dh = sign * (x * x + y * y - size2), sign * 2.0 * (x * vx + y * now)
-        bend, c3, w = vx * vx + now * now - g * y, -g * now, end - t
-        e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size2), GAP * EPS * far * fast
-        b = GAP * EPS * (fast * fast + g * far)
-        if not (e < INFINITY and b < INFINITY):
-            return t, 0.0, flags | DIVERGED
-        if sign < 0.0 and fast + g > 0.0:  # it is inside, and does not stay there
-            w = min(w, 2.0 * size / sqrt(vx * vx + now * now + g * size))
-        if fresh:
-            low, fall = 0.0, max(dh - d, 0.5 * dh)
-        else:
-            up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
-            if h < -e and doubt < INFINITY and rate >= 0.0:  # through and back, by less than can be decided
-                return doubt, t - doubt, flags
-            if rate < 0.0:
-                near = min(4.0 * max(up, 0.0) / -rate, w)
-                most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
-                most = max(sign * bend + most + b, 0.0)
-                D = rate * rate - 4.0 * most * up
-                reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
-                late = (e + d * near) / -rate + 4.0 * EPS * t
-                if up <= 0.0:
-                    return (t, late, flags) if doubt == INFINITY else (doubt, t - doubt, flags)
-                if reach <= near:
-                    s = landing(h, dh, sign * bend, sign * c3, sign * a4, reach) if h > 0.0 else 0.0
-                    return t + s, late, flags
-        least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
-        k = sign * bend + least - b
-        step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
-        if step >= w:
-            if t + w >= end:
-                return INFINITY, 0.0, flags
-            step = w
-        wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
-        if fall != 0.0:
-            wide = min(wide, 4.0 * e / abs(fall))
-        if not t + step > t or (step < LEAST * wide and low < e and not fresh):
-            flags |= GRAZE | AMBIGUOUS
-            doubt, step = t, max(wide, 4.0 * EPS * t)
-            if not t + step > t:
-                return t, 0.0, flags | TOO_MANY_IMPACTS
-        elif low > 0.0:
-            doubt = INFINITY
-        t, fresh = t + step, False
-    return t, 0.0, flags | TOO_MANY_SWINGS
+    hit, best, slack, who, flags = found
+    if hit >= 0 and who != owner and abs(t - best) <= late + slack:
+        flags |= AMBIGUOUS
+    if t < best:
+        return surface, t, late, owner, flags
+    return hit, best, slack, who, flags
 
 
 @inlined
-def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
-    """Return (t, late, flags): when h + dh t + k t^2, good to e and d per time, comes down to 0 after 0.
-
-    Infinity for never. h < 0 is allowed: it is behind the line, and may come before it and back.
-    """
-    if fresh:
-        if rests(dh, k, e):
-            return 0.0, 0.0, TOO_MANY_IMPACTS
-        return (-dh / k, e / dh, OK) if k < 0.0 else (INFINITY, 0.0, OK)
-    D = dh * dh - 4.0 * k * h
-    unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
-    if k >= 0.0:
-        if dh >= 0.0 or h < -e:
-            return INFINITY, 0.0, OK
-        if abs(D) <= unsure and k > 0.0:
-            return INFINITY, 0.0, GRAZE | AMBIGUOUS
-        if D < 0.0:
-            return INFINITY, 0.0, OK
-    elif D < 0.0 or (h < -e and dh <= 0.0):
-        return INFINITY, 0.0, OK
-    root = sqrt(D)
-    t = 2.0 * h / (root - dh) if dh < 0.0 else -(dh + root) / (2.0 * k)
-    late = (e + d * abs(t)) / root + 4.0 * EPS * abs(t) if root > 0.0 else 0.0
-    return max(t, 0.0), late, OK
+def ended(found: Any, surface: int, t: float, flags: int) -> Any:
+    """Return what was found where a flight ends by name."""
+    return surface, t, 0.0, -1.0, found[4] | flags
 
 
 def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: Any) -> Any:
@@ -205,120 +65,98 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
     table : pointer to numbers
         Of :func:`grazing.billiard.rows.block_of`.
     """
-    g, faces, circles, sides = table[GRAVITY], int(table[FACES]), int(table[CIRCLES]), int(table[SIDES])
-    rows = behind(table, HEAD + THING * int(table[THINGS]))
-    hit, best, slack, who, flags = -1, INFINITY, 0.0, -1.0, OK
+    g, faces, circles = table[GRAVITY], int(table[FACES]), int(table[CIRCLES])
+    rows, last = behind(table, HEAD + THING * int(table[THINGS])), int(left)
+    found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, rows)
+    if not found[4] & FATAL:
+        rows = behind(rows, WIDTH * faces)
+        found = of_circles(found, x, y, vx, vy, g, last, 2 * faces, circles, rows)
+    if not found[4] & FATAL:
+        rows = behind(rows, WIDTH * circles)
+        found = of_sides(found, x, y, vx, vy, g, last, 2 * faces + circles, int(table[SIDES]), rows)
+    return found[0], found[1], found[4]
+
+
+def of_faces(found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, rows: Any) -> Any:
+    """Return the first contact with a face, or what was found before that."""
     for i in range(faces):
         row = behind(rows, WIDTH * i)
         dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
         off, rate, k = ey * dx - ex * dy, ey * vx - ex * vy, 0.5 * g * ex  # along the right normal
         spread, speed = abs(dx) + abs(dy) + size, abs(vx) + abs(vy)
         e, d = GAP * EPS * spread, GAP * EPS * speed
+        deep = size - abs(off) - DEEP * e
+        foot = ex * dx + ey * dy
+        if deep > 0.0 and foot > e and foot < row[LONG] - e and last // 2 != i:
+            return ended(found, 2 * i, 0.0, INSIDE_WALL)
         for side in range(2):
-            sign = 2.0 * side - 1.0
-            surface = 2 * i + side
-            fresh = left == surface
-            if size == 0.0 and left == 2 * i + 1 - side:
+            sign, surface, fresh = 2.0 * side - 1.0, 2 * i + side, last == 2 * i + side
+            if size == 0.0 and last == 2 * i + 1 - side:
                 continue  # both sides are one line, and it leaves that from the other one
-            h = sign * off - size
-            if not fresh and -h > e and 2.0 * size + h > e:  # between the two lines
-                foot = ex * dx + ey * dy
-                if foot > e and foot < row[LONG] - e and -h > DEEP * e and 2.0 * size + h > DEEP * e:
-                    return surface, 0.0, flags | INSIDE_WALL
-            t, late, said = face_crossing(h, sign * rate, sign * k, e, d, fresh)
+            t, late, said = face_crossing(sign * off - size, sign * rate, sign * k, e, d, fresh)
             if said & TOO_MANY_IMPACTS:
-                return surface, 0.0, flags | said
+                return ended(found, surface, 0.0, said)
             if said & GRAZE:
-                flags |= said
-            if t > best + slack + late or t == INFINITY:
+                found = found[0], found[1], found[2], found[3], found[4] | said
+            if t == INFINITY or t > found[1] + found[2] + late:
                 continue
-            reach = spread + (speed + g * t) * t
             foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
-            unsure = GAP * EPS * reach + (speed + g * t) * late
+            unsure = GAP * EPS * (spread + (speed + g * t) * t) + (speed + g * t) * late
             if foot < -unsure or foot > row[LONG] + unsure:
                 continue
-            if size == 0.0 and (foot < unsure or foot > row[LONG] - unsure):
-                flags |= AMBIGUOUS
-            if hit >= 0 and who != row[OWNER] and abs(t - best) <= late + slack:
-                flags |= AMBIGUOUS
-            if t < best:
-                hit, best, slack, who = surface, t, late, row[OWNER]
-    rows = behind(rows, WIDTH * faces)
-    speed2, c3, a4 = vx * vx + vy * vy, -g * vy, 0.25 * g * g
-    ahead = speed2 + lowest(c3, a4, best + slack)
-    for i in range(circles):
-        row = behind(rows, WIDTH * i)
-        dx, dy, size, surface = x - row[PX], y - row[PY], row[SIZE], 2 * faces + i
-        far2, along = dx * dx + dy * dy, 2.0 * (dx * vx + dy * vy)
-        h, k, fresh = far2 - size * size, ahead - g * dy, left == surface
-        e = GAP * EPS * (2.0 * far2 + size * size)
-        if fresh:
-            if rests(along, speed2 - g * dy, e):
-                return surface, 0.0, flags | TOO_MANY_IMPACTS
-        else:
-            if h < -DEEP * e:
-                return surface, 0.0, flags | INSIDE_WALL
-            low, fall = max(h - e, 0.0), along - GAP * EPS * (abs(dx * vx) + abs(dy * vy))
-            k -= GAP * EPS * (2.0 * speed2 + g * (abs(dx) + abs(dy)))
-            if safe_step(low, fall, k) * (1.0 - GAP * EPS) > best + slack:
-                continue
-        t, late, said = crossing(dx, dy, vx, vy, g, size, 1.0, 0.0, fresh, best + slack)
-        flags |= said
-        if said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
-            return surface, t, flags
-        if t == INFINITY:
-            continue
-        if hit >= 0 and who != row[OWNER] and abs(t - best) <= late + slack:
-            flags |= AMBIGUOUS
-        if t < best:
-            hit, best, slack, who = surface, t, late, row[OWNER]
-            ahead = speed2 + lowest(c3, a4, best + slack)
-    rows = behind(rows, WIDTH * circles)
-    for i in range(sides):
-        row, surface = behind(rows, WIDTH * i), 2 * faces + circles + i
-        fresh, passed = left == surface, False
-        if not fresh and left >= 2 * faces + circles:  # without a radius both sides are one circle
-            other = behind(rows, WIDTH * (int(left) - 2 * faces - circles))
-            passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
-        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, best + slack)
-        flags |= said
-        if said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
-            return surface, t, flags
-        if t == INFINITY:
-            continue
-        if hit >= 0 and who != row[OWNER] and abs(t - best) <= late + slack:
-            flags |= AMBIGUOUS
-        if t < best:
-            hit, best, slack, who = surface, t, late, row[OWNER]
-    return hit, best, flags
+            found = nearer(found, surface, row[OWNER], t, late)
+            if size == 0.0 and (foot < unsure or foot > row[LONG] - unsure):  # no circle is around that end
+                found = found[0], found[1], found[2], found[3], found[4] | AMBIGUOUS
+    return found
 
 
-def side_contact(
-    x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, passed: bool, end: float
+def of_circles(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, circles: int, rows: Any
 ) -> Any:  # fmt: skip
-    """Return (t, late, flags): when a side of an arc is hit first before ``end``, infinity for never.
+    """Return the first contact with a circle, or what was found before that; ``base`` is the first one's number.
 
-    ``fresh``: it just left this side; ``passed``: it just left the other side, which is the same circle.
+    The nearest circle comes first: it brings the end forward for all others.
     """
-    dx, dy, size, sign = x - row[PX], y - row[PY], row[SIZE], row[SIGN]
-    t, flags, far2 = 0.0, OK, dx * dx + dy * dy
-    e = GAP * EPS * (2.0 * far2 + size * size)
-    if fresh and rests(sign * 2.0 * (dx * vx + dy * vy), sign * (vx * vx + vy * vy - g * dy), e):
-        return 0.0, 0.0, TOO_MANY_IMPACTS
-    # else it is on the other side of the circle, beyond the ends of the arc
-    outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
-    fresh = fresh or passed
-    for _ in range(LOOKS):
-        t, late, said = crossing(dx, dy, vx, vy, g, size, sign if outside else -sign, t, fresh, end)
-        flags |= said
-        if t == INFINITY or said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
-            return t, late, flags
-        if outside:
-            px, py = dx + vx * t, dy + (vy - 0.5 * g * t) * t
-            inside = px * row[MX] + py * row[MY] - row[COSINE] * size
-            unsure = GAP * EPS * (abs(dx) + abs(dy) + size + (abs(vx) + abs(vy) + g * t) * t)
-            unsure += (abs(vx) + abs(vy) + g * t) * late
-            if inside >= -unsure:
-                return t, late, flags | AMBIGUOUS if inside <= unsure else flags
-        outside, fresh = not outside, True
-    return t, 0.0, flags | TOO_MANY_SWINGS
+    first, soonest, speed2 = -1, found[1] + found[2], vx * vx + vy * vy
+    least = speed2 + lowest(-g * vy, 0.25 * g * g, soonest)
+    for i in range(circles):
+        step, said = first_step(x, y, vx, vy, g, behind(rows, WIDTH * i), last == base + i, least)
+        if said:
+            return ended(found, base + i, 0.0, said)
+        if step < soonest:
+            first, soonest = i, step
+    for n in range(circles + 1 if first >= 0 else 0):
+        i = first if n == 0 else n - 1
+        if n > 0 and i == first:
+            continue
+        row, step, end = behind(rows, WIDTH * i), soonest, found[1] + found[2]
+        if n > 0:
+            step, _said = first_step(x, y, vx, vy, g, row, last == base + i, least)
+            if not step < end:
+                continue
+        t, late, said = crossing(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], 1.0, step, False, end)
+        if said & FATAL:
+            return ended(found, base + i, t, said)
+        found = found[0], found[1], found[2], found[3], found[4] | said
+        if t < INFINITY:
+            found = nearer(found, base + i, row[OWNER], t, late)
+            least = speed2 + lowest(-g * vy, 0.25 * g * g, found[1] + found[2])
+    return found
+
+
+def of_sides(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, sides: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return the first contact with a side of an arc, or what was found before; ``base`` is the first one's number."""
+    for i in range(sides):
+        row, fresh, passed = behind(rows, WIDTH * i), last == base + i, False
+        if not fresh and last >= base:  # without a radius both sides are one circle
+            other = behind(rows, WIDTH * (last - base))
+            passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
+        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, found[1] + found[2])
+        if said & FATAL:
+            return ended(found, base + i, t, said)
+        found = found[0], found[1], found[2], found[3], found[4] | said
+        if t < INFINITY:
+            found = nearer(found, base + i, row[OWNER], t, late)
+    return found

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.billiard.flown import table_trajectory
 from grazing.billiard.laws import addresses
 from grazing.billiard.objects import ARC, DISC, DRAIN, SEGMENT, Thing
+from grazing.billiard.outline import Outline, outline_of
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
 from grazing.copies import ByValue
 from grazing.outcome import InputError, listed, shown
@@ -146,6 +147,10 @@ class Table(ByValue):
     def trajectory(self, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
         """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
         return table_trajectory(self, state, start, until, samples)
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """Return the objects as figures show them."""
+        return tuple(map(outline_of, self.objects))
 
     def distances(self, x: float, y: float) -> dict[str, float]:
         """Return how far the ball's centre is from each object; negative inside a disc."""

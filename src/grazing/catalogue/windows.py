@@ -14,7 +14,8 @@ from grazing.catalogue.words import aligned, headed, legend, unit_in
 def found(result: Any) -> dict[str, Any]:
     """Return the windows of one-impact orbits, with derivatives if there are any."""
     names = ("N", "low", "low_type", "low_status", "high", "high_type", "high_status", "piece")
-    rows = rows_of(result, {name: name for name in names})
+    walls = ("word", "low_wall", "high_wall", "symmetric") if "word" in result else ()
+    rows = rows_of(result, {name: name for name in (*names, *walls)})
     if "derivative" in result:
         moved, edges = result["moved"].values.tolist(), result["edge"].values.tolist()
         for row, slopes, errors in zip(rows, result["derivative"].values, result["error"].values, strict=True):
@@ -31,20 +32,30 @@ def slope(x: float, error: float) -> str:
     return "0" if abs(x) <= error else f"{x:+.4g}"
 
 
+def _end(window: Row, side: str) -> str:
+    """Return what ends a window, with the wall that it is at."""
+    return f"{window[f'{side}_type']} {window.get(f'{side}_wall', '')}".rstrip()
+
+
 def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> list[str]:
     """Return the table of windows, what their types mean, and derivatives."""
     [name] = recipe["vary"]
     low, high = found["span"]
     unit = unit_in(result, "low")
     rows = [
-        [str(w["N"]), f"{w['low']:.13g}", w["low_type"], f"{w['high']:.13g}", w["high_type"], w["piece"]]
+        [
+            f"{w['N']} {w['word']}" if "word" in w else str(w["N"]),
+            *(part for end in ("low", "high") for part in (f"{w[end]:.13g}", _end(w, end))),
+            w["piece"],
+        ]
         for w in found["windows"]
     ]
     if not rows:
-        asked = ", ".join(map(str, recipe["settings"]["N"]))
+        asked = ", ".join(map(str, result.attrs["N"]))
+        asked += f" of {result.attrs['words']}" if "words" in result.attrs else ""
         none = f"no window with N = {asked} for {name} from {low:g} to {high:g} {unit}".rstrip()
         return [f"{none}; try another range, or other periods with --N", ""]
-    head = ["N", f"{headed(name, unit)} from", "", "to", "", "piece of the law"]
+    head = ["N" if "word" not in result else "N word", f"{headed(name, unit)} from", "", "to", "", "piece of the law"]
     if {row[-1] for row in rows} == {"whole"}:  # of a law in one piece there is nothing to say
         head, rows = head[:-1], [row[:-1] for row in rows]
     said = [*aligned(head, rows), ""]
@@ -83,10 +94,14 @@ def prove(of: Any, found: Any) -> list[Row]:
 STUDY = Study(
     name="windows", place=150, compute="grazing.orbits.table:window_table", of="model", least=1, most=1, form="bounds",
     orbits=True,
-    says="where stable one-impact orbits exist",
-    help="List where stable one-impact orbits exist, and why they end.",
+    says="where stable one-impact orbits exist, or between walls those of words",
+    help="List where stable one-impact orbits exist, or between walls those of words, and why they end.",
     example="d --N 2:7 --V 0.4 -o windows.png",
     prints="the windows, what ends each, and the derivatives of their edges",
-    found=found, words=words, options={"samples": ("whole", 2, "cells of the first grid")}, figure="windows",
-    titled="windows of", takes_long="looking for windows", proves="the edges of the windows", prove=prove,
+    found=found, words=words, figure="windows", titled="windows of", takes_long="looking for windows",
+    options={
+        "samples": ("whole", 2, "cells of the first grid, 2000; between walls values at which orbits are searched, 16"),
+        "words": ("text", "between walls, which of them an orbit hits, in order: A,AB,AABB"),
+    },
+    proves="the edges of the windows", prove=prove,
 )  # fmt: skip

@@ -19,6 +19,7 @@ from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
 from grazing.outcome import InputError
+from grazing.parameter import named_by
 from grazing.studies.labels import own_version, versions
 from grazing.studies.plan import Plan, Progress, run_plan
 
@@ -31,10 +32,11 @@ RECIPE = "grazing_recipe"
 
 def map_in(recipe: Recipe) -> Map:
     """Return the map of a recipe; a parameter that varies and has no default is at the first of its values."""
-    given = dict(recipe["parameters"])
-    for name, default in parameter_defaults(recipe).items():
+    given, known = dict(recipe["parameters"]), parameter_defaults(recipe)
+    for name, default in known.items():
         if default is None and name not in given:
-            given[name] = float(values_of(recipe["vary"][name])[0])
+            [written] = (written for one, written in recipe["vary"].items() if name in named_by(one, known))
+            given[name] = float(values_of(written)[0])
     return map_of({**recipe, "parameters": given})
 
 

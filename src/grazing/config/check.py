@@ -22,6 +22,7 @@ from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import named_by
 
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
@@ -193,9 +194,9 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
-    yield from _parameters(
-        config, known, {*config["vary"], *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
-    )
+    yield from _shared(config["parameters"], known)
+    varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
+    yield from _parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
     yield from _fits(config, coordinates)
     study = studies().get(config.get("study", ""))
     if study is not None and study.dimension not in (None, len(coordinates)):
@@ -320,7 +321,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
     study = studies().get(config.get("study", ""))
     allowed = coordinates if study is not None and study.varies == COORDINATE else names
     for name in config["vary"]:
-        if name not in allowed:
+        if not named_by(name, allowed):
             what = "unknown coordinate" if allowed is coordinates else "unknown parameter"
             yield Problem(("vary", name), partial(unknown_key, name, allowed, what))
         elif (
@@ -377,6 +378,16 @@ def _how_many(config: Recipe, study: Study, allowed: list[str]) -> str:
     return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(allowed)}, such as {form}"
 
 
+def _shared(given: Recipe, known: Recipe) -> Iterator[Problem]:
+    """Give r to each wall whose law has one, in place; yield what is then given twice."""
+    for name in [name for name in given if name not in known and named_by(name, known)]:
+        value = given.pop(name)
+        for one in named_by(name, known):
+            if one in given:
+                yield Problem(("parameters", name), f"{name} stands for {one}, too, which is given beside it; give one")
+            given[one] = value
+
+
 def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:
     """Yield parameters that the map does not have, or needs; then complete them and see that the map can be made."""
     given = config["parameters"]
@@ -400,9 +411,9 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             sound = False
             yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
     complete = {name: given.get(name, default) for name, default in known.items()}
-    around = {name for name, written in config["vary"].items() if written == DEFAULT}  # a range chosen by the value
+    chosen = {name for name, written in config["vary"].items() if isinstance(written, str) and written == DEFAULT}
     config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
     }
     if sound and config["map"] != "normal-form":
         filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}

@@ -119,7 +119,11 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "step": _number("longest step along a branch, in units of the range"),
     "limit": _whole(2, "most points of one piece of a branch"),
     "points": _whole(2, "most points of all branches together"),
-    "N": _setting(values.wholes, WHOLES, "periods of the forcing between impacts, 1 to 1000: 3, 2,3 or 2:7"),
+    "N": _setting(
+        values.wholes,
+        WHOLES,
+        "periods of the forcing between impacts, 1 to 1000: 3, 2,3 or 2:7",
+    ),
     "sensitivity": _switch("add the derivatives of all edges in every parameter"),
 }
 #: Kinds of settings that a study can have of its own, see :attr:`grazing.catalogue.study.Study.options`.

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.contact import next_impact
-from grazing.billiard.flown import COLUMNS, FLAGS, LAST, NEXT, SURFACE, decided
+from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, decided
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
-from grazing.billiard.hit import met, slope_of, spot
+from grazing.billiard.hit import met, place_of, slope_of, spot
 from grazing.billiard.objects import ARC, DRAIN
 from grazing.billiard.rows import FROM, GRAVITY, LENGTH, LONG, OWNER, THINGS, surfaces_of
 from grazing.billiard.table import AWAY, Table
@@ -73,14 +73,14 @@ def collide(state: Any, table: Any, with_tangent: bool) -> Any:
     if surface < 0:
         return (NAN, NAN, NAN), 0, DIVERGED, LOST
     vx, vy = velocity(nx, ny, angle, speed)
-    (_surface, owner, t, flags), before, _after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, table)
+    (met_at, owner, t, flags), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, table)
     if flags & FATAL:
         return (NAN, NAN, NAN), 0, flags, LOST
     if flags & ESCAPED:
         away, way = gone(table[LENGTH] + (owner if owner >= 0 else int(table[THINGS])), table)
         return away, way, flags, NOTHING
-    v_minus, v_plus, along, _curvature, reached, _nx, _ny = speeds
-    new = reached, atan2(along, v_plus), hypot(along, v_plus)
+    v_minus, v_plus, along, _curvature, _nx, _ny = speeds
+    new = place_of(met_at, after[0], after[1], table), atan2(along, v_plus), hypot(along, v_plus)
     J = NOTHING
     if with_tangent:
         J = LOST
@@ -95,7 +95,7 @@ def slopes(state: Any, frame: Any, t: float, before: Any, speeds: Any, bend: flo
     _place, angle, speed = state
     nx, ny, curvature = frame
     _px, _py, vx, vy = before
-    v_minus, v_plus, along, there, _reached, mx, my = speeds
+    v_minus, v_plus, along, there, mx, my = speeds
     size2 = v_plus * v_plus + along * along
     J = NOTHING
     for j in range(3):
@@ -201,10 +201,9 @@ class OfTable(Origin):
         if flags & ESCAPED:
             away, way = gone(block[LENGTH] + (owner if owner >= 0 else ways), block)
             return Settled(away, way, flags, INFINITY, INFINITY)
-        vx, vy = flight[NEXT + 2 : COLUMNS]
-        _owner, _x, _y, nx, ny, _curvature, place = met(
-            int(flight[SURFACE]), float(flight[LAST]), float(flight[LAST + 1]), block
-        )
+        surface, (x, y, vx, vy) = int(flight[SURFACE]), flight[NEXT:COLUMNS].tolist()
+        _owner, _x, _y, nx, ny, _curvature = met(surface, x, y, block)
+        place = place_of(surface, x, y, block)
         away, along = vx * nx + vy * ny, vy * nx - vx * ny
         return Settled((float(place), atan2(along, away), hypot(along, away)), owner, flags, INFINITY, INFINITY)
 
@@ -219,11 +218,15 @@ def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[flo
 
 
 def box_of(table: Table, on: str, params: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
-    """Return where starts are drawn: on an object, away from it, as fast as a fall over its table or around 1."""
-    gravity = params["g"] * sin(params["tilt"])
+    """Return where starts are drawn: on an object, away from it, up to as fast as a fall over the table, or 1."""
+    fast = fastest(params)
+    return places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+
+
+def fastest(params: Mapping[str, float]) -> float:
+    """Return how fast a ball is that falls over the whole table, 1 on a level one."""
     heights = [value for name, value in params.items() if name.rpartition(".")[2] in ("y", "y1", "y2")]
-    fast = sqrt(2.0 * gravity * (max(heights) - min(heights)))
-    return places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.0, fast) if fast > 0.0 else (0.5, 1.5)
+    return sqrt(2.0 * params["g"] * sin(params["tilt"]) * (max(heights) - min(heights))) or 1.0
 
 
 def checked_table(table: object) -> Table:

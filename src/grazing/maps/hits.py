@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from grazing.outcome import InputError, shown
 
@@ -54,6 +57,11 @@ class Alphabet:
 
     def read(self, text: str, position: int) -> tuple[int, int]:
         """Return the letter that stands at a position of a text, and where the next one begins."""
+        raise NotImplementedError
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
         raise NotImplementedError
 
 
@@ -107,6 +115,12 @@ class Names(Alphabet):
                 f"{', '.join(map(self.symbol, range(len(self.names))))}"
             )
         return self.names.index(name), end + 1
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        codes = np.arange(len(self.names), dtype=np.int32)
+        return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(self.names)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +180,18 @@ class Hits(Alphabet):
             **many,
             **{CHATTER - 2 * j: f"completed_chatter_at_{name}" for j, name in enumerate(self.names)},
             **{LAY - 2 * j: f"stuck_throughout_on_{name}" for j, name in enumerate(self.names)},
+        }
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(self.names, start=1))
+        said = f"letter of the step: the walls that are hit, in order, as digits to base {self.base}: {digits}"
+        return {
+            "long_name": said,
+            "flag_values": np.array(sorted(self.special), np.int32),
+            "flag_meanings": " ".join(self.special[code] for code in sorted(self.special)),
+            "surfaces": self.names,
         }
 
     def symbol(self, letter: int) -> str:
@@ -242,6 +268,13 @@ class Struck(Hits):
     def special(self) -> dict[int, str]:
         """What letters mean that are no impacts: there are none."""
         return {}
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        names = self.names
+        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
+        return {"long_name": said, "walls": self.names}
 
     def symbol(self, letter: int) -> str:
         """Return what stands for a letter in a word."""

@@ -23,7 +23,7 @@ from grazing.maps.origin import NO_ORIGIN, Origin
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
     checked_box,
@@ -408,6 +408,8 @@ class Map(ByValue):
             return found
         tasks = self._tasks(table, whole_lanes, transient, found, arithmetic, block)
         run_columns(tasks, whole_lanes, found, threads, progress)
+        if self.origin.settle is not None and self.origin.block is None:  # a block counts them itself
+            found.undecided[...] = (np.bitwise_or.reduce(found.outcomes, axis=1) & AMBIGUOUS) != 0
         if self.origin.settle is not None and starts is not None and found.undecided.any():
             settle_orbits(table, starts, whole_lanes, transient, found, self.origin.settle, again)
         if starts is not None and self.origin.explain is not None and (found.outcomes & BAD_LAW).any():

@@ -160,9 +160,11 @@ class Solutions:
             pieces = tuple(some[0] if kicks else some[-1] for some, kicks in zip(own, row, strict=True))
             self.add(N, pieces, guesses[(fired == row).all(axis=1)])
 
-    def at_random(self, N: int, n: int, speed: float, count: int, seed: int) -> None:
-        """Try random times and velocities of n impacts in N periods."""
-        for pieces in self._signatures(n):
+    def at_random(
+        self, N: int, n: int, speed: float, count: int, seed: int, signatures: Sequence[Pieces] | None = None
+    ) -> None:
+        """Try random times and velocities of n impacts in N periods, at these contacts or at many orders of them."""
+        for pieces in self._signatures(n) if signatures is None else signatures:
             numbers = uniform(seed, (float(N), float(n), *map(float, pieces)), count, 2 * n)
             times, after = np.sort(numbers[:, :n], axis=1) * N * self.T, numbers[:, n:] * speed
             self.add(N, pieces, np.hstack([times, after]))

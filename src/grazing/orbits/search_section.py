@@ -72,7 +72,7 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
     impacts = section_of(search.P) == "impact"
     P = search.P if impacts else stroboscopic_map(search.model)
-    runs = simulated(P, _starts(search, P), wanted[-1], search.threads)
+    runs = simulated(P, starts_of(search, P), wanted[-1], search.threads)
     tally.starts, tally.steps = runs.starts, runs.steps
     for n in wanted:
         window = recurrences(runs, n, search.starts)
@@ -100,7 +100,7 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     return found
 
 
-def _starts(search: Search, P: Map) -> Floats:
+def starts_of(search: Search, P: Map) -> Floats:
     """Return random states, half of them in the map's box, half as far as forcing and impacts can carry the ball."""
     half = search.starts // 2
     frames = FreeEquations(search.model, ()).frames(NOTHING)

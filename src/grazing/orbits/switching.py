@@ -13,6 +13,7 @@ from grazing.orbits.closing import DIPS, OTHER, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
 from grazing.orbits.contacts import PIECES, kick_of, walls_of
 from grazing.orbits.equations import Equations, Test
+from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of, weighed
@@ -35,8 +36,6 @@ MOST = 12
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
 REPEATED = 1e-5
-#: An orbit this near to its mirror image, in scaled unknowns, at a branch point is its own one there.
-EVEN = 1e-3
 #: Last step of a secant, in units of the range of the parameter: the next one would be of the size of rounding.
 VANISHED = 1e-9
 #: A test function that begins at its zero is put on the side that the path goes to.
@@ -143,19 +142,17 @@ def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
     Where symmetry breaks the derivative is singular, but not among symmetric solutions.
     """
     assert isinstance(equations, ImpactEquations)
-    n, h, turn = equations.n, equations.n // 2, equations.N / 2 * equations.period_at(p)
-    times, after = 0.5 * (x[:h] + x[h:n] - turn), 0.5 * (x[n : n + h] + x[n + h :])
-    both, first = np.kron(np.eye(2), np.tile(np.eye(h), (2, 1))), np.r_[:h, n : n + h]
-    x, before = np.concatenate([times, times + turn, after, after]), np.inf
+    even = EvenEquations(equations)
+    half, before = even.half(x, p), np.inf
     for _ in range(30):
-        F, J = equations.defects(x, p)
+        F, J = even.defects(half, p)
         if not np.isfinite(J).all():
             return None
-        F, J = weighed(F[first], ((J * equations.scale) @ both)[first])
-        move = both @ np.linalg.lstsq(J, F)[0]
-        size, x = float(np.abs(move).max()), x - move * equations.scale
+        F, J = weighed(F, J * even.scale)
+        move = np.linalg.lstsq(J, F)[0]
+        size, half = float(np.abs(move).max()), half - move * even.scale
         if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
-            return x
+            return even.whole(half, p)
         before = size
     return None
 

@@ -10,11 +10,14 @@ import numpy as np
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.windows import windows
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.walled import Walled
+from grazing.outcome import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from grazing.orbits.periodic import Orbits
+
 
 #: Periods of the windows that are looked for if none are named.
 PERIODS: Sequence[int] = list(range(1, 8))
@@ -81,18 +84,19 @@ def orbit_table(found: Orbits) -> xr.Dataset:
 
 
 def window_table(
-    model: Oscillator,
+    model: Oscillator | Walled,
     name: str,
     N: Sequence[int] = PERIODS,
     span: tuple[float, float] | None = None,
-    samples: int = 2000,
+    samples: int | None = None,
     sensitivity: bool = False,
+    words: str | None = None,
 ) -> xr.Dataset:
     """Return the windows of one-impact orbits, with the derivatives of their edges if wanted.
 
     Parameters
     ----------
-    model, name, N, span, samples
+    model, name, N, span, samples, words
         As for :func:`grazing.windows`.
     sensitivity : bool
         Whether to add ``derivative`` and ``error`` (window, edge, moved), see :func:`grazing.sensitivity`; the
@@ -105,10 +109,12 @@ def window_table(
     >>> dict(window_table(gz.pinball(V=0.4), "d", [2, 3]).sizes)
     {'window': 2}
     """
-    table = windows(model, name, N, span, samples)
-    if sensitivity:
+    if sensitivity and not isinstance(model, Oscillator):
+        raise InputError("derivatives of edges are those of windows over one wall; leave out sensitivity")
+    table = windows(model, name, N, span, samples, words)
+    if sensitivity and isinstance(model, Oscillator):
         from grazing.orbits.sensitivity import sensitivity as derivatives
 
-        moved = derivatives(model, name, N, span, samples)[["derivative", "error"]]
+        moved = derivatives(model, name, table.attrs["N"], span, table.attrs["samples"])[["derivative", "error"]]
         table = table.merge(moved.rename(parameter="moved"))
     return table

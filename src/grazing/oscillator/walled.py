@@ -23,7 +23,7 @@ from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple
+from grazing.parameter import Parameter, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -172,7 +172,7 @@ class Walled(Rig):
     def replace(self, **changes: float) -> Walled:
         """Return the model with other parameter values; names as in :attr:`params`."""
         new = self.changed(changes)
-        for name in changes:
+        for name in spread(changes, self.params, "the model"):
             self.describe(name).check(new[name])
         row = list(new.values())
         head = dict(zip(("omega", "t0", "offset"), row[2:HEAD], strict=True))
@@ -198,6 +198,15 @@ class Walled(Rig):
             symbol = f"{known.symbol.rstrip()}^{{{front}}}"
             known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
         return known if self.mass is not None else replace(known, units="1")
+
+    def unit_of(self, name: str) -> float:
+        """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
+        front, _dot, last = name.rpartition(".")
+        moving = bool(front) and last.startswith(("cos", "sin"))
+        seen = self.seen_from(self.names.index(front) if front else 0)
+        unit = seen.unit_of("sigma" if moving else last)
+        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+        return min(unit, 0.5 * room) if moving or last == "sigma" else unit
 
     @property
     def symmetric(self) -> bool:

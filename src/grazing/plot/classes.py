@@ -95,8 +95,8 @@ def written(word: str) -> str:
     Examples
     --------
     >>> from grazing.plot.classes import written
-    >>> written("LLR"), written("LLLLLR"), written("1(12)0")
-    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0')
+    >>> written("LLR"), written("LLLLLR"), written("1(12)0"), written("(left_drain)")
+    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0', '(left_drain)')
     >>> print(written("(BBAA)(BBA)" * 5))
     (BBAA)(BBA)(BBAA)(BBA)
     (BBAA)(BBA)(BBAA)(BBA)
@@ -122,7 +122,7 @@ def _line(parts: Sequence[tuple[str, int]]) -> str:
     """Return a line of letters with how often each stands there."""
     if all(count == 1 for _letter, count in parts):
         return plain("".join(letter for letter, _count in parts))
-    formula = "".join(rf"\mathrm{{{a}}}" + (f"^{{{n}}}" if n > 1 else "") for a, n in parts)
+    formula = "".join(rf"\mathrm{{{a}}}".replace("_", r"\_") + (f"^{{{n}}}" if n > 1 else "") for a, n in parts)
     return mathematics(formula, "".join(a * n for a, n in parts))
 
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grazing.copies import ByValue
-from grazing.orbits.contacts import model_of
+from grazing.orbits.contacts import model_of, numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.signature import flown, numbered, rests
+from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
 from grazing.outcome import InputError, shown
 from grazing.proof.clearance import check_impacts, cleared_flight
