@@ -233,6 +233,9 @@ def test_arguments_of_the_figure(folder, capsys):
         capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "colour=red"
     )
     assert "allowed are true and false" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend=maybe")
+    for switch, there in (("yes", True), ("no", False)):
+        assert main(["plot", "a.nc", "-o", "c.svg", "--style", f"legend={switch}"]) == 0
+        assert ('id="legend_1"' in (folder / "c.svg").read_text()) is there
     assert "give NAME=VALUE" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend")
     assert "by" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "by=colour")
     main([*DIAGRAM, "-o", "d.nc"])

@@ -148,7 +148,7 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     if not given or function is None:
         return {}
     known = {
-        name: item.default
+        name: item
         for name, item in inspect.signature(function).parameters.items()
         if item.default is not item.empty and name != "ax"
     }
@@ -159,7 +159,8 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
             raise InputError(f"--style {item}; give NAME=VALUE, such as {next(iter(known), 'ax')}=...")
         if name not in known:
             raise InputError(f"--style {item}: {unknown_key(name, known, 'unknown argument')}")
-        found[name] = _typed(value, known[name], item)
+        switch = str(known[name].annotation).startswith("bool")  # which may be left to the figure: None
+        found[name] = _typed(value, True if switch else known[name].default, item)
     return found
 
 
