@@ -1,4 +1,4 @@
-"""Write docs/api.md from the documentation strings: python docs/make_api.py (with --check: only compare)."""
+"""Write docs/api.md from the documentation strings, and the table of studies: python docs/make_api.py [--check]."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ from types import ModuleType
 from typing import Any
 
 import grazing
+from grazing.catalogue import studies
 
 PAGE = Path(__file__).with_name("api.md")
+#: The page with the table of studies, and between what that stands.
+COMMANDS, TABLE = Path(__file__).with_name("command-line.md"), ("<!-- studies -->\n", "<!-- end of studies -->\n")
 #: Part of the package -> heading; a part that is not listed comes last under its own name.
 HEADINGS = {
     "oscillator": "Models and trajectories",
@@ -203,17 +206,36 @@ def page() -> str:
     return f"{INTRODUCTION}\n{contents}\n\n{body}"
 
 
+def studies_table() -> str:
+    """Return the table of what each study prints, those that print the same in one row."""
+    rows: dict[str, list[str]] = {}
+    for study in studies().values():
+        rows.setdefault(study.prints, []).append(f"`{study.name}`")
+    return (
+        "\n".join(["| study | prints |", "|---|---|", *(f"| {', '.join(v)} | {k} |" for k, v in rows.items())]) + "\n"
+    )
+
+
+def commands() -> str:
+    """Return the page of the command line with the table of studies that it should have."""
+    before, _, rest = COMMANDS.read_text(encoding="utf-8").partition(TABLE[0])
+    return before + TABLE[0] + studies_table() + TABLE[1] + rest.partition(TABLE[1])[2]
+
+
 def main(tokens: list[str]) -> int:
-    """Write the page, or with --check say whether it is current."""
-    text = page()
+    """Write the pages, or with --check say whether they are current."""
+    pages = {PAGE: page(), COMMANDS: commands()}
     if tokens == ["--check"]:
-        current = PAGE.exists() and PAGE.read_text(encoding="utf-8") == text
-        print("docs/api.md is current" if current else "docs/api.md is old: run python docs/make_api.py")
-        return 0 if current else 1
+        old = [
+            file.name for file, text in pages.items() if not file.exists() or file.read_text(encoding="utf-8") != text
+        ]
+        print(f"docs/{' and '.join(old)} is old: run python docs/make_api.py" if old else "docs/api.md is current")
+        return 1 if old else 0
     if tokens:
         print(f"unknown argument {tokens[0]!r}; allowed is --check", file=sys.stderr)
         return 2
-    PAGE.write_text(text, encoding="utf-8", newline="\n")
+    for file, text in pages.items():
+        file.write_text(text, encoding="utf-8", newline="\n")
     return 0
 
 

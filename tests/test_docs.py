@@ -169,6 +169,7 @@ def test_every_page_is_reached_from_the_contents():
 
 def test_the_reference_is_current(make_api):
     assert read(make_api.PAGE) == make_api.page(), "run python docs/make_api.py"
+    assert read(make_api.COMMANDS) == make_api.commands(), "run python docs/make_api.py"
 
 
 def test_the_reference_has_every_public_name(make_api):

@@ -83,10 +83,44 @@ def test_a_record_of_any_kind_is_a_sentence(result, tmp_path):
             gz.load(path)
 
 
-def test_whole_numbers_are_not_made_of_nan(result, tmp_path):
-    path = gz.save(result, tmp_path / "a.nc")
-    rewritten(path, lambda record: record["variables"]["x"].update(dtype="<i8"))
-    with pytest.raises(InputError, match="damaged"):
+def changed(path, change):
+    """Change what a file holds, with another tool, and leave its record as it is."""
+    with xr.open_dataset(path, engine="scipy", decode_cf=False) as opened:
+        stored = change(opened.load())
+    stored.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
+
+
+@pytest.mark.parametrize(
+    ("given", "values"),
+    [([1, 2], [np.nan, 1.0]), ([1, 2], [1.5, 2.0]), ([1, 2], [1e300, 1.0]), ([True, False], np.array([2, 0], "i1")),
+     (np.array([1, 2], "u1"), np.array([300, -1], "i4")), (np.array([1, 2], "f4"), [1.0 + 1e-12, 1.0]),
+     (np.array([1, 2], "f4"), [1e300, 1.0]), (["L", "RR"], ["L", "RRRR"]), ([1.0, 2.0], ["1", "2"]),
+     ([1.0, 2.0], ["", "x"]), (["L", "RR"], [1.0, 2.0]), ([1j, 2.0], [1.0, 2.0])],
+)  # fmt: skip
+def test_numbers_are_not_bent_into_the_type_that_was_saved(given, values, tmp_path):
+    """What another tool had put there was rounded, cut off or wrapped around, in silence: 300 in a byte became 44."""
+    path = gz.save(xr.Dataset({"x": ("d", given)}), tmp_path / "a.nc")
+    changed(path, lambda stored: stored.drop_vars("x").assign(x=("d", values)))
+    with pytest.raises(
+        InputError, match=r"is damaged and cannot be read: (its record names a type|variable 'x' has not)"
+    ):
+        gz.load(path)
+
+
+@pytest.mark.parametrize("dims", [("real_imaginary", "d"), ("d", "e")])
+def test_complex_numbers_have_two_parts(dims, tmp_path):
+    """Parts that were transposed were taken for numbers, and a third was left out."""
+    path = gz.save(xr.Dataset({"x": ("d", [1j, 2.0])}), tmp_path / "a.nc")
+    changed(path, lambda stored: stored.drop_vars("x").assign(x=(dims, np.ones((2, 3 if dims[1] == "e" else 2)))))
+    with pytest.raises(InputError, match="variable 'x' has not the parts of complex numbers"):
+        gz.load(path)
+
+
+@pytest.mark.parametrize(("saved", "values"), [(3, 3.5), (np.int8(3), np.int32(300)), ([1, 2], np.array([0.5, 1.0]))])
+def test_an_attribute_is_not_bent_into_the_type_that_was_saved(saved, values, tmp_path):
+    path = gz.save(xr.Dataset({"x": ("d", [1.0, 2.0], {"a": saved})}), tmp_path / "a.nc")
+    changed(path, lambda stored: stored.assign(x=stored.x.assign_attrs(a=values)))
+    with pytest.raises(InputError, match="its record names a type int"):
         gz.load(path)
 
 

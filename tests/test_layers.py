@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from grazing.catalogue import studies
+from grazing.catalogue.study import Study
+
 SOURCE = Path(__file__).parents[1] / "src"
 
 # Bottom first. A part may import from the layers before its own, and from itself; parts of one layer are
@@ -26,6 +29,7 @@ LAYERS = (
     ("orbits",),
     ("proof",),
     ("studies",),
+    ("catalogue",),
     ("plans",),
     ("config",),
     ("sweep", "compare"),
@@ -65,7 +69,7 @@ SYSTEMS = ("grazing.oscillator", "grazing.systems", "grazing.billiard")
 NAME_NO_SYSTEM = {
     "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
     "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
-    "grazing.studies", "grazing.sweep", "grazing.plot", "grazing.cli",
+    "grazing.studies", "grazing.catalogue", "grazing.sweep", "grazing.plot", "grazing.cli",
 }  # fmt: skip
 # These still do: what they need is not asked of an origin yet.
 STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}
@@ -217,6 +221,57 @@ def test_the_checker_of_certificates_knows_nothing_of_the_rest():
         for node in imports(ast.parse(file.read_text(encoding="utf-8"))):
             found |= {target.split(".")[0] for target, _binds in targets(node, "grazing_checker", set())}
     assert found - set(sys.stdlib_module_names) == {"grazing_checker", "flint"}
+
+
+#: All parts read the records and name no study, but those that are studies, call their functions as such, list them for
+#: Python, or have dimensions of the same names.
+USE_STUDIES = {
+    "catalogue", "compare", "explorer", "grazing", "maps", "orbits", "paper", "plans", "plot", "prepare", "signals",
+    "studies", "testing",
+}  # fmt: skip
+#: Their commands have commands of their own.
+NAME_ONE_STUDY = {("grazing.cli.app", "orbit"), ("grazing.cli.orbits", "orbit")}
+
+
+def named_studies(file: Path, module: str, known: list[Study], modules: set[str]) -> set[str]:
+    """The studies that a module names: by a text that is the name, by the function, or by an import of it."""
+    names = {name: one.name for one in known for name in (one.name, one.function)}
+    homes = {one.compute.partition(":")[0]: one.name for one in known}
+    homes |= {f"grazing.catalogue.{one.name}": one.name for one in known}
+    package = module if file.name == "__init__.py" else module.rpartition(".")[0]
+    tree, found = ast.parse(file.read_text(encoding="utf-8")), set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.add(names.get(node.value))
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) in ("plot", "grazing.plot", "plans", "gz"):
+            found.add(names.get(node.attr))
+    for node in imports(tree):
+        found |= {homes.get(target) for target, _binds in targets(node, package, modules)}
+    return {name for name in found if name is not None}
+
+
+def test_what_handles_every_study_names_none():
+    files = {module_name(file, SOURCE): file for file in sorted((SOURCE / "grazing").rglob("*.py"))}
+    known = list(studies().values())
+    found = {
+        (module, name)
+        for module, file in files.items()
+        if part_of(module) not in USE_STUDIES
+        for name in named_studies(file, module, known, set(files))
+    }
+    assert found == NAME_ONE_STUDY
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["DRAWN = ('density',)", "if study == 'orbit_diagram': pass", "def f():\n  from grazing.studies.chart import TAKEN",
+     "from grazing import plot\nplot.windows(1)", "from grazing.catalogue import lyapunov"],
+)  # fmt: skip
+def test_a_study_that_is_named_is_found(tmp_path, text):
+    file = tmp_path / "planted.py"
+    file.write_text(text)
+    modules = {"grazing.studies.chart", "grazing.catalogue.lyapunov", "grazing.plot"}
+    assert len(named_studies(file, "grazing.cli.planted", list(studies().values()), modules)) == 1
 
 
 def plant(source, texts):

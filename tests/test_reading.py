@@ -16,9 +16,9 @@ import xarray as xr
 
 import grazing as gz
 from grazing import sweep
+from grazing.catalogue import studies
 from grazing.cli.app import app, main
 from grazing.config.build import RECIPE, plan_of
-from grazing.config.settings import STUDIES
 
 CODE = """
 with open({marker!r}, "a") as file:
@@ -34,7 +34,7 @@ ball = gz.Oscillator(0.1, 1.0, gz.Forcing(2.8), gz.newton(0.8))
 
 def recipes(code: Path) -> Iterator[dict]:
     """What an attacker writes: each study, with a map and with a model of his own."""
-    for name, study in STUDIES.items():
+    for name, study in studies().items():
         form = {"values": "0.1:0.2:3", "bounds": "0.1:0.2"}[study.form]
         names = ("x", "u") if study.varies == "coordinate" else ("mu", "a")
         vary = {name: form for name in names[: study.least]}
@@ -170,7 +170,7 @@ def test_no_command_runs_what_a_file_names(path, theirs, capsys):
     some = {".nc", ".toml"}
     asked = set()
     for file in theirs:
-        if path[0] in STUDIES and path[0] not in file.name:  # its own configurations, and one of each other kind
+        if path[0] in studies() and path[0] not in file.name:  # its own configurations, and one of each other kind
             if file.suffix not in some:
                 continue
             some.remove(file.suffix)

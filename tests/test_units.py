@@ -92,7 +92,8 @@ def test_names_of_a_rig_are_translated(rig):
 def test_heads_of_columns_have_units(rig, tmp_path):
     tr = in_units(gz.trajectory(rig, (0.0, 0.0), until=0.2), "mm")
     gz.to_csv(tr, tmp_path / "a.csv")
-    assert (tmp_path / "a.csv").read_text().startswith("t (s),u (mm),v (m/s),wall (mm),trust\n")
+    down = [f"{name} ({unit} positive down)" for name, unit in (("u", "mm"), ("v", "m/s"), ("wall", "mm"))]
+    assert (tmp_path / "a.csv").read_text().startswith(f"t (s),{','.join(down)},trust\n")
 
 
 @pytest.mark.parametrize(

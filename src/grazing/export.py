@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.measured import downwards
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
 from grazing.writing import whole_file
@@ -35,7 +36,8 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     Variables on the same dimensions, or on some of them, share a table; that of the first variable, which is what was
     scanned or measured, gets the name given, another one ``name-dimension.csv``. A dimension of names, such as those of
     the coordinates, makes a column for each. Numbers are written so that they are read back with the same bits, NaN as
-    nothing, infinity as inf. Rows that only fill up, where a cell of a chart has no further attractor, are left out.
+    nothing, infinity as inf. Heads have the units of a rig; where its stop is above, u is -x, and they say *positive
+    down*. Rows that only fill up, where a cell of a chart has no further attractor, are left out.
     Words may consist of digits: tell the reader that they are text, as ``pandas.read_csv(file, dtype={"word": str})``.
     A table says nothing of where it comes from: save the result as ``.nc`` too.
 
@@ -192,9 +194,10 @@ def _tables_written(
 
 
 def _titled(result: xr.Dataset, name: str) -> str:
-    """Return the head of a column: its name, with its units where it has some."""
+    """Return the head of a column: its name, with its units where it has some, and where it counts downwards."""
     units = str(result[name].attrs.get("units", "1")) if name in result.variables else "1"
-    return name if units == "1" else f"{name} ({units})"
+    down = " positive down" if name in downwards(result) else ""
+    return name if units == "1" else f"{name} ({units}{down})"
 
 
 def _part(dims: tuple[str, ...]) -> str:

@@ -311,10 +311,21 @@ def _decoded_attrs(attrs: dict[Any, Any], record: dict[str, str]) -> dict[str, A
             found[name] = value
             continue
         plain, ndim, kind = record[name].split(" ")
-        array = np.asarray(value).astype(_type(kind, "biuf"))
+        array = _as(np.asarray(value), _type(kind, "biuf"))
         array = np.atleast_1d(array) if ndim == "1" else array.reshape(())
         found[name] = array.tolist() if plain else (array if ndim == "1" else array[()])
     return found
+
+
+def _as(values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
+    """Return values in the type that a record names, which is refused where it cannot hold every one of them."""
+    texts = "OSU"
+    if (values.dtype.kind in texts) == (kind.kind in texts):
+        with np.errstate(all="ignore"):
+            found = values.astype(kind)
+        if np.array_equal(found, values, equal_nan=kind.kind in "fc" and values.dtype.kind in "fc"):
+            return found
+    raise ValueError(f"its record names a type {kind.name}, which does not hold what stands there")
 
 
 def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:
@@ -325,10 +336,10 @@ def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:
         variable = stored.variables[name]
         dims, values = tuple(variable.dims), variable.values
         if np.dtype(kept["dtype"]).kind == "c":
-            dims, values = dims[:-1], values[..., 0] + 1j * values[..., 1]
-        with np.errstate(invalid="raise"):  # such as NaN where the record says that numbers are whole
-            values = values.astype(kept["dtype"])
-        data[name] = (dims, values, _decoded_attrs(variable.attrs, kept["attrs"]))
+            if dims[-1:] != (PARTS,) or values.shape[-1] != 2:
+                raise ValueError(f"variable {name!r} has not the parts of complex numbers")
+            dims, values = dims[:-1], np.ascontiguousarray(values, np.float64).view(np.complex128)[..., 0]
+        data[name] = (dims, _as(values, np.dtype(kept["dtype"])), _decoded_attrs(variable.attrs, kept["attrs"]))
     coordinates = {name for name, kept in record["variables"].items() if kept["coordinate"]}
     attrs = dict(stored.attrs)
     created = attrs.pop(CREATED, "")

@@ -1,7 +1,7 @@
 """Results of a rig as it is measured: positions and velocities upwards, with the stop where it is.
 
 A model has its wall below: with a stop above, its u is -x. Figures show x, and each draws what :func:`measured`
-returns; results themselves, files and tables keep the model's u.
+returns; results themselves, files and tables keep the model's u, and tables say which columns count downwards.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from typing import Any
 
 #: The attribute that says where the stop is, and the one that says so of what :func:`measured` has turned over.
 STOP, TURNED = "stop", "stop_shown"
+#: Where the stops are of a model with walls: at their own places, and u is x.
+WALLS = "walls"
 #: What changes its sign where the stop is above: variables, also with a word in front of these names.
 SIGNED = ("u", "v", "v_minus", "v_plus", "mean", "wall")
 #: Symbols in x, and in x - z where the stop moves with a base.
@@ -52,8 +54,9 @@ def measured(result: Any) -> Any:
         return result
     above = attrs[STOP] == "above"
     relative = str(attrs.get("base", "moves=spring")).partition(",")[0] != "moves=spring"
+    gap = attrs[STOP] != WALLS
     changed = {
-        name: _said(str(name), _turned(str(name), variable, found) if above else variable, above, relative)
+        name: _said(str(name), _turned(str(name), variable, found) if above else variable, above, relative, gap)
         for name, variable in found.variables.items()
     }
     changed = {name: variable for name, variable in changed.items() if variable is not found.variables[name]}
@@ -68,6 +71,12 @@ def measured(result: Any) -> Any:
 def sign_of(result: Any) -> float:
     """Return what a state of the model is multiplied by to be drawn over a result that is shown as measured."""
     return -1.0 if result.attrs.get(TURNED) == "above" else 1.0
+
+
+def downwards(result: Any) -> list[str]:
+    """Return the variables of a result whose positive direction is down: positions and velocities where u is -x."""
+    above = getattr(result, "attrs", {}).get(STOP) == "above"
+    return [str(name) for name in result.variables if above and _signed(str(name))]
 
 
 def _signed(name: str) -> bool:
@@ -92,7 +101,7 @@ def _turned(name: str, variable: Any, result: Any) -> Any:
     return variable.copy(data=-variable.data)._replace(attrs=attrs)
 
 
-def _said(name: str, variable: Any, above: bool, relative: bool) -> Any:
+def _said(name: str, variable: Any, above: bool, relative: bool, gap: bool) -> Any:
     """Return a variable that says what it is of the rig."""
     symbol, words = variable.attrs.get("symbol"), str(variable.attrs.get("long_name", ""))
     attrs: dict[str, Any] = {}
@@ -102,7 +111,7 @@ def _said(name: str, variable: Any, above: bool, relative: bool) -> Any:
     if relative and of_motion:
         of = "position|velocity|speed" if re.search("position|velocity|speed", words) else "^amplitude"
         attrs["long_name"] = re.sub(of, r"relative \g<0>", words)
-    if symbol == r"\sigma" and name != "wall":
+    if symbol == r"\sigma" and name != "wall" and gap:
         attrs["symbol"] = r"\sigma=-\mathrm{gap}"
     elif symbol is not None and (force := _FORCE.fullmatch(symbol)) and "N" in str(variable.attrs.get("units")):
         sign = "-" if above else ""

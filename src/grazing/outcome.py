@@ -202,8 +202,22 @@ def abridged(word: str) -> str:
 
 def in_one_line(error: object) -> str:
     """Return the first line of what an error says."""
-    said = getattr(error, "strerror", None) or str(error)
+    said = getattr(error, "strerror", None) or _words(error)
     return str(said).splitlines()[0] if said else type(error).__name__
+
+
+def _words(error: object) -> str:
+    """Return what an error says; nothing of somebody's class that fails when it is asked."""
+    try:
+        return str(error)
+    except Exception:
+        return ""
+
+
+def raised(error: object) -> str:
+    """Return what was raised: its type, and what it says if it says anything."""
+    said = _words(error)
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
 def told(error: BaseException) -> str:
@@ -219,7 +233,7 @@ def told(error: BaseException) -> str:
     ZeroDivisionError: division by zero, in line ... of <doctest ...>: 1 / 0
     """
     frames = traceback.extract_tb(error.__traceback__)
-    said = f"{type(error).__name__}: {str(error)[:500]}"
+    said = raised(error)[:500]
     if not frames:
         return said
     line = f": {frames[-1].line}" if frames[-1].line else ""

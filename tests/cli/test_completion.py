@@ -101,6 +101,54 @@ def test_words_and_files_are_offered(shell, folder, words, some):
     assert some <= offered(shell, folder, *words)
 
 
+def typed_in_bash(folder, line):
+    """Type a line and a tab into an interactive bash, then the end of the line; return what the command gets."""
+    import pty
+    import select
+
+    got, ready = folder / "got", b"ready> "
+    (folder / "rc").write_text(
+        f"PS1='{ready.decode()}'; bind 'set bell-style none'; set +o history; source completion; cd odd\n"
+        "grazing() { printf '%s\\0' \"$@\" > ../part; mv ../part ../got; }\n"
+    )
+    process, terminal = pty.fork()
+    if process == 0:
+        os.chdir(folder)
+        os.execvpe("bash", ["bash", "--noprofile", "--rcfile", "rc", "-i"], {**os.environ, "LC_ALL": "C.UTF-8"})
+    said = b""
+    for ready_for, sent in ((ready, f"grazing {line}\t".encode()), (b"grazing", b" \n")):
+        while ready_for not in said and select.select([terminal], [], [], 20)[0]:
+            said += os.read(terminal, 10_000)
+        os.write(terminal, sent)
+    for _ in range(1000):
+        if got.exists():
+            break
+        if select.select([terminal], [], [], 0.02)[0]:
+            os.read(terminal, 10_000)
+    os.close(terminal)
+    os.waitpid(process, 0)
+    found = got.read_bytes().decode().split("\0")[:-1]
+    got.unlink()
+    return found
+
+
+@pytest.mark.skipif(shutil.which("bash") is None or not hasattr(os, "fork"), reason="needs bash and a terminal")
+@pytest.mark.parametrize(
+    ("begun", "name"),
+    [("info \\$", "$(touch ran).nc"), ("info \\[", "[a].nc"), ("info two", "two\nlines.nc"), ("info \\*", "*.nc"),
+     ("info q", "q'u\"o`t`e;touch ran.nc"), ("chart --map my", "my map.py"), ("chart --map x", "x$(touch ran).py")],
+)  # fmt: skip
+def test_a_file_of_any_name_is_completed_to_itself_and_nothing_is_run(folder, begun, name):
+    """[a].nc was completed to a.nc, *.nc to all files, and a name of two lines or words to the first of them."""
+    odd = folder / "odd"
+    odd.mkdir(exist_ok=True)
+    for one in ("a.nc", "b.nc", name):
+        (odd / one).touch()
+    assert typed_in_bash(folder, begun)[-1] == name
+    (odd / name).unlink()
+    assert {one.name for one in odd.iterdir()} == {"a.nc", "b.nc"}
+
+
 @pytest.mark.parametrize("shell", SHELLS)
 def test_what_begins_otherwise_is_not_offered(shell, folder):
     assert offered(shell, folder, "chart", "--map", "ga") == {"gap"}

@@ -84,7 +84,7 @@ def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
 
 
 def test_curves_that_theory_does_not_know_are_refused_before_the_chart_is_computed(folder, capsys, monkeypatch):
-    monkeypatch.setattr("grazing.cli.study.result_of", None)
+    monkeypatch.setattr("grazing.cli.study.made_of", None)
     line = ["chart", "d=0:0.1:3", "V=0:0.2:4", "--map", "discontinuity", "--curves", "2", "-q", "-o", "a.png"]
     assert "has no boundaries in closed form" in said(capsys, 2, *line)
     line = ["chart", "mu=0.1,0.1", "l=0:0.2:4", "--map", "gap", "--lam", "0.5", "--curves", "2", "-q", "-o", "a.png"]

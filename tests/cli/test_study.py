@@ -10,10 +10,11 @@ import pytest
 import xarray as xr
 
 import grazing as gz
+from grazing.catalogue import studies
 from grazing.cli import main
 from grazing.config import load_config
 from grazing.config.parameters import GAP_MAP, parameter_names
-from grazing.config.settings import STUDIES, settings_of
+from grazing.config.settings import settings_of
 from grazing.oscillator.parameters import describe_parameter
 
 GAP = ["--map", "gap", "--lam", "0.5", "--l", "0.1"]
@@ -37,12 +38,12 @@ def refused(capsys, *tokens):
 # ---- help
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", studies())
 def test_help_shows_every_parameter_with_its_meaning_range_and_default(study, capsys):
     assert main([study, "--help"]) == 0
     out = capsys.readouterr().out
     words = " ".join(out.replace("│", " ").split())
-    unknown = ("phase", *GAP_MAP) if STUDIES[study].of == "model" else ()  # it has no map
+    unknown = ("phase", *GAP_MAP) if studies()[study].of == "model" else ()  # it has no map
     for name in (*parameter_names(), *settings_of(study).model_fields):
         if name in unknown:
             assert f"--{name} " not in out
@@ -265,7 +266,7 @@ def test_nothing_is_computed_before_the_files_are_checked(monkeypatch, capsys):
     def never(*_arguments, **_more):
         raise AssertionError("it was computed")
 
-    monkeypatch.setattr("grazing.cli.study.result_of", never)
+    monkeypatch.setattr("grazing.cli.study.made_of", never)
     refused(capsys, "diagram", *SMALL, "-o", "no/a.png")
 
 
@@ -369,7 +370,7 @@ def test_interruption_leaves_no_file(folder, monkeypatch, capsys):
     def stop(*_arguments, **_more):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("grazing.cli.study.result_of", stop)
+    monkeypatch.setattr("grazing.cli.study.made_of", stop)
     assert main(["diagram", *SMALL, "-o", "a.png", "-q"]) == 130
     assert "stopped: interrupted" in capsys.readouterr().err
     assert list(folder.iterdir()) == []

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.compare.bifurcation_diagram import bifurcation_diagram, windows_of
+from grazing.compare.bifurcation_diagram import bifurcation_diagram
+from grazing.orbits.branch_windows import windows_of
 
 
 def windows(result):
@@ -243,3 +244,12 @@ def test_an_orbit_that_still_settles_beside_its_period_doubling_lies_on_its_bran
     assert alone.disagreement_kind.values.tolist() == ["not followed"]
     (reason,) = alone.disagreement_reason.values
     assert reason.startswith("its points after 98 steps are not yet those of a periodic orbit, as near a bifurcation")
+
+
+def test_a_neutral_motion_is_named_and_not_taken_for_one_that_has_not_settled():
+    walls = (gz.wall(-1.0, gz.newton(0.6)), gz.wall(1.0, gz.newton(0.6)))
+    rattle = gz.Oscillator(alpha=0.1, k=0.0, forcing=gz.Forcing(omega=1.0, cos=(0.2,)), walls=walls)
+    result = bifurcation_diagram(gz.stroboscopic_map(rattle), "cos1", [0.1, 0.2], starts=4, period=1)
+    (row,) = np.flatnonzero(result.disagreement_word.values == "0")
+    assert result.disagreement_kind.values[row] == "not followed"
+    assert result.disagreement_reason.values[row].startswith("it is neutral, one of a continuum of orbits")

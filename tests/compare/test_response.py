@@ -193,9 +193,6 @@ def test_what_a_wrong_call_is_told():
         response(P, "omega", [80.0, 80.0])
     with pytest.raises(gz.InputError, match="a response is that of an oscillator"):
         response(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.1, 0.2])
-    table = gz.Oscillator(0.1, 0, gz.Forcing(1.0, offset=-1.0), walls=[gz.wall(0.0, gz.newton(0.5))])
-    with pytest.raises(gz.InputError, match="one wall below it, at rest; this one has others"):
-        response(gz.stroboscopic_map(table), "omega", [1.0, 1.2])
     with pytest.raises(gz.InputError, match="a response is that of an oscillator"):
         response(gz.impact_map(rig()), "omega", [80.0, 81.0])
     with pytest.raises(gz.InputError, match="phase"):

@@ -7,12 +7,14 @@ import pytest
 
 import grazing as gz
 from grazing import InputError
+from grazing.catalogue import studies
+from grazing.catalogue.study import named
 from grazing.config import checked
 from grazing.config.build import map_in
 from grazing.config.maps import map_of, names_of
 from grazing.config.parameters import LAWS, law_names, parameter_names
 from grazing.config.schema import MAPS
-from grazing.config.settings import ARGUMENTS, SETTINGS, SINGLE, STUDIES, function_of, settings_of
+from grazing.config.settings import ARGUMENTS, SETTINGS, settings_of
 
 DIAGRAM = {"study": "diagram", "vary": {"d": "0.05:0.16:5"}}
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}
@@ -39,16 +41,17 @@ def test_defaults_are_those_of_the_functions():
     }
     assert list(found) == ["study", "map", "law", "parameters", "vary", "settings"]
     assert found["map"] == "stroboscopic" and found["law"] == "active"
-    for study in STUDIES:
-        known = inspect.signature(function_of(study)).parameters
+    for study in studies():
+        known = inspect.signature(named(studies()[study].compute)).parameters
         for name, field in settings_of(study).model_fields.items():
             usual = inspect.Parameter.empty if field.is_required() else field.default
             assert usual is known[name].default or usual == known[name].default
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", studies())
 def test_every_argument_of_a_study_is_a_setting_or_none_for_a_reason(study):
-    assert set(inspect.signature(function_of(study)).parameters) <= {*SETTINGS, *ARGUMENTS}
+    known = studies()[study]
+    assert set(inspect.signature(named(known.compute)).parameters) <= {*SETTINGS, *ARGUMENTS, *known.options}
 
 
 def test_a_checked_configuration_is_checked_again_to_itself():
@@ -250,4 +253,3 @@ def test_parameters_are_described_once():
             from grazing.config.parameters import described
 
             assert described(name).meaning and described(name).meaning != "parameter of the reset law"
-    assert set(SINGLE) < set(STUDIES)

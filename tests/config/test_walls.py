@@ -114,8 +114,6 @@ def test_a_single_wall_may_be_above():
         (["--walls", "A=newton,B=newton,D=newton"], "give one or two, such as A=newton,B=active"),
         (["--walls", "A"], "walls.A = ''; allowed are active, newton, triggered, each alone"),
         ([*SHELL, "B.r=0.5", "--law", "newton"], "--law: the walls bring their own laws; leave the law out"),
-        ([*SHELL, "B.r=0.5", "--mass", "1"], "--mass: models with walls have no units yet"),
-        ([*SHELL, "B.r=0.5", "--si", "m=0.3,c=0.6,k=0"], "--si: models with walls have no units yet: give lengths"),
         ([*SHELL, "B.r=0.5", "B.q=1"], "B.q: unknown parameter"),
         ([*SHELL], "B.r: missing; give coefficient of restitution"),
         ([*SHELL, "B.r=1.5"], "allowed is 0 <= r <= 1 (coefficient of restitution)"),
@@ -182,3 +180,125 @@ def test_a_file_of_ones_own_holds_walls_or_a_system(tmp_path, monkeypatch, capsy
     assert "there is a history of an oscillator only" in refused(
         capsys, "history", "x=0.5", "w=0", "--model", "own.py:ball"
     )
+
+
+# ---- in SI units
+
+STOPS = """study = "diagram"
+[si]
+m = 0.8
+c = 2.4
+k = 3200.0
+force = 12.5
+frequency = "840 rpm"
+A.gap = "0.8 mm"
+[walls]
+A = "newton"
+B = "newton"
+[parameters]
+A.r = 0.8
+B.r = 0.6
+[vary]
+B.gap = "1.0 mm:1.5 mm:3"
+[settings]
+starts = 2
+keep = 10
+"""
+TWO_STOPS = "--walls A=newton,B=newton A.r=0.8 B.r=0.6 --si m=0.8,c=2.4,k=3200,force=12.5,frequency=14".split()
+
+
+def stops(high, **beside):
+    walls = gz.wall("-0.8 mm", gz.newton(0.8)), gz.wall(high, gz.newton(0.6))
+    given = {"m": 0.8, "c": 2.4, "k": 3200, "force": 12.5, "frequency": 14} | beside
+    return gz.Oscillator.from_si(**given, walls=walls)
+
+
+def test_a_table_of_a_rig_with_stops_on_either_side_makes_the_model_of_python():
+    recipe = checked(tomllib.loads(STOPS))
+    given = {**recipe["parameters"], "B.sigma": 1.2e-3}
+    found, true = model_of({**recipe, "parameters": given}), stops("1.2 mm")
+    assert dict(found.params) == pytest.approx(dict(true.params), rel=1e-15) and found.mass == 0.8
+    assert recipe["vary"] == {"B.sigma": "0.001:0.0015:3"} and "law" not in recipe and "stop" not in recipe
+    assert checked(recipe) == recipe == checked(json.loads(json.dumps(recipe)))
+    result = result_of(recipe)
+    assert result["B.sigma"].attrs["units"] == "m" and result.attrs["stop"] == "walls"
+    assert "--mass 0.8" in command_of(recipe)
+
+
+def test_gaps_and_positions_say_the_same(capsys):
+    found = []
+    for gaps in (
+        ["A.gap=0.8 mm", "B.gap=1.2 mm"],
+        ["A.sigma=-0.8 mm", "B.sigma=1.2 mm"],
+        ["A.sigma=-0.0008", "B.gap=1.2 mm"],
+    ):
+        assert main(["trajectory", "u=0", "v=0", "--until", "0.2", *TWO_STOPS, *gaps, "--dump-config"]) == 0
+        found.append(tomllib.loads(capsys.readouterr().out)["parameters"])
+    assert found[0] == found[2]
+    places = [[one["A.sigma"], one["B.sigma"]] for one in found]
+    assert places[0] == pytest.approx(places[1], rel=1e-15)
+    one = ["--walls", "A=newton above", "--si", "m=0.8,c=2.4,k=3200,force=12.5,frequency=14,gap=1.2 mm", "--r", "0.7"]
+    assert main(["trajectory", "u=0", "v=0", "--until", "0.2", *one, "--dump-config"]) == 0
+    assert tomllib.loads(capsys.readouterr().out)["parameters"]["sigma"] == 1.2e-3
+
+
+def test_a_base_and_a_load_between_stops_in_a_file():
+    table = tomllib.loads(STOPS)
+    table["si"] |= {"base": "0.3 mm", "moves": "stop", "load": -7.8, "B.gap": "1.2 mm"}
+    table["vary"] = {"frequency": "12:14:3"}
+    del table["si"]["frequency"]
+    recipe = checked(table)
+    true = stops("1.2 mm", base="0.3 mm", moves="stop", load=-7.8)
+    model = model_of({**recipe, "parameters": {**recipe["parameters"], "omega": true.params["omega"]}})
+    assert dict(model.params) == pytest.approx(dict(true.params), rel=1e-15) and model.base == true.base
+
+
+@pytest.mark.parametrize(
+    ("tokens", "said"),
+    [
+        (
+            ["--si", "m=0.8,c=2.4,k=3200,gap=1,A.gap=1,frequency=14"],
+            "gap is that of one stop; of walls give A.gap and B.gap",
+        ),
+        (["--si", "m=0.8,c=2.4,k=3200,side=above,frequency=14"], "side is that of one stop"),
+        (["--si", "m=0.8,k=3200,frequency=14"], "c missing; give m, c and k, with units or in kg, N s/m and N/m"),
+        (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=-1 mm"], "it is a distance, >= 0"),
+        (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=1 s"], "units do not match"),
+        (["--si", "m=0.8,c=2.4,k=3200,frequency=14,A.gap=1 mm", "A.sigma=0.1"], "the table gives A.sigma, too"),
+        (["--stop", "above", "--mass", "1"], "the walls say themselves where they are"),
+    ],
+)
+def test_what_a_rig_between_stops_does_not_have_is_refused(capsys, tokens, said):
+    given = ["B.sigma=1:2:3", "--walls", "A=newton,B=newton", "A.r=0.8", "B.r=0.6"]
+    assert said in refused(capsys, "diagram", *given, *tokens)
+
+
+# ---- a stiffness in place of k
+
+
+def test_a_stiffness_of_either_sign_is_a_parameter_of_files_and_the_shell(capsys):
+    flight = {"alpha": -0.05, "stiffness": -0.5, "omega": 2.0, "cos": [0.5]}
+    force = gz.Forcing(omega=2.0, cos=(0.5,))
+    config = {"study": "trajectory", "settings": {"state": [0.1, 0.0]}, "law": "newton"}
+    recipe = checked({**config, "parameters": {**flight, "d": 0.0, "r": 0.7}})
+    one = gz.Oscillator(alpha=-0.05, stiffness=-0.5, forcing=force, reset=gz.newton(0.7))
+    assert list(model_of(recipe).params.values()) == list(one.params.values())
+    walls = {"walls": "A=newton,B=newton", "law": None}
+    between = {"A.sigma": -0.5, "A.r": 0.7, "B.sigma": 0.5, "B.r": 0.7}
+    recipe = checked({**config, **walls, "parameters": {**flight, **between}})
+    two = gz.Oscillator(
+        alpha=-0.05, stiffness=-0.5, forcing=force, walls=[gz.wall(x, gz.newton(0.7)) for x in (-0.5, 0.5)]
+    )
+    assert model_of(recipe) == two and "--stiffness=-0.5" in command_of(recipe)
+    assert checked(recipe) == recipe
+    tokens = ["--alpha", "0.1", "--omega", "2", "--cos", "0.5", "--walls", "A=newton", "A.r=0.7", "sigma=-0.5"]
+    said = refused(capsys, "diagram", "stiffness=-0.5:0.5:3", "--k", "2", "--r", "0.7", *tokens)
+    assert "--k: stiffness is given in its place" in said
+
+
+def test_a_result_that_python_made_with_a_stiffness_has_a_command():
+    model = gz.Oscillator(alpha=0.1, stiffness=-0.5, forcing=gz.Forcing(omega=2.0), sigma=-0.5, reset=gz.newton(0.7))
+    found = gz.orbit_diagram(gz.stroboscopic_map(model), "stiffness", np.linspace(0.5, 1.5, 3), starts=2, keep=5)
+    from grazing.config import recipe_of
+
+    assert "grazing diagram stiffness=0.5:1.5:3" in command_of(recipe_of(found.attrs))

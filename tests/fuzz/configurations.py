@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import datetime
 
+from grazing.catalogue import studies
 from grazing.config import toml_of
 from grazing.config.parameters import parameter_names
 from grazing.config.schema import MAPS
-from grazing.config.settings import SETTINGS, STUDIES, settings_of
+from grazing.config.settings import SETTINGS, settings_of
 
 TEXTS = [
     "",
@@ -143,7 +144,7 @@ def value(random, depth=0):
 
 def sound(random, study):
     """Return a configuration of a study that is near to one that works, and small."""
-    known = STUDIES[study]
+    known = studies()[study]
     kind = random.choice([*MAPS, "stroboscopic", "gap"]) if known.of == "map" else "stroboscopic"
     coordinates = {"gap": ["x"], "normal-form": ["x"], "impact": ["tau", "v_plus"]}.get(kind, ["u", "v"])
     names = (
@@ -177,7 +178,7 @@ def sound(random, study):
 
 def configuration(random):
     """Return a configuration with up to three things in it changed."""
-    found = sound(random, random.choice(list(STUDIES)))
+    found = sound(random, random.choice(list(studies())))
     for _ in range(random.randrange(4)):
         what = random.random()
         tables = [name for name in ("parameters", "vary", "settings") if isinstance(found.get(name), dict)]

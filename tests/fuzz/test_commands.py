@@ -139,7 +139,6 @@ def folder(tmp_path, monkeypatch):
         "verdicts": {"agrees": 0, "corrected": 0, "differs": 0},
     }  # fmt: skip
     monkeypatch.setitem(sys.modules, "grazing.paper.report", report)
-    import grazing.cli.orbit_study
     import grazing.cli.study
     import grazing.explorer.server
     import grazing.sweep
@@ -150,7 +149,6 @@ def folder(tmp_path, monkeypatch):
 
     for name in ("compute", "estimated"):
         monkeypatch.setattr(grazing.cli.study, name, lambda *_given: 0)
-    monkeypatch.setattr(grazing.cli.orbit_study, "compute", lambda *_given: 0)
     monkeypatch.setattr(grazing.explorer.server, "serve", lambda *_given: None)
     monkeypatch.setattr(grazing.explorer.server, "copy_to", lambda folder: folder)
     status = types.SimpleNamespace(complete=True, path="a.zarr")

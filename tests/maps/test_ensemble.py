@@ -15,10 +15,12 @@ import grazing as gz
 from grazing.kernel import elementary
 from grazing.kernel.content import digest
 from grazing.maps import period
-from grazing.maps.ensemble import above_wall, ensemble, law_addresses, paced
+from grazing.maps.ensemble import above_wall, ensemble, paced
 from grazing.maps.map import CHATTER_LETTER
 from grazing.maps.stroboscopic import step_of
+from grazing.orbits.contacts import PIECES, addresses
 from grazing.oscillator import cells, contact, flight, taylor
+from grazing.oscillator.pointed import law_addresses, pointed_model
 from grazing.oscillator.reset import active_law, difference_of, triggered_law
 from grazing.outcome import BAD_LAW, CHATTER, FATAL, STUCK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
@@ -374,8 +376,8 @@ import numpy as np
 from mine import law
 from grazing.kernel.compile import compiled
 from grazing.kernel.primitives import called, called_for_all, numbers
-from grazing.maps.ensemble import law_addresses
 from grazing.oscillator.cells import LAW, table_size
+from grazing.oscillator.pointed import law_addresses, strike_address
 from grazing.oscillator.workspace import WIDTH, W, workspace_size
 from grazing.oscillator.reset import difference_of
 from grazing.parameter import parameter_tuple
@@ -386,7 +388,8 @@ def one(where, v, row):
 def many(where, work, table, runs):
     called_for_all(where, numbers(work), numbers(table), len(table), numbers(runs), 1)
 
-places = law_addresses(law, difference_of(law), "mine", parameter_tuple(("r",)), "strict")
+kind = parameter_tuple(("r",))
+places = *law_addresses(law, difference_of(law), "mine", kind, "strict"), strike_address(law, "mine", kind, "strict")
 row = np.array([0.5])
 work = np.zeros(workspace_size(1))
 work[W.BEFORE] = -2.0
@@ -431,6 +434,19 @@ def test_laws_of_one_name_are_kept_apart():
     kind = parameter_tuple(("r",))
     places = {law_addresses(x.law, x.slope, x.name, kind, "strict") for x in (made(1.0), made(0.5))}
     assert len(places) == 2
+
+
+def test_a_law_is_compiled_once_whatever_the_model_around_it():
+    def bent(v, p):
+        return -p.r * v / (1.0 - p.c * v)
+
+    law = gz.reset(bent, r=0.5, c=0.3)
+    waves = [gz.Forcing(omega=2.2, cos=(1.0,) * n) for n in (1, 2, 3)]
+    models = [gz.Oscillator(3, 1, force, law) for force in waves]
+    models += [gz.Oscillator(3, stiffness=1, forcing=waves[0], reset=law)]
+    walled = gz.Oscillator(3, 1, waves[0], walls=(gz.wall(-0.3, law), gz.wall(0.3, law)))
+    found = {tuple(pointed_model(model).row[-3:-1].tolist()) for model in models}
+    assert {at[:2] for at in addresses(walled, (0, PIECES))} == found and len(found) == 1
 
 
 # ---- plain Python

@@ -290,3 +290,45 @@ def test_meetings_have_one_name_are_drawn_once_and_say_whether_they_are_virtual(
         {(one.type, *np.round(one.values, 5).tolist()) for one in met if not edge(one.orbit)}
     )
     assert repr(branch).count("(virtual)") == sum(not one.admissible for one in branch.special)
+
+
+def _box(r=0.5, **more):
+    shake, still = gz.Forcing(omega=1.0, sin=(1.0,), cos=()), gz.Forcing(omega=1.0, cos=())
+    walls = [gz.wall(x, gz.newton(r), motion=shake) for x in (-1.5, 1.5)]
+    return gz.stroboscopic_map(gz.Oscillator(**({"alpha": 0.0, "k": 0.0} | more), forcing=still, walls=walls))
+
+
+@pytest.fixture(scope="module")
+def broken():
+    P = _box()
+    orbit = next(one for one in gz.periodic_orbits(P, word="(BA)", starts=500) if one.stable)
+    (point,) = (one for one in gz.continuation(P, orbit, "B.sigma", (0.9, 3.0)).special if one.type == "bp")
+    return point
+
+
+def test_the_locus_of_breaking_symmetry_is_that_of_the_impact_pair(broken):
+    # the impact pair knows the length of its box in amplitudes of its motion, and nothing else
+    length = (np.pi**2 / 2 - 2) * np.sin(np.pi + np.arctan(-2 * 1.5 / (np.pi * 0.5)))
+    slid = locus(broken, ("B.sigma", "A.sigma"), ((0.5, 2.5), (-2.5, -0.5)))
+    np.testing.assert_allclose(slid.values[:, 0] - slid.values[:, 1], length, rtol=1e-10)
+    assert slid.type == "bp" and np.ptp(slid.values[:, 0]) > 1.5
+    faster = locus(broken, ("B.sigma", "omega"), ((0.5, 2.5), (0.7, 1.3)))
+    np.testing.assert_allclose(faster.values[:, 0], length - 1.5, rtol=1e-10)
+    assert np.ptp(faster.values[:, 1]) == pytest.approx(0.6)
+
+
+def test_on_the_locus_of_breaking_symmetry_branches_break_there(broken):
+    curve = locus(broken, ("B.sigma", "alpha"), ((0.5, 2.5), (0.0, 0.3)))
+    assert all(one.symmetric and abs(one.multipliers[0] - 1.0) < 1e-8 for one in curve.orbits)
+    at = curve.values[len(curve.values) // 2]
+    P = _box(alpha=float(at[1]))
+    orbit = next(one for one in gz.periodic_orbits(P, word="(BA)", starts=500) if one.symmetric and one.stable)
+    (point,) = (one for one in continuation(P, orbit, "B.sigma", (0.5, 2.5)).special if one.type == "bp")
+    assert point.value == pytest.approx(at[0], rel=1e-9)
+    drawn = gz.plot.locus(curve)
+    assert drawn["lines"]
+
+
+def test_parameters_that_break_the_symmetry_of_the_model_are_refused(broken):
+    with pytest.raises(gz.InputError, match=r"A.r takes the symmetry from the model"):
+        locus(broken, ("B.sigma", "A.r"), ((0.5, 2.5), (0.3, 0.7)))

@@ -276,6 +276,9 @@ def test_a_continuum_of_orbits_is_listed_once_and_neutral():
     assert free.neutral and not free.stable and "neutral" in repr(free)
     assert abs(free.multipliers) == pytest.approx([1.0, np.exp(-0.1 * rattle.period)], abs=1e-12)
     assert 0.5 < free.clearance < 1.0 and ", 1 neutral and " in found.statement
+    assert "(of word 0 and period 1 a continuum: the one in the middle is listed)" in found.statement
+    with pytest.raises(gz.InputError, match=r"is one of a continuum at sin1 = 0\.3: a multiplier is 1, and no branch"):
+        gz.continuation(found.map, free, "sin1", (0.2, 0.4))
     (above,) = gz.periodic_orbits(
         gz.stroboscopic_map(gz.Oscillator(0.1, 0, rattle.forcing, gz.newton(0.6))), 1, starts=40
     )
@@ -285,6 +288,7 @@ def test_a_continuum_of_orbits_is_listed_once_and_neutral():
 def test_what_a_search_meets_of_a_continuum_is_listed_once():
     force = gz.Forcing(omega=1.0, cos=(), sin=(0.3,))
     (free,) = gz.periodic_orbits(gz.stroboscopic_map(gz.Oscillator(0.1, 0, force, gz.newton(0.6))), 1, starts=40)
-    others = [dataclasses.replace(free, points=free.points + up) for up in (0.1, 0.2)]
-    assert _one_of_each_continuum([free, *others]) == ([free], (("0", 1, 3),))
-    assert _one_of_each_continuum([free, others[0]]) == ([free, others[0]], ())  # as many as meet at a fold
+    one, *others = (dataclasses.replace(free, word="1", points=free.points + up) for up in (0.0, 0.1, 0.2))
+    assert _one_of_each_continuum([one, *others]) == ([one], (("1", 1, 3),))
+    assert _one_of_each_continuum([one, others[0]]) == ([one, others[0]], ())  # as many as meet at a fold
+    assert _one_of_each_continuum([free]) == ([free], (("0", 1, 1),))  # a flight is linear: there is no fold

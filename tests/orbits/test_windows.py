@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import grazing as gz
-from grazing.config.orbits import window_table
 from grazing.orbits.one_impact import one_impact_orbits
+from grazing.orbits.table import window_table
 from grazing.orbits.windows import EDGES, windows
 from tests.examples import examples
 

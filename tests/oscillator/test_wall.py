@@ -22,7 +22,7 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: gz.wall("low", LAW), "position = 'low' is not a real number"),
+        (lambda: gz.wall("low", LAW), "position = 'low' is no quantity"),
         (lambda: gz.wall(0.0, 0.8), "law of a wall is 0.8; give gz.newton"),
         (lambda: gz.wall(0.0, LAW, side="left"), "side = 'left'; allowed are 'below' and 'above'"),
         (lambda: gz.wall(0.0, LAW, motion=0.1), "motion is 0.1; give a gz.Forcing"),
@@ -44,7 +44,6 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
         (lambda: between().replace(**{"A.sigma": 0.6}), "the one at 0.6"),
         (lambda: gz.stroboscopic_map(between()).orbit((0.7, 0.0), 1), "inside wall B, which is above it: u = 0.7"),
         (lambda: gz.trajectory(between(), (-0.7, 0.0)), "inside wall A, which is below it: u = -0.7"),
-        (lambda: gz.windows(between(), "omega"), "one wall below it, at rest"),
         (lambda: gz.normal_form(between(), "omega"), "one wall below it, at rest"),
     ],
 )

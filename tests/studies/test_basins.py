@@ -8,6 +8,8 @@ import xarray as xr
 
 import grazing as gz
 from grazing import memory, theory
+from grazing.catalogue import studies
+from grazing.catalogue.rows import told
 from grazing.orbits.word import letters_of
 from grazing.orbits.word import word as word_of
 from grazing.studies.basins import basins, plan
@@ -249,3 +251,26 @@ def test_too_many_cells_are_refused_at_once(monkeypatch):
     monkeypatch.setattr(memory, "physical_memory", lambda: 10**8)
     with pytest.raises(gz.InputError, match=r"reduce x \(5000\), y \(5000\)"):
         basins(HENON, {"x": np.linspace(0, 1, 5000), "y": np.linspace(0, 1, 5000)})
+
+
+def test_a_continuum_of_neutral_motions_is_one_row():
+    """A gear that does not rattle stays where it is: that was said to be 55 attractors and chaos."""
+    walls = (gz.wall(-0.25e-3, gz.newton(0.8)), gz.wall(0.25e-3, gz.newton(0.8)))
+    force = gz.Forcing(omega=188.4955592, cos=(1.0,))
+    P = gz.stroboscopic_map(gz.Oscillator(alpha=2, k=0, forcing=force, walls=walls))
+    found = basins(P, {"u": np.linspace(-2e-4, 2e-4, 9), "v": [-0.004, 0.002]}, transient=400)
+    free = found.neutral.values == 1
+    assert found.word.values[free].tolist() == ["0"] and found.period.values[free].tolist() == [1]
+    assert found.fraction.values[free][0] > 0.5
+    state = P.orbit(found.point.values[free][0], 1).points
+    assert np.allclose(state[1], state[0], rtol=0.0, atol=1e-15)
+    kinds = {row["word"]: (row["kind"], row["neutral"]) for row in told(studies()["basins"], found)["attractors"]}
+    assert kinds["0"] == ("period 1, a neutral continuum", True)
+    assert all(not idle for word, (_kind, idle) in kinds.items() if word != "0")
+    legend = [text.get_text() for text in gz.plot.basins(found)["legend"].get_texts()]
+    assert legend[0].startswith("0, period 1, neutral: ")
+
+
+def test_isolated_attractors_of_one_word_stay_apart():
+    found = basins(DOUBLE_WELL, {"x": np.linspace(-1.7, 1.7, 50)}, **SMALL)
+    assert found.word.values.tolist().count("0") == 2 and not found.neutral.values.any()

@@ -239,6 +239,13 @@ def doubtful_gap_maps():
                 yield gz.gap_map(lam, edge * (1 + off), l)
 
 
+def rattle(alpha, offset, unit=1.0):
+    """A mass without a spring between two walls, forced so weakly that it need not touch them."""
+    walls = (gz.wall(-unit, gz.newton(0.6)), gz.wall(unit, gz.newton(0.6)))
+    force = gz.Forcing(omega=1.0, offset=offset * unit, cos=(0.2 * unit,))
+    return gz.Oscillator(alpha=alpha, k=0.0, forcing=force, walls=walls)
+
+
 MANY = {
     "gap maps": [gz.gap_map(lam, mu, l) for lam in (0.3, 0.8) for l in (0.0, 0.2) for mu in (0.03, 0.1, 0.4)],
     "gap maps at edges": list(doubtful_gap_maps()),
@@ -258,6 +265,7 @@ MANY = {
         )
     ],
     "impact map": [gz.impact_map(gz.pinball(V=0.4, d=d)) for d in (0.05, 0.12)],
+    "no spring": [gz.stroboscopic_map(rattle(alpha, offset)) for alpha in (0.02, 0.1, 2.0) for offset in (0.0, 1e-3)],
 }  # fmt: skip
 
 
@@ -277,6 +285,21 @@ def test_the_tolerance_is_that_of_the_plain_rule(tolerance):
         points, letters, outcomes = P.run(states_in(P, 10), 100, 60)
         found = classify(P, points, letters, outcomes[0], tolerance)
         assert found.period.tolist() == twin.classified(P, points, letters, outcomes[0], tolerance)[0]
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.5e-4])
+def test_a_flight_that_no_spring_holds_has_the_period_of_the_one_that_it_approaches(unit):
+    """Velocities settle by exp(-alpha T) a period, and where the ball ends is a matter of where it began."""
+    P = gz.stroboscopic_map(rattle(0.1, 0.0, unit))
+    for transient in (10, 60, 500):
+        points, letters, outcomes = P.run(unit * np.array([[-0.3, 0.0, 0.2], [0.02, 0.0, -0.01]]), transient, 50)
+        found = classify(P, points, letters, outcomes[0])
+        assert found.period.tolist() == [1, 1, 1] and found.word.tolist() == ["0", "0", "0"]
+        assert len(np.unique(points[-1, 0].round(9))) == 3 or unit < 1.0
+    force = gz.Forcing(omega=1.0, offset=-1e-4, cos=(0.0,))
+    falling = gz.stroboscopic_map(gz.Oscillator(0.1, 0, force, gz.newton(0.6), sigma=-1e6))
+    points, letters, outcomes = falling.run(np.array([[1.0], [0.0]]), 500, 50)
+    assert classify(falling, points, letters, outcomes[0]).period.tolist() == [-1]  # it drifts
 
 
 def test_an_orbit_that_arrives_while_it_is_watched():
@@ -333,3 +356,24 @@ def test_not_a_number_infinite_and_huge_points():
     x[:, 0, 4] = 0.0
     found = classify(G, x, np.zeros((20, 5), np.int64), np.zeros(5, np.int64))
     assert found.period.tolist() == [-2, -2, -2, 2, 1]
+
+
+def test_a_small_coordinate_beside_a_large_one_has_a_tolerance_of_its_own():
+    # the absolute part of the tolerance was made of the largest coordinate, here ten times what the other one moves by
+    P = gz.Map(lambda state, p: (-state[0], state[1]), coordinates=("x", "y"), box=((-1e-8, 1e-8), (0.0, 2e6)))
+    points, letters, outcomes = P.run(np.array([[1e-8], [1e6]]), 0, 40)
+    assert classify(P, points, letters, outcomes[0]).period.tolist() == [2]
+
+
+@pytest.mark.parametrize("T", [2.0**-40, 2.0**40])
+def test_periods_do_not_depend_on_the_unit_of_time(T):
+    def periods(T):
+        push = gz.Forcing(2.2 / T, offset=0.1 / T**2, cos=(1.0 / T**2,))
+        P = gz.stroboscopic_map(gz.Oscillator(3.0 / T, 1.0 / T, push, gz.active(0.8, 0.4 / T)))
+        offsets = np.linspace(0.09, 0.13, 40) / T**2
+        starts = np.array([[0.1, 0.2], [0.5, -0.3]]) * (1.0, 1.0 / T)
+        found = gz.orbit_diagram(P, "offset", offsets, starts=starts, transient=20, keep=40, arithmetic="strict")
+        return found.period.values.tolist()
+
+    plain = periods(1.0)
+    assert len(np.unique(plain)) > 2 and periods(T) == plain

@@ -18,6 +18,7 @@ from grazing.studies.cycles import (
     contracting_norm,
     falling,
     finder,
+    keeps,
     log_radius,
     multiplied,
     room_for,
@@ -40,19 +41,19 @@ def test_products_and_equations_are_those_of_linear_algebra(d):
         multiplied(a, b, product)
         assert np.allclose(product, a @ b, rtol=1e-13, atol=1e-13)
         right = a @ x
-        assert solved(a.copy(), right)
+        assert solved(a.copy(), right, np.ones(d))
         assert np.allclose(right, x, rtol=0, atol=1e-13 * np.linalg.cond(a))
 
 
 def test_elimination_pivots_and_sees_singular_matrices():
     b = np.array([2.0, 3.0])
-    assert solved(np.array([[0.0, 1.0], [1.0, 0.0]]), b)
+    assert solved(np.array([[0.0, 1.0], [1.0, 0.0]]), b, np.ones(2))
     assert b.tolist() == [3.0, 2.0]
     b = np.array([1.0, 1.0])
-    assert solved(np.array([[1e-20, 1.0], [1.0, 1.0]]), b)  # without pivots the first unknown is lost
+    assert solved(np.array([[1e-20, 1.0], [1.0, 1.0]]), b, np.ones(2))  # without pivots the first unknown is lost
     assert np.allclose(b, [0.0, 1.0], atol=1e-15)
     for singular in ([[0.0, 0.0], [0.0, 1.0]], [[1.0, 2.0], [2.0, 4.0]], [[np.nan, 0.0], [0.0, 1.0]]):
-        assert not solved(np.array(singular), np.ones(2))
+        assert not solved(np.array(singular), np.ones(2), np.ones(2))
 
 
 @pytest.mark.parametrize("d", SIZES)
@@ -78,6 +79,37 @@ def test_the_radius_of_what_is_no_number(d):
     M = 0.5 * np.eye(d)
     M[0, 1] = np.nan
     assert np.isnan(log_radius(M))
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e9])
+def test_what_a_matrix_keeps_is_the_projector_of_its_multipliers_1(unit):
+    R, b, e = np.empty((2, 2)), 0.7, 0.9355
+    assert keeps(np.array([[1.0, b * unit], [0.0, e]]), R)  # a flight without a spring, a period long
+    assert np.allclose(R, [[1.0, b * unit / (1.0 - e)], [0.0, 0.0]], rtol=1e-12, atol=0.0)
+    rng, S = np.random.default_rng(1), np.empty((4, 4))
+    for _ in range(20):
+        X = rng.normal(size=(4, 4)) * np.array([1.0, unit, 1.0, 1.0])[:, None]
+        assert keeps(X @ np.diag([1.0, 1.0, -0.8, 0.3]) @ np.linalg.inv(X), S)
+        exact = X @ np.diag([1.0, 1.0, 0.0, 0.0]) @ np.linalg.inv(X)
+        size = np.array([1.0, unit, 1.0, 1.0])
+        assert np.allclose(S * size / size[:, None], exact * size / size[:, None], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "M",
+    [
+        [[1.0, 0.7], [0.0, 1.0]],  # what drifts ever farther
+        [[-1.0, 0.0], [0.0, 0.5]],
+        [[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]],
+        [[np.cos(2.0 * np.pi / 3.0), -np.sin(2.0 * np.pi / 3.0)], [np.sin(2.0 * np.pi / 3.0), np.cos(2.0 * np.pi / 3)]],
+        [[0.5, 1.0], [0.0, 0.9]],
+        [[1.0, 0.0], [0.0, 1.5]],
+        [[1.0, np.nan], [0.0, 0.5]],
+        [[1.0 - 1e-6, 0.0], [0.0, 0.5]],
+    ],
+)
+def test_other_matrices_keep_nothing(M):
+    assert not keeps(np.array(M), np.empty((2, 2)))
 
 
 def test_a_matrix_is_not_changed():
@@ -166,8 +198,17 @@ def test_no_tangent_at_the_orbit_is_said():
     assert search(gz.gap_map(0.8, 0.5, 1.0), [0.0], [1])[0] == NO_TANGENT  # the slope is infinite at 0
 
 
-def test_a_multiplier_of_one_has_no_cycle_of_its_own():
-    assert search(linear_map([[1.0]]), [0.3], [0])[0] == NONE
+def test_of_a_continuum_the_cycle_is_the_one_that_the_orbit_approaches():
+    found, z, M = search(linear_map([[1.0]]), [0.3], [0])
+    assert (found, z[0], M[0, 0]) == (FOUND, 0.3, 1.0)
+    found, z, _M = search(linear_map([[1.0, 0.5], [0.0, 0.9]]), [0.3, -0.2], [0])
+    assert found == FOUND and z == pytest.approx([0.3 - 0.2 * 0.5 / 0.1, 0.0], abs=1e-14)  # sum of 0.5 v 0.9^n
+    drift = gz.Map(lambda state, p: (state[0] + p.a,), params={"a": 0.01}, tangent=drifting)
+    assert search(drift, [0.3], [0])[0] == NONE
+
+
+def drifting(state, p):
+    return (state[0] + p.a,), 0, 0, (1.0,)
 
 
 def test_newton_takes_as_many_steps_as_it_says():
@@ -243,7 +284,7 @@ def test_the_settler_gives_the_period_of_the_cycle_that_is_approached(beyond):
     starts = theory.maximal_orbit(N, lam, mu, l)[0] + np.array([[1e-6, -1e-6, 3e-4]])
     points, letters, outcomes = G.run(starts.copy(), 0, 60)
     period, doubtful, sizes = np.empty((1, 3), np.int32), np.empty((1, 3), np.int32), np.empty((2, 1, 1, 3))
-    call(compiled_recurrence(), points[None], letters[None], outcomes[None], 1e-9, period, doubtful, *sizes)
+    call(compiled_recurrence(), points[None], letters[None], outcomes[None], 1e-9, np.ones(1), period, doubtful, *sizes)
     extent = np.ptp(points[:, 0], axis=0)
     assert np.allclose(sizes[0, 0, 0], extent, rtol=1e-15)
     assert np.allclose(sizes[1, 0, 0], 1e-9 * extent + 1e-13 * np.abs(points[:, 0]).max(axis=0), rtol=1e-15)
@@ -264,3 +305,13 @@ def test_spirals_of_every_angle_are_settled_on_their_fixed_point():
             found = classify(P, points, letters, outcomes[0]).period.tolist()
             assert found == twin.classified(P, points, letters, outcomes[0])[0], (turn, r)
             assert set(found) == {1}, (turn, r)
+
+
+def test_elimination_meets_the_same_pivots_in_any_unit():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        a, b = rng.normal(size=(4, 4)), rng.normal(size=4)
+        unit, size = (2.0 ** rng.integers(-40, 40, 4) for _ in range(2))
+        plain, other = b.copy(), b * size
+        assert solved(a.copy(), plain, np.ones(4)) and solved(a * size[:, None] / unit, other, unit)
+        assert (other == plain * unit).all()

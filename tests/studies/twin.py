@@ -27,7 +27,8 @@ def period_of(P, x, s, outcome, rtol=1e-9):
         return ENDED
     if keep < 2:
         return UNDECIDED
-    floor = 1e-13 * np.abs(x).max()
+    unit = np.ptp(P.box, axis=1)
+    floor = 1e-13 * np.abs(x / unit).max() * unit
     extent = np.ptp(x, axis=0)
     tolerance = rtol * extent + floor
     extent = np.maximum(extent, 10.0 * floor + 1e-300)
@@ -79,6 +80,15 @@ def turn_of(matrices):
     return reduce(lambda first, second: second @ first, matrices)
 
 
+def kept_by(M):
+    """The projector onto what M keeps, where all else contracts; else 0."""
+    values, vectors = np.linalg.eig(M)
+    ones = np.abs(values - 1.0) <= 1e-12
+    if not ones.any() or not (np.abs(values[~ones]) < 1.0 - 1e-9).all():
+        return np.zeros_like(M)
+    return ((vectors * ones) @ np.linalg.inv(vectors)).real
+
+
 def cycle_beside(P, state, letters, tolerance, steps=12):
     """A point of the cycle with these letters near a state, and the derivative of a turn from there; None for none."""
     x, N, first = state, len(letters), True
@@ -89,7 +99,8 @@ def cycle_beside(P, state, letters, tolerance, steps=12):
         first = False
         end, matrices = found
         try:
-            move = np.linalg.solve(np.eye(len(x)) - turn_of(matrices), end - x)
+            M = turn_of(matrices)
+            move = np.linalg.solve(np.eye(len(x)) - M + kept_by(M), end - x)
         except np.linalg.LinAlgError:
             return None
         x = x + move
@@ -109,13 +120,13 @@ def cycle_beside(P, state, letters, tolerance, steps=12):
 
 def approaches(z, M, x, N, tolerance):
     """Whether points x fall towards the cycle through z, in coordinates along the eigenvectors of M."""
-    values, vectors = np.linalg.eig(M)
-    radius = np.abs(values).max()
+    _values, vectors = np.linalg.eig(M)
+    radius = np.abs(np.linalg.eigvals(M - kept_by(M))).max()
     if not radius < 1.0 - 1e-9:
         return False
     frame = np.eye(len(M)) if np.linalg.cond(vectors) > 1e8 else np.linalg.inv(vectors)
     distances = np.abs((x[::-1][::N] - z) @ frame.T).max(axis=1)
-    floor = np.abs(frame).sum(axis=1).max() * tolerance.max()
+    floor = (np.abs(frame) @ tolerance).max()
     falls = ((distances[:-2] < distances[2:]) | (distances[:-2] <= floor)).all()
     turns = (len(distances) - 1) // 2 * 2
     bound = distances[turns] * (1.0 - 0.1 * (1.0 - radius)) ** turns

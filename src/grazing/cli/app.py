@@ -17,9 +17,10 @@ from typing import Any
 from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
 
 from grazing import __version__
+from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, shown
+from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, raised, shown
 from grazing.parameter import called_here
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -27,61 +28,8 @@ DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 NARROW, WIDE = 20, 10_000
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
-# The commands of the studies are made from the schema when they are asked for: --help needs none of it.
-STUDIES = {
-    "diagram": ("Show where orbits settle as one parameter varies.", "d=0.05:0.16:500 --V 0.4 -o diagram.png"),
-    "density": (
-        "Count how often orbits visit each part of a range as one parameter varies.",
-        "d=0.05:0.16:2000 --bins 1000 -o density.png",
-    ),
-    "chart": (
-        "Show which attractors there are, by period and word, as two parameters vary.",
-        "d=0.05:0.16:400 V=0:0.4:400 -o chart.png",
-    ),
-    "basins": ("Show which attractor each initial state reaches.", "u=0:0.3:400 v=-0.5:0.5:400 --d 0.1 -o basins.png"),
-    "lyapunov": ("Compute Lyapunov exponents.", "d=0.05:0.16:500 -o exponents.png"),
-    "coexistence": (
-        "Follow all attractors and their shares of the starts as one parameter varies.",
-        "d=0.05:0.16:500 --starts 200 -o shares.png",
-    ),
-    "trajectory": ("Follow the ball in continuous time, with every impact.", "u=0.1 v=0 --until 50 -o orbit.png"),
-    "history": (
-        "Show position or velocity over time, with every impact.",
-        "u=0 v=0 --until 20 --d 0.12 --V 0.4 -o history.png",
-    ),
-    "sample": (
-        "Record a motion at equal times, each computed and none interpolated.",
-        "u=0 v=0 --until 100 --rate 20 --d 0.12 --V 0.4 -o motion.csv",
-    ),
-    "spectrum": (
-        "Take a motion apart into lines at their frequencies.",
-        "u=0 v=0 --until 600 --since 100 --d 0.12 --V 0.4 -o spectrum.png",
-    ),
-    "cobweb": (
-        "Draw an orbit of a one-dimensional map.",
-        "x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
-    ),
-    "graph": (
-        "Draw one step of a map along a line of states, beside the discontinuity map of the oscillator.",
-        "u=0.01:0.06:600 v=-0.23 --omega 2.1 --t0 2.2 --d 0.11 --V 0.2 -o graph.png",
-    ),
-}
-ORBITS = {
-    "orbit": ("Find periodic orbits, stable and unstable, and prove them.", "--word 001 --d 0.12 --V 0.4 --certify"),
-    "branch": (
-        "Follow the orbits of a word in a parameter, through folds and grazes.",
-        "d=0.02:0.14 --word 001 --V 0.4 -o branch.png",
-    ),
-    "windows": ("List where stable one-impact orbits exist, and why they end.", "d --N 2:7 --V 0.4 -o windows.png"),
-    "bifurcations": (
-        "Show a scan and the branches through it, and where the two disagree.",
-        "d=0.05:0.16:600 --V 0.4 -o bifurcations.png",
-    ),
-    "response": (
-        "Show what instruments read going up, going down and from random starts, and the branches through it.",
-        "omega=2:3:200 --V 0.4 -o response.png",
-    ),
-}
+#: Studies whose commands have commands of their own.
+WITH_MORE = {"orbit": "grazing.cli.orbits:orbit"}
 RESULTS = {
     "sweep": ("grazing.cli.sweep:app", "Compute a study chunk by chunk into a store; stop and resume it at will."),
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
@@ -103,10 +51,23 @@ class Commands(App):
         return found
 
 
+#: Files in bash: readline finds and quotes them itself, whatever they are called; bash 3 cannot be asked for that.
+FILES = """_grazing_files() {
+  COMPREPLY=()
+  compopt -o default -o filenames 2>/dev/null && return
+  local _x
+  while IFS= read -r _x; do COMPREPLY+=("$_x"); done < <(compgen -f -- "$1")
+}
+
+"""
 #: What the scripts of completion say, and what they should: bash, zsh (--map=VALUE, then --map VALUE), fish.
 COMPLETED = (
-    ("COMPREPLY=( $(compgen -f", "local IFS=$'\\n'; compopt -o filenames 2>/dev/null; COMPREPLY=( $(compgen -f"),
-    ('"normal-form")', '"normal-form" $(compgen -G "*.py"))'),
+    ("_grazing() {\n  local cur", FILES + "_grazing() {\n  local cur"),
+    ('COMPREPLY=( $(compgen -f -- "${cur}") )', '_grazing_files "${cur}"'),
+    (
+        '"normal-form")',
+        '"normal-form"); while IFS= read -r _x; do [[ -e $_x ]] && _c+=("$_x"); done < <(compgen -G "*.py")',
+    ),
     ("'gap' 'normal-form'", "'gap' 'normal-form' *.py(N)"),
     (
         ":map:(stroboscopic impact discontinuity gap normal-form)",
@@ -127,13 +88,12 @@ app = Commands(
 _studies, _orbits, _results = (
     Group("Studies", sort_key=1), Group("Orbits and branches", sort_key=2), Group("Results", sort_key=3)
 )  # fmt: skip
-for _order, (_name, (_says, _example)) in enumerate(STUDIES.items()):
-    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
-    app.command(f"grazing.cli.study:{_name}", name=_name, help=_help, group=_studies, sort_key=_order)
-for _order, (_name, (_says, _example)) in enumerate(ORBITS.items()):
-    _help = f"{_says}\n\nExample: grazing {_name} {_example}"
-    _where = "grazing.cli.orbits:orbit" if _name == "orbit" else f"grazing.cli.study:{_name}"
-    app.command(_where, name=_name, help=_help, group=_orbits, sort_key=_order)
+# The commands of the studies are made from the schema when they are asked for: --help needs none of it.
+for _study in studies().values():
+    _help = f"{_study.help}\n\nExample: grazing {_study.name} {_study.example}"
+    _group = _orbits if _study.orbits else _studies
+    _where = WITH_MORE.get(_study.name, f"grazing.cli.study:{_study.name}")
+    app.command(_where, name=_study.name, help=_help, group=_group, sort_key=_study.place)
 for _order, (_name, (_where, _says)) in enumerate(RESULTS.items()):
     app.command(_where, name=_name, help=_says, group=_results, sort_key=_order)
 app.command(paper, group=_results, sort_key=len(RESULTS))
@@ -180,7 +140,11 @@ def _guarded(tokens: list[str]) -> int:
     except BrokenPipeError:
         return DONE
     except SystemExit as stop:  # how the writer of the help says that its reader has left
-        return DONE if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or DONE)
+        if isinstance(stop.__context__, BrokenPipeError):
+            return DONE
+        return _fail(
+            f"code of your own, or of a package, called sys.exit({shown(stop.code)}); leave that away.", FAILED
+        )
     except ImportError as error:
         return _fail(f"a package that grazing needs cannot be imported ({error}); install grazing again.", FAILED)
     except OSError as error:
@@ -197,8 +161,10 @@ def _guarded(tokens: list[str]) -> int:
     except Exception as error:
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
+        if theirs := _in_own_code(error):
+            return _fail(theirs, FAILED)
         return _fail(
-            f"{type(error).__name__}: {error}\nThis is a defect in grazing {__version__}. Please report it with the "
+            f"{raised(error)}\nThis is a defect in grazing {__version__}. Please report it with the "
             "command you gave and the output\nof the same command with GRAZING_DEBUG=1 in front, which shows where "
             "it happened.",
             FAILED,
@@ -252,6 +218,19 @@ def _misconfigured(error: BaseException | None) -> str:
     return ""
 
 
+def _in_own_code(error: Exception) -> str:
+    """Return what a file of one's own raised, such as a property of a class in it; nothing if it was no such file."""
+    from grazing.copies import OWN_MODULE
+
+    frames = [*traceback.walk_tb(error.__traceback__)]
+    modules = [str(frame.f_globals.get("__name__", "")) for frame, _line in frames]
+    last = max((i for i, name in enumerate(modules) if name.startswith(("grazing.", OWN_MODULE))), default=-1)
+    if last < 0 or not modules[last].startswith(OWN_MODULE):
+        return ""
+    frame, line = frames[last]
+    return f"line {line} of {frame.f_code.co_filename} raised {raised(error)}"
+
+
 def _somewhere() -> bool:
     """Whether the folder that this process runs in is there."""
     try:
@@ -266,7 +245,7 @@ def _reworded(error: CycloptsError) -> str:
         extra = " ".join(error.unused_tokens or ())
         return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
-        known = [*STUDIES, *ORBITS, *RESULTS, "paper"]
+        known = [*studies(), *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]
         near = get_close_matches(token, known, n=1)
         hint = f'Did you mean "{near[0]}"? ' if near else ""

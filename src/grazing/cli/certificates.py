@@ -1,64 +1,15 @@
-"""Certificates from the command line: what is to be proven, where the proofs go, and what they say."""
+"""Certificates from the command line: where they go, and what they say."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from grazing.catalogue.study import Row
 from grazing.cli import output
-from grazing.config.build import model_near
-from grazing.config.values import DEFAULT, extremes
-from grazing.outcome import GrazingError, InputError
-
-Row = dict[str, Any]
-
-
-def orbit_proofs(found: Iterable[Any]) -> list[Row]:
-    """Return a proof of each admissible orbit, or why there is none."""
-    from grazing.proof.certify import certify
-
-    proofs = []
-    for i, one in enumerate(found):
-        of = f"{one.word}, period {one.period}"
-        row: Row = {"of": of, "orbit": i, "due": one.admissible, "stem": f"{one.word}-period-{one.period}"}
-        if not one.admissible:
-            proofs.append({**row, "proven": False, "reason": "it is virtual, no orbit of the map"})
-            continue
-        try:
-            proofs.append({**row, **proof_row(certify(one))})
-        except GrazingError as error:
-            proofs.append({**row, "proven": False, "reason": str(error)})
-    return proofs
-
-
-def window_proofs(recipe: Mapping[str, Any], result: Any) -> list[Row]:
-    """Return a proof of each edge of each window, or why there is none."""
-    from grazing.config.orbits import edge_proofs
-
-    [(name, written)] = recipe["vary"].items()
-    model = model_near(dict(recipe), name, None if written == DEFAULT else tuple(extremes(written)))
-    proofs = []
-    for w, side, proof in edge_proofs(model, result):
-        row = result.isel(window=w)
-        N, kind = int(row["N"]), str(row[f"{side}_type"].values)
-        head: Row = {"of": f"N = {N}, {side} edge, {kind}", "window": w, "side": side, "stem": f"N{N}-{side}-{kind}"}
-        provable = not (isinstance(proof, str) and proof.startswith("a proof needs"))
-        told = {"proven": False, "reason": proof} if isinstance(proof, str) else proof_row(proof)
-        proofs.append({**head, "due": provable, **told})
-    return proofs
-
-
-def proof_row(proof: Any) -> Row:
-    """Return what a certificate says."""
-    return {
-        "proven": proof.proven,
-        "statement": proof.statement,
-        "reason": proof.reason,
-        "enclosure": None if proof.value is None else list(proof.value),
-        "proof": proof,
-    }
+from grazing.outcome import InputError
 
 
 def certificates_at(target: Path) -> Path:
@@ -109,10 +60,10 @@ def made(folder: Path) -> None:
         raise InputError(f"{folder} cannot be made: {error.strerror or error}; choose another one") from error
 
 
-def proof_lines(tables: Mapping[str, Any]) -> list[str]:
+def proof_lines(found: Mapping[str, Any]) -> list[str]:
     """Return the proofs in words."""
     said: list[str] = []
-    for row in tables.get("proofs", ()):
+    for row in found.get("proofs", ()):
         if not row["proven"]:
             said.append(f"{row['of']}: not proven: {row['reason']}")
             continue

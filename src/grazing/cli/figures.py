@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
+from grazing.catalogue import studies
 from grazing.cli import progress
 from grazing.cli.stored import curve_in
 from grazing.config import boundaries_of
-from grazing.config.build import RECIPE
 from grazing.outcome import InputError, shown
-
-DRAWN = (
-    "orbit_diagram", "density", "chart", "basins", "lyapunov", "coexistence", "trajectory", "history", "spectrum",
-    "cobweb", "graph", "branch", "windows", "bifurcation_diagram", "response",
-)  # fmt: skip
-#: Studies whose figure has another name.
-FIGURE_OF = {"sample": "history"}
-#: How the titles begin of results whose attributes do not name the function of their figure.
-TITLED = {"bifurcation diagram": "bifurcation_diagram", "branch in": "branch", "windows of": "windows"}
 
 
 def figure(result: Any, **style: Any) -> Mapping[str, Any]:
@@ -30,23 +22,28 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
     InputError
         For a result of no study that has a figure.
     """
-    from grazing import plot
-
     study = study_of(result.attrs)
-    draw: Callable[..., Mapping[str, Any]] | None = getattr(plot, study, None)
-    if draw is None or study not in DRAWN:
+    if study not in drawn():
         raise InputError(
             f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
-            f"allowed are {', '.join(DRAWN)}"
+            f"allowed are {', '.join(drawn())}"
         )
-    return branch_figure(result, **style) if study == "branch" else draw(result, **style)
+    module = import_module(f"grazing.plot.{study}")  # where the figure of a result is more than its axes, it says so
+    draw: Callable[..., Mapping[str, Any]] = getattr(module, "whole", getattr(module, study))
+    return draw(result, **style)
+
+
+def drawn() -> list[str]:
+    """Return the names of the functions that draw results of studies."""
+    return list(dict.fromkeys(study.drawn_by for study in studies().values() if study.drawn_by))
 
 
 def study_of(attrs: Mapping[str, Any]) -> str:
     """Return the function of the figure that a result has."""
-    for title, name in TITLED.items():
-        if str(attrs.get("title", "")).startswith(title):
-            return name
+    title = str(attrs.get("title", ""))
+    for known in studies().values():
+        if known.titled and title.startswith(known.titled):
+            return known.drawn_by
     of = "grazing_config" if "grazing_config" in attrs else "grazing_recipe"
     try:
         said = json.loads(attrs.get(of, "{}"))
@@ -54,26 +51,11 @@ def study_of(attrs: Mapping[str, Any]) -> str:
             raise ValueError("it is no table")
     except (ValueError, TypeError, RecursionError) as error:
         raise InputError(f"the result is damaged: {of} cannot be read ({error}); compute it again") from error
-    flown = of == "grazing_recipe" and str(attrs.get("title", "")).startswith("trajectory")
-    study = str(said.get("study", "trajectory" if flown else ""))
-    return FIGURE_OF.get(study, study)
-
-
-def branch_figure(result: Any, **style: Any) -> Mapping[str, Any]:
-    """Draw a branch, and beside it the loci of its special points if there are any."""
-    from grazing import plot
-    from grazing.compare.word_branches import loci_of
-
-    recipe = json.loads(result.attrs.get(RECIPE, "{}"))
-    if recipe:
-        style = {"virtual": bool(recipe["settings"].get("virtual")), **style}
-    loci = loci_of(result)
-    if not loci:
-        return plot.branch(result, plot.panels(174.0, 80.0)[1][0], **style)
-    figure, (left, right) = plot.panels(174.0, 80.0, columns=2)
-    plot.branch(result, left, **style)
-    plot.locus(loci, right, virtual=style.get("virtual", True), names=style.get("names", True))
-    return {"figure": figure}
+    study = str(said.get("study", title.partition(" ")[0] if of == "grazing_recipe" else ""))
+    for known in studies().values():
+        if study in (known.name, known.function):
+            return known.drawn_by or known.name
+    return study if "study" in said else ""
 
 
 def style_of(recipe: Mapping[str, Any], quiet: bool) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
+from grazing.catalogue import studies
+from grazing.catalogue.study import COORDINATE, Study
 from grazing.cli.whole import all_as_written, as_written
 from grazing.config import checked
 from grazing.config.command import KEYS
@@ -21,8 +23,8 @@ from grazing.config.own import KEYS as CODE
 from grazing.config.own import Named, is_own, located, refuse_unnamed
 from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
-from grazing.config.schema import DRAWN, MAPS, config_of
-from grazing.config.settings import COORDINATE, FLOWN, SINGLE, STUDIES, settings_of, text_of
+from grazing.config.schema import MAPS, config_of
+from grazing.config.settings import settings_of, text_of
 from grazing.config.values import DEFAULT, other_range
 from grazing.config.walls import flat, last_of
 from grazing.outcome import GrazingError
@@ -93,14 +95,15 @@ def switch(name: str, says: str, group: Group) -> Argument:
 
 def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     """Return the signature of a study's command: what varies, the options of the schema, then those of the run."""
-    positional = Annotated[str, Parameter(name="NAME=...", help=_positional_help(study), show=True)]
+    asked = studies()[study]
+    positional = Annotated[str, Parameter(name="NAME=...", help=_positional_help(asked), show=True)]
     arguments = [Argument("given", Argument.VAR_POSITIONAL, annotation=positional)]
-    fields, of_model = config_of(study).model_json_schema()["properties"], STUDIES[study].of == "model"
+    fields, of_model = config_of(study).model_json_schema()["properties"], asked.of == "model"
     for key, usual in KEYS.items():
         if key not in fields or (of_model and key not in OF_MODEL):
             continue
         choices = _choices(fields[key])
-        group = RUN if key == "units" else STUDY if key in DRAWN.get(study, ()) else MAP
+        group = RUN if key == "units" else STUDY if key in asked.beside else MAP
         metavar = METAVARS.get(key, "" if choices else "NAME")
         arguments.append(option(key, str(fields[key]["description"]), group, usual, choices, metavar))
     known = parameter_defaults({"map": "stroboscopic"})
@@ -124,14 +127,11 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
     return Signature([*arguments, *run])
 
 
-def _positional_help(study: str) -> str:
-    known = STUDIES[study]
-    if study in FLOWN:
-        return "Initial state and parameters: u=0.1 v=0 d=0.12."
-    if study == "cobweb":
-        return "Initial state and parameters: x=0.1 mu=0.05."
+def _positional_help(known: Study) -> str:
+    if known.single:
+        return f"Initial state and parameters: {'u=0.1 v=0 d=0.12' if known.flown else 'x=0.1 mu=0.05'}."
     if known.form == "bounds":
-        usual = "; NAME alone for its usual range" if study == "windows" else ""
+        usual = "; NAME alone for its usual range" if known.has("span") else ""
         return f"What varies: NAME=LOW:HIGH{usual}; NAME=VALUE sets a parameter."
     if not known.most:
         return "Parameters: d=0.12 V=0.4."
@@ -250,24 +250,25 @@ def put(given: Given, path: Place, value: Any) -> None:
 def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     """Take in ``NAME=...``: a range varies, a value sets a parameter, a coordinate belongs to the state."""
     problems, coordinates, states = [], _coordinates(given.mapping), {}
-    if given.mapping["study"] == "windows":  # which chooses a range itself if only the name is given
+    study = studies()[given.mapping["study"]]
+    if study.has("span"):  # it chooses a range itself if only the name is given
         tokens = [token if "=" in token else f"{token}=:" for token in tokens]
     ranges = [token for token in tokens if "=" in token and _is_range(token)]
     before = given.mapping.get("vary")
     names = {token.partition("=")[0] for token in ranges}
-    if ranges and not (isinstance(before, Mapping) and len(names | {*before}) <= _most(given.mapping)):
+    if ranges and not (isinstance(before, Mapping) and len(names | {*before}) <= study.most):
         given.mapping["vary"] = {}  # too many together: what varies here takes the place of all in the file
     for token in tokens:
         name, equals, text = token.partition("=")
         if not equals or not name:
-            problems.append(Problem((), f"{token!r} is not {_forms(given.mapping)}"))
+            problems.append(Problem((), f"{token!r} is not {_forms(study)}"))
         elif ("vary", name) in given.here or ("parameters", name) in given.words:
             problems.append(Problem((), f"{token!r}: {name} is given twice"))
         elif token in ranges:
             put(given, ("vary", name), DEFAULT if text == ":" else text)
-        elif name in coordinates and _coordinates_vary(given.mapping):
+        elif name in coordinates and study.varies == COORDINATE:
             put(given, ("settings", "fixed", name), text)
-        elif name in coordinates and given.mapping["study"] in SINGLE:
+        elif name in coordinates and study.single:
             states[name] = text
         else:
             put(given, ("parameters", name), text)
@@ -284,25 +285,13 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     return problems
 
 
-def _forms(mapping: Mapping[str, Any]) -> str:
+def _forms(study: Study) -> str:
     """Return what follows the name of a study, with an example."""
-    study = STUDIES.get(str(mapping.get("study")))
-    if study is not None and not study.most:
+    if not study.most:
         return "NAME=VALUE, such as d=0.12"
-    if study is not None and study.form == "bounds":
+    if study.form == "bounds":
         return "NAME=LOW:HIGH or NAME=VALUE, such as d=0.05:0.16"
     return "NAME=START:STOP:COUNT or NAME=VALUE, such as d=0.05:0.16:500"
-
-
-def _most(mapping: Mapping[str, Any]) -> int:
-    """Return how many parameters a study can vary."""
-    study = STUDIES.get(str(mapping.get("study")))
-    return study.most if study is not None else 0
-
-
-def _coordinates_vary(mapping: Mapping[str, Any]) -> bool:
-    study = STUDIES.get(str(mapping.get("study")))
-    return study is not None and study.varies == COORDINATE
 
 
 def _is_range(token: str) -> bool:
@@ -312,9 +301,10 @@ def _is_range(token: str) -> bool:
 
 def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     """Return the coordinates of the map that is asked for; what is wrong with it is said later."""
-    if mapping.get("study") not in SINGLE and not _coordinates_vary(mapping):
+    study = studies()[mapping["study"]]
+    if not study.single and study.varies != COORDINATE:
         return []
-    if mapping.get("study") in FLOWN and not isinstance(mapping.get("model"), Named):
+    if study.flown and not isinstance(mapping.get("model"), Named):
         return ["u", "v"]
     asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
     if not is_own(asked.setdefault("map", "stroboscopic")) and asked["map"] not in MAPS:

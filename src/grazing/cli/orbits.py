@@ -12,13 +12,13 @@ from cyclopts import App, Parameter
 
 from grazing.cli import output
 from grazing.cli.streams import printable
-from grazing.cli.study import command
+from grazing.cli.study import __getattr__ as command_of
 from grazing.outcome import InputError
 
 DONE, FAILED = 0, 1
 
 orbit = App(name="orbit", help_format="plaintext", default_parameter=Parameter(negative=(), json_list=False))
-orbit.default(command("orbit"))
+orbit.default(command_of("orbit"))
 
 
 @orbit.command

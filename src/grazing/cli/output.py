@@ -9,16 +9,26 @@ from pathlib import Path
 from typing import Any
 
 from grazing.cli.streams import printable
+from grazing.measured import downwards
 from grazing.outcome import InputError
 
 FIGURES = (".png", ".pdf", ".svg")
-STORE = ".zarr"
+STORE, SOUND = ".zarr", ".wav"
 DATA = (".nc", ".csv", ".parquet")
 ENDINGS = (*FIGURES, *DATA, STORE)
-HELP = (
-    "File to write; may be repeated. Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), "
-    "csv or parquet (tables), zarr (result, computed chunk by chunk and resumable)."
+#: What the endings mean.
+MEANT = (
+    (FIGURES, "png, pdf, svg (figure)"),
+    (DATA, "nc (result, NetCDF), csv or parquet (tables)"),
+    ((STORE,), "zarr (result, computed chunk by chunk and resumable)"),
+    ((SOUND,), "wav (the velocity as sound)"),
 )
+
+
+def help_of(endings: Sequence[str]) -> str:
+    """Return the help of the option that names files with some of the endings."""
+    formats = ", ".join(means for some, means in MEANT if {*some} <= {*endings})
+    return f"File to write; may be repeated. Its ending chooses the format: {formats}."
 
 
 def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
@@ -90,6 +100,17 @@ def units_of(result: Any) -> dict[str, list[str]]:
     return found
 
 
+def described(result: Any) -> dict[str, Any]:
+    """Return title, sizes and units of a result, and of a rig with its stop above what counts downwards."""
+    down = downwards(result)
+    return {
+        "title": str(result.attrs.get("title", "")),
+        "sizes": {str(name): size for name, size in result.sizes.items()},
+        "units": units_of(result),
+        **({"down": down} if down else {}),
+    }
+
+
 def write(result: Any, path: Path, **style: Any) -> list[str]:
     """Write a result to a file; return the names of all files that this made."""
     kind = path.suffix
@@ -103,6 +124,10 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
         from grazing.export import to_csv, to_parquet
 
         return [str(file) for file in (to_csv if kind == ".csv" else to_parquet)(result, path)]
+    if kind == SOUND:
+        from grazing.signals.sound import audible, to_wav
+
+        return [str(to_wav(result, path, audible(result)))]
     from grazing.io import save
 
     return [str(save(result, path))]

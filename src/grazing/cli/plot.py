@@ -9,9 +9,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from grazing.catalogue import studies
 from grazing.cli import output
-from grazing.cli.figures import DRAWN as FIGURED
-from grazing.cli.figures import study_of, style_of
+from grazing.cli.figures import drawn, study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.stored import Missing, axes_of, curve_in, loaded
 from grazing.cli.streams import printable
@@ -104,10 +104,10 @@ def with_drawn(
     from grazing.config import checked, recipe_of
     from grazing.config.build import RECIPE, kept
     from grazing.config.own import NotNamed
-    from grazing.config.schema import DRAWN
     from grazing.config.values import curves as checked_curves
 
-    keys = DRAWN.get(study_of(result.attrs), ())
+    figure = study_of(result.attrs)
+    keys = [key for known in studies().values() if known.drawn_by == figure for key in known.beside]
     if map is not None or model is not None:  # said here, where no other error is taken for it
         named_here(recipe_of(result.attrs, axes_of(result)), map, model, file)
     if curves is not None and "curves" not in keys:
@@ -145,7 +145,7 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     from grazing import plot as figures
     from grazing.config.problems import unknown_key
 
-    function = getattr(figures, study) if study in FIGURED else None
+    function = getattr(figures, study) if study in drawn() else None
     if not given or function is None:
         return {}
     known = {

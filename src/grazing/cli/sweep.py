@@ -104,15 +104,15 @@ def run(
     Exit code 0 when the store is complete, 3 when shards are still missing.
     """
     from grazing import sweep
+    from grazing.catalogue import studies
     from grazing.cli.options import recipe_from
     from grazing.config import plan_of
     from grazing.config.files import read_toml
-    from grazing.config.settings import STUDIES
 
     share, pieces = _shard(shard), _chunk(chunk)
     study = read_toml(config).get("study")
-    if not isinstance(study, str) or study not in STUDIES:
-        raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(STUDIES)}")
+    if not isinstance(study, str) or study not in studies():
+        raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(studies())}")
     plan = plan_of(recipe_from(study, given, {"map": map, "model": model}, config))
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece, Unsettled, Work, followed
 from grazing.orbits.branch_table import branch_table
+from grazing.orbits.branch_windows import Window, between, windows_of, windows_of_piece
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
-from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import closed
+from grazing.orbits.orbit import Orbit, multipliers_of
 from grazing.orbits.special import Special
 from grazing.outcome import GrazingError, InputError, shown
 from grazing.parameter import whole
@@ -35,17 +35,10 @@ SAME = 1e-6
 MOST, SHARE, STEP, LIMIT = 200, 0.25, 0.03, 2000
 #: The word of the orbit of an oscillator without impacts.
 FREE = "0"
-
-
-class Window(NamedTuple):
-    """An interval of the parameter on which a branch is stable and admissible, and the special points that end it."""
-
-    low: float
-    high: float
-    low_type: str
-    high_type: str
-    word: str
-    period: int
+#: Why an attractor was not followed that moves along a line of others.
+NEUTRAL = (
+    "it is neutral, one of a continuum of orbits: a multiplier is 1, and no branch leads through one of them alone"
+)
 
 
 class Attractor(NamedTuple):
@@ -302,9 +295,12 @@ class Search:
             return
         P = self.P.replace(**{self.name: value})
         orbit = Orbit(
-            map=P, points=points[-N:], word=word, period=N, multipliers=np.zeros(P.dimension, np.complex128),
+            map=P, points=points[-N:], word=word, period=N, multipliers=multipliers_of(P, points[-N:]),
             admissible=True, condition=1.0, residual=0.0,
         )  # fmt: skip
+        if orbit.degenerate:
+            self.alone.append((value, word, N, NEUTRAL))
+            return
         try:
             self._add(self._followed(P, orbit))
         except Unsettled:
@@ -426,62 +422,6 @@ def stable_at(piece: Piece, value: float) -> list[Orbit]:
             if orbit is not None and orbit.stable and orbit.admissible:
                 found.append(orbit)
     return found
-
-
-def between(piece: Piece, i: int, value: float) -> Orbit | None:
-    """Return the orbit at a value between those of one orbit of a piece and the next, solved there; None if lost."""
-    low, high = piece.values[i], piece.values[i + 1]
-    share = (value - low) / (high - low) if high != low else 0.0
-    guess = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
-    x = closed(piece.equations, guess, np.array([value]))
-    return None if x is None else piece.equations.orbit(x, np.array([value]))
-
-
-def attracts(piece: Piece, i: int) -> bool:
-    """Whether a piece is stable and admissible between one of its orbits and the next."""
-    for j in (i, i + 1):
-        if j not in piece.events:
-            return piece.orbits[j].stable and piece.orbits[j].admissible
-    orbit = between(piece, i, 0.5 * float(piece.values[i] + piece.values[i + 1]))
-    return orbit is not None and orbit.stable and orbit.admissible
-
-
-def windows_of_piece(piece: Piece) -> list[Window]:
-    """Return the stretches of a piece that are stable and admissible, with the special points that end them.
-
-    A piece that comes back to where it was begun has no end there.
-    """
-    good = [attracts(piece, i) for i in range(len(piece.orbits) - 1)]
-    order, kinds = list(range(len(piece.orbits))), dict(zip(piece.events, piece.types, strict=True))
-    if piece.ends[0] == "closed" and 0 not in kinds and not all(good):
-        seam = good.index(False)
-        good, order = good[seam:] + good[:seam], [*order[seam:-1], *order[: seam + 1]]
-    found = []
-    first: int | None = None
-    for i, inside in enumerate([*good, False]):
-        if inside and first is None:
-            first = i
-        if not inside and first is not None:
-            ends = [(float(piece.values[j]), kinds.get(j, "end")) for j in (order[first], order[i])]
-            (low, low_type), (high, high_type) = sorted(ends)
-            inner = piece.orbits[order[min(first + 1, i)]]
-            found.append(Window(low, high, low_type, high_type, inner.word, inner.period))
-            first = None
-    return found
-
-
-def windows_of(branch: Branch) -> list[Window]:
-    """Return all windows of a branch by period and place, each once."""
-    found: list[Window] = []
-    for piece in branch.pieces:
-        for one in windows_of_piece(piece):
-            close = 1e-9 * (branch.bounds[1] - branch.bounds[0])
-            if one.high - one.low < close:
-                continue
-            known = (w for w in found if (w.period, w.word) == (one.period, one.word))
-            if not any(abs(w.low - one.low) < close and abs(w.high - one.high) < close for w in known):
-                found.append(one)
-    return sorted(found, key=lambda w: (w.period, w.low, w.word))
 
 
 def merged(P: Map, name: str, bounds: tuple[float, float], branches: Sequence[Branch]) -> Branch:

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.compare.bifurcation_diagram import Search, documented, merged, same_attractor, with_limit
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece
-from grazing.orbits.branch_table import branch_table
+from grazing.orbits.branch_table import branch_table, special_once
+from grazing.orbits.contacts import model_of as oscillator_of
+from grazing.orbits.contacts import section_of, walls_of
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.gauge import READINGS, flown_cycle, gauged, repeated_cycle
+from grazing.oscillator.gauge import Model, flown_cycle, gauged, readings_of, repeated_cycle
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
@@ -60,7 +62,7 @@ def response(
     Parameters
     ----------
     P : Map
-        The stroboscopic map of an oscillator.
+        The stroboscopic map of an oscillator, over one wall or between several.
     name : str
         Which of its parameters varies.
     values : array_like, shape (m,)
@@ -78,8 +80,9 @@ def response(
         On (name, "run"), where ``run`` is *up*, *down*, *start 1*, *start 2*, ...: ``amplitude`` (half of the
         peak-to-peak value of u), ``mean``, ``peak_velocity``, ``rms_velocity``, ``impact_speed`` (the greatest one),
         ``mean_impact_speed``, ``impulse`` (of the wall in a period of the forcing, per unit of mass) and
-        ``impacts_per_period`` (of the forcing), with ``period``, ``word``, ``outcome`` and ``trust`` as in
-        :func:`grazing.orbit_diagram`. All branches as :attr:`grazing.Branch.dataset` has them, its variables with
+        ``impacts_per_period`` (of the forcing); of two walls these four of each, too, as ``A.impulse``, and ``impulse``
+        is the sum of both, each away from its wall. With these come ``period``, ``word``, ``outcome`` and ``trust`` as
+        in :func:`grazing.orbit_diagram`. All branches as :attr:`grazing.Branch.dataset` has them, its variables with
         ``branch_`` in front but for those of special points, with the readings of each orbit (``branch_amplitude``,
         ...) and special point (``special_amplitude``, ...). Dimension ``difference``: ``difference_low``,
         ``difference_high`` and ``difference_values``, the least and the greatest of neighbouring values at which the
@@ -121,7 +124,8 @@ def response(
     grid, longest = checked_values(name, values, P), whole(period, "period", 1)
     if len(np.unique(grid)) < 2:
         raise InputError(f"values of {name} are {np.unique(grid).tolist()}; give at least 2 different ones")
-    waves = [wave for wave in model_of(P).params if wave.startswith(("cos", "sin")) and wave[3:].isdigit()]
+    last = {wave: wave.rpartition(".")[2] for wave in model_of(P).params}
+    waves = [wave for wave, kind in last.items() if kind.startswith(("cos", "sin")) and kind[3:].isdigit()]
     if name not in waves and not any(P.params[wave] for wave in waves):
         warnings.warn("nothing shakes the ball: all amplitudes of the force are 0", UserWarning, stacklevel=2)
 
@@ -149,24 +153,40 @@ def response(
 
 def checked_strobe(P: Any) -> Map:
     """Return the stroboscopic map of an oscillator at phase 0, where its branches are; raise InputError for others."""
-    if isinstance(P, Map) and P.walled is not None:
-        raise InputError("a response is that of an oscillator with one wall below it, at rest; this one has others")
-    if not isinstance(P, Map) or P.model is None or P.section != "strobe":
+    if not isinstance(P, Map) or section_of(P) != "strobe":
         said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
         raise InputError(f"P is {shown(P)}: {said}")
-    refuse_stiffness(P.model, "a response, which sweeps follow where it attracts,")
+    refuse_stiffness(model_of(P), "a response, which sweeps follow where it attracts,")
     return P.replace(phase=0.0)  # readings do not depend on the section
 
 
-def model_of(P: Map) -> Oscillator:
+def model_of(P: Map) -> Model:
     """Return the oscillator of a map that has one."""
-    assert P.model is not None
-    return P.model
+    model = oscillator_of(P)
+    assert model is not None
+    return model
+
+
+def between_walls(P: Map, name: str, grid: Floats) -> tuple[float, float]:
+    """Return from where to where a ball may start at every value of a parameter, at least inside the map's box."""
+    low, high = P.box[0]
+    for value in {*grid.tolist()} if name.rpartition(".")[0] or name in ("sigma", "omega", "t0") else (grid[0],):
+        model = P.replace(**{name: value}).walled
+        assert model is not None
+        for wall, at in zip(model.walls, model.places_at(np.zeros(1))[0][:, 0].tolist(), strict=True):
+            low, high = (max(low, at), high) if wall.sign > 0.0 else (low, min(high, at))
+    if low > high:
+        raise InputError(f"the walls move so far with {name} that no ball may start at all of its values; give fewer")
+    return low, high
 
 
 def at_rest(P: Map, name: str, grid: Floats) -> tuple[float, float]:
     """Return a state that is allowed at every value: at rest where constant forces balance, inside the map's box."""
     model = model_of(P)
+    if not isinstance(model, Oscillator):
+        low, high = between_walls(P, name, grid)
+        balance = model.forcing.offset / model.k2 if model.k2 > 0.0 else 0.5 * (low + high)
+        return min(max(balance, low), high), 0.0
     wall, stiffness = float(grid.max()) if name == "sigma" else model.sigma, model.k**2
     balance = model.forcing.offset / stiffness if stiffness > 0.0 else wall
     return max(wall, min(balance, P.box[0][1])), 0.0
@@ -178,7 +198,8 @@ def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
 
     points, size = points_of(P, scans)
     periods, words, keep = scans["period"].values, scans["word"].values, scans.sizes["n"]
-    found = np.full((*periods.shape, len(READINGS)), np.nan)
+    readings = readings_of(model_of(P))
+    found = np.full((*periods.shape, len(readings)), np.nan)
     for i, value in enumerate(scans[name].values.tolist()):
         model, seen = model_of(P.replace(**{name: value})), list[int]()
         for j, N in enumerate(periods[i].tolist()):
@@ -192,7 +213,7 @@ def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
             found[i, j] = list(gauged(model, flown_cycle(model, (float(u), float(v)), N if N >= 1 else keep)).values())
             seen.append(j)
     names = [*SWEEPS, *(f"start {j + 1}" for j in range(periods.shape[1] - len(SWEEPS)))]
-    table = {key: ((name, "run"), found[..., k], about(key, P)) for k, key in enumerate(READINGS)}
+    table = {key: ((name, "run"), found[..., k], about(key, P)) for k, key in enumerate(readings)}
     kept = {key: ((name, "run"), scans[key].values, scans[key].attrs) for key in KEPT}
     run = ("run", np.array(names, dtype=object), {"long_name": "how a value was come to"})
     return xr.Dataset({**table, **kept}, {name: scans[name], "run": run})
@@ -206,7 +227,7 @@ def points_of(P: Map, scans: xr.Dataset) -> tuple[Floats, Floats]:
 
 def about(reading: str, P: Map) -> labels.Attributes:
     """Return the attributes of a reading."""
-    meaning, units = READINGS[reading]
+    meaning, units = readings_of(model_of(P))[reading]
     return {"long_name": meaning, "units": "1" if model_of(P).mass is None else units}
 
 
@@ -241,9 +262,10 @@ def branches_read(branch: Branch) -> xr.Dataset:
     """Return the table of branches, their variables with ``branch_`` in front, with readings along them."""
     table = branch_table(branch)
     readable = [kept for piece in branch.pieces for kept in on_or_beside(piece, branch.bounds)]
-    along = readings_of(list(branch), readable)
-    at = readings_of([one.orbit for one in branch.special], [one.admissible for one in branch.special])
-    for k, reading in enumerate(READINGS):
+    along = read_along(branch.map, list(branch), readable)
+    special = special_once(branch)
+    at = read_along(branch.map, [one.orbit for one in special], [one.admissible for one in special])
+    for k, reading in enumerate(readings_of(model_of(branch.map))):
         table[reading] = "point", along[:, k], about(reading, branch.map)
         table[f"special_{reading}"] = "special", at[:, k], about(reading, branch.map)
     fronted = [key for key in [*table.variables, *table.dims] if not str(key).startswith("special")]
@@ -265,15 +287,17 @@ def on_or_beside(piece: Piece, bounds: tuple[float, float]) -> list[bool]:
     return found
 
 
-def readings_of(orbits: Sequence[Orbit], readable: Sequence[bool]) -> Floats:
+def read_along(P: Map, orbits: Sequence[Orbit], readable: Sequence[bool]) -> Floats:
     """Return the readings of periodic orbits, shape (orbits, readings), NaN for those that are none of the flow."""
-    found = np.full((len(orbits), len(READINGS)), np.nan)
+    found = np.full((len(orbits), len(readings_of(model_of(P)))), np.nan)
     for i, (orbit, wanted) in enumerate(zip(orbits, readable, strict=True)):
         if not wanted:
             continue
         model, state = model_of(orbit.map), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
         if isinstance(orbit, ImpactOrbit):
-            cycle = repeated_cycle(model, state, orbit.times, orbit.incoming, orbit.outgoing, orbit.period)
+            names = "".join(str(wall.name) for wall in walls_of(model))
+            walls = [names.index(letter) for letter in orbit.walls]
+            cycle = repeated_cycle(model, state, orbit.times, orbit.incoming, orbit.outgoing, orbit.period, walls)
         else:
             cycle = flown_cycle(model, state, orbit.period)
         found[i] = list(gauged(model, cycle).values())

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.compare.reductions import Reductions
@@ -25,7 +24,7 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
 from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, UNDECIDED, settled_columns
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_runs, describe_values, tolerance_config
 
 Floats = NDArray[np.float64]
@@ -54,6 +53,7 @@ TAKEN = (
 )  # fmt: skip
 
 
+@planned
 def validity(
     model: Oscillator,
     params: Mapping[str, ArrayLike],
@@ -67,7 +67,7 @@ def validity(
     arithmetic: str = "fast",
     box: Sequence[tuple[float, float]] | None = None,
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return where a reduction of the oscillator has the words of the oscillator, as two parameters vary.
 
     Parameters
@@ -106,26 +106,6 @@ def validity(
     >>> found.agreement.sel(V=0.1).values.tolist(), found.flow_word.sel(d=0.127, V=0.4).values[0]
     ([2, 0], 'LLLR')
     """
-    made = plan(
-        model, params, rung=rung, starts=starts, transient=transient, keep=keep, seed=seed, arithmetic=arithmetic,
-        box=box,
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    model: Oscillator,
-    params: Mapping[str, ArrayLike],
-    *,
-    rung: str = "gap",
-    starts: int | ArrayLike = 16,
-    transient: int = 500,
-    keep: int = 64,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-) -> Plan:
-    """Return the plan of a validity map, see :func:`validity`."""
     checked_model(model)
     refuse_stiffness(model, "the validity of a reduction")
     if not isinstance(rung, str) or rung not in REDUCTIONS:
@@ -178,6 +158,9 @@ def plan(
         work=2 * runs.work,
         finish=reductions.finish,
     )
+
+
+plan = validity.plan
 
 
 def _variables(keep: int) -> dict[str, Variable]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grazing.compare.bifurcation_diagram import merged, same_points, windows_of
+from grazing.compare.bifurcation_diagram import merged, same_points
 from grazing.maps.map import Map
 from grazing.orbits.branch import Branch, checked_bounds, continuation
 from grazing.orbits.branch_table import branch_table
+from grazing.orbits.branch_windows import windows_of
 from grazing.orbits.locus import FOLLOWED, Locus, Meeting, same_meeting
 from grazing.orbits.locus import locus as locus_of
 from grazing.orbits.orbit import Orbit

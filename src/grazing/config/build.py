@@ -5,29 +5,26 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import import_module
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from grazing.catalogue import studies
+from grazing.catalogue.study import Study, named
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
 from grazing.config.parameters import described
 from grazing.config.schema import ALONE
-from grazing.config.settings import FLOWN, STUDIES, WHOLE, function_of
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
 from grazing.outcome import InputError
-from grazing.studies.cobweb import cobweb
-from grazing.studies.graph import graph
+from grazing.parameter import named_by
 from grazing.studies.labels import own_version, versions
 from grazing.studies.plan import Plan, Progress, run_plan
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from grazing.orbits.periodic import Orbits
 
 #: The attribute of a result that keeps the recipe it was made from, as JSON.
 RECIPE = "grazing_recipe"
@@ -35,10 +32,11 @@ RECIPE = "grazing_recipe"
 
 def map_in(recipe: Recipe) -> Map:
     """Return the map of a recipe; a parameter that varies and has no default is at the first of its values."""
-    given = dict(recipe["parameters"])
-    for name, default in parameter_defaults(recipe).items():
+    given, known = dict(recipe["parameters"]), parameter_defaults(recipe)
+    for name, default in known.items():
         if default is None and name not in given:
-            given[name] = float(values_of(recipe["vary"][name])[0])
+            [written] = (written for one, written in recipe["vary"].items() if name in named_by(one, known))
+            given[name] = float(values_of(written)[0])
     return map_of({**recipe, "parameters": given})
 
 
@@ -72,25 +70,24 @@ def plan_of(config: Mapping[str, Any], *, code: str | None = None) -> Plan:
     """
     recipe = checked(config, code=code)
     refuse_unnamed(recipe)
-    study = STUDIES[recipe["study"]]
-    if recipe["study"] in WHOLE:
-        others = ", ".join(name for name in STUDIES if name not in WHOLE)
-        raise InputError(f"{recipe['study']} is computed as a whole and has no cells to sweep; allowed are {others}")
-    P, settings = map_in(recipe), dict(recipe["settings"])
-    grid = {name: values_of(written) for name, written in recipe["vary"].items()}
-    # one parameter is given by its name and values, several (and coordinates) as a mapping
-    axes: tuple[Any, ...] = (grid or None,) if study.most > 1 else next(iter(grid.items()), ())
-    plan: Plan = import_module(f"grazing.{study.module}").plan(P, *axes, **settings)
-    if recipe["study"] == "density":  # found by a trial, whose last digits another machine need not repeat
-        recipe = {**recipe, "settings": {**recipe["settings"], "range": list(plan.config["range"])}}
+    study = studies()[recipe["study"]]
+    if not study.plan:
+        others = ", ".join(name for name, known in studies().items() if known.plan)
+        raise InputError(f"{study.name} is computed as a whole and has no cells to sweep; allowed are {others}")
+    plan: Plan = study.plan(map_in(recipe), *varied(study, recipe), **recipe["settings"])
+    if study.kept:  # found by a trial, whose last digits another machine need not repeat
+        found = {name: list(plan.config[name]) for name in study.kept}
+        recipe = {**recipe, "settings": {**recipe["settings"], **found}}
     return replace(plan, recipe=kept(recipe))
 
 
-def graph_in(recipe: Recipe) -> xr.Dataset:
-    """Return the graph of a recipe's map, beside that of the discontinuity map whose order it names, if any."""
-    [(name, written)] = recipe["vary"].items()
-    order = recipe["order"] if has_beside(recipe) and recipe["order"] != ALONE else None
-    return graph(map_in(recipe), name, values_of(written), order=order, **recipe["settings"])
+def varied(study: Study, recipe: Recipe) -> tuple[Any, ...]:
+    """Return what varies as arguments: one parameter by its name and values or bounds, several as a mapping."""
+    if study.form == "bounds":
+        [(name, written)] = recipe["vary"].items()
+        return name, None if written == DEFAULT else tuple(extremes(written))
+    grid = {name: values_of(written) for name, written in recipe["vary"].items()}
+    return (grid or None,) if study.most > 1 else next(iter(grid.items()), ())
 
 
 def boundaries_of(config: Mapping[str, Any], *, code: str | None = None) -> xr.Dataset | None:
@@ -127,50 +124,10 @@ def boundaries_of(config: Mapping[str, Any], *, code: str | None = None) -> xr.D
     return boundaries(map_in(recipe), *sides, N=periods)
 
 
-def orbits_of(config: Mapping[str, Any], threads: int | None = None) -> Orbits:
-    """Return the periodic orbits that a configuration asks for, to be proven or followed.
-
-    Examples
-    --------
-    >>> from grazing.config.build import orbits_of
-    >>> config = {"study": "orbit", "map": "gap", "parameters": {"lam": 0.8, "mu": 0.5, "l": 1.0}}
-    >>> [orbit.word for orbit in orbits_of({**config, "settings": {"period": "1:3"}})]
-    ['LR', 'LLR']
-    """
-    from grazing.orbits.periodic import periodic_orbits
-
-    recipe = checked(config)
-    refuse_unnamed(recipe)
-    return periodic_orbits(map_in(recipe), **recipe["settings"], threads=threads)
-
-
-def orbits_as_table(found: Orbits, recipe: Recipe) -> xr.Dataset:
-    """Return the orbits of a recipe as a result that says what made it."""
-    from grazing.config.orbits import orbit_table
-
-    result = signed(orbit_table(found))
-    result.attrs[RECIPE] = json.dumps(kept(recipe), sort_keys=True)
-    return result
-
-
-def followed(recipe: Recipe, threads: int | None, progress: Progress | None) -> xr.Dataset:
-    """Return branches, windows or both with a scan, each from the function of its study."""
-    known, settings = STUDIES[recipe["study"]], dict(recipe["settings"])
-    [(name, written)] = recipe["vary"].items()
-    function = getattr(import_module(f"grazing.{known.module}"), known.function)
-    ends = None if written == DEFAULT else tuple(extremes(written))
-    if known.of == "model":
-        return function(model_near(recipe, name, ends), name, span=ends, **settings)  # type: ignore[no-any-return]
-    if known.form == "bounds":
-        return function(map_in(recipe), name, ends, threads=threads, **settings)  # type: ignore[no-any-return]
-    P, values = map_in(recipe), values_of(written)
-    return function(P, name, values, threads=threads, progress=progress, **settings)  # type: ignore[no-any-return]
-
-
-def model_near(recipe: Recipe, name: str, ends: tuple[float, ...] | None) -> Any:
+def model_near(recipe: Recipe, name: str = "", ends: tuple[float, ...] | None = None) -> Any:
     """Return the model of a recipe; a parameter that varies and has no value is in the middle of its range."""
     given = dict(recipe["parameters"])
-    if name not in given and parameter_defaults(recipe).get(name, 0.0) is None:
+    if name and name not in given and parameter_defaults(recipe).get(name, 0.0) is None:
         known = described(name)
         if ends is None and known.high < inf:  # all of its values are searched, whichever it has
             ends = known.low, known.high
@@ -229,19 +186,45 @@ def result_of(
     >>> dict(result_of({**config, "settings": {"state": [0.0], "steps": 3}}).sizes)
     {'n': 4, 'step': 3, 'place': 1202}
     """
+    return made_of(config, threads, progress, code).result
+
+
+class Made(NamedTuple):
+    """What was computed: of which map or model, what the study's function returned, and that as a labelled result."""
+
+    of: Any
+    found: Any
+    result: xr.Dataset
+
+
+def made_of(
+    config: Mapping[str, Any], threads: int | None = None, progress: Progress | None = None, code: str | None = None
+) -> Made:
+    """Compute what a configuration asks for, see :func:`result_of`.
+
+    Examples
+    --------
+    >>> from grazing.config.build import made_of
+    >>> config = {"study": "orbit", "map": "gap", "parameters": {"lam": 0.8, "mu": 0.5, "l": 1.0}}
+    >>> [orbit.word for orbit in made_of({**config, "settings": {"period": "1:3"}}).found]
+    ['LR', 'LLR']
+    """
     recipe = checked(config, code=code)
     refuse_unnamed(recipe)
-    if recipe["study"] in FLOWN:
-        result = signed(function_of(recipe["study"])(model_of(recipe), **recipe["settings"]))
-    elif recipe["study"] == "orbit":
-        result = orbits_as_table(orbits_of(recipe, threads), recipe)
-    elif recipe["study"] == "cobweb":
-        result = cobweb(map_in(recipe), **recipe["settings"])
-    elif recipe["study"] == "graph":
-        result = graph_in(recipe)
-    elif recipe["study"] in WHOLE:
-        result = signed(followed(recipe, threads, progress))
+    study = studies()[recipe["study"]]
+    if study.plan:
+        plan = plan_of(recipe)
+        of, found = plan.P, run_plan(plan, threads, progress)
     else:
-        result = run_plan(plan_of(recipe), threads, progress)
+        arguments = varied(study, recipe) if study.most else ()
+        of = model_near(recipe, *arguments) if study.of == "model" else map_in(recipe)
+        order = recipe["order"] if has_beside(recipe) and recipe["order"] != ALONE else None
+        also: dict[str, Any] = {"threads": threads, "progress": progress, "order": order}
+        if study.has("span"):  # it may stand behind other arguments
+            also["span"], arguments = arguments[-1], arguments[:-1]
+        more = {name: value for name, value in also.items() if study.has(name)}
+        found = named(study.compute)(of, *arguments, **more, **recipe["settings"])
+    result = found if not study.table else named(study.table)(found)
+    result = result if study.plan else signed(result)
     result.attrs[RECIPE] = json.dumps(kept(recipe), sort_keys=True)
-    return result
+    return Made(of, found, result)

@@ -8,24 +8,30 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from grazing.catalogue import studies
+from grazing.catalogue.study import COORDINATE, Study
 from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import AMPLITUDES, defaults_of, described
+from grazing.config.parameters import AMPLITUDES, STIFFNESS, defaults_of, described
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
-from grazing.config.settings import FLOWN, STUDIES
+from grazing.config.settings import settings_of
 from grazing.config.si import from_table
 from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, number, numbers, range_of
 from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import named_by
 
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
-#: What is said of a rig with walls of its own.
-WITHOUT_UNITS = "models with walls have no units yet: give lengths in one unit, and forces divided by the mass"
+#: What a model has of its own, and what is said of maps without it.
+BROUGHT = {
+    "law": ("its own reset law", "has no reset law"), "mass": ("its own units", "is dimensionless"),
+    "base": ("its own base", "has no base"), "stop": ("its own stop", "has no stop"),
+}  # fmt: skip
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
@@ -81,8 +87,6 @@ def checked(
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
-    if raw.get("si") is not None and raw.get("walls") is not None:
-        raise refusal([Problem(("si",), WITHOUT_UNITS)], source, label)
     if raw.get("si") is not None:
         raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
@@ -117,7 +121,7 @@ def _located(raw: Recipe, folder: str) -> Recipe:
 def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
     """Return what the schema finds wrong, and what is sound without it; None where nothing can be said of the rest."""
     study = raw.get("study")
-    schema: type[Config] = config_of(study) if isinstance(study, str) and study in STUDIES else Config
+    schema: type[Config] = config_of(study) if isinstance(study, str) and study in studies() else Config
     problems: list[Problem] = []
     own: dict[str, Any] = {}
     if isinstance(raw.get("map"), str) and is_own(raw["map"]) and isinstance(raw.get("parameters", {}), Mapping):
@@ -153,7 +157,7 @@ def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
                 break
             at = at[part]
     if ("study",) in {problem.path for problem in problems}:
-        left["study"] = next(iter(STUDIES))
+        left["study"] = next(iter(studies()))
     return left
 
 
@@ -190,18 +194,19 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
-    yield from _parameters(
-        config, known, {*config["vary"], *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
-    )
+    yield from _shared(config["parameters"], known)
+    varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
+    yield from _parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
     yield from _fits(config, coordinates)
-    if config.get("study") == "cobweb" and len(coordinates) != 1:
+    study = studies().get(config.get("study", ""))
+    if study is not None and study.dimension not in (None, len(coordinates)):
         yield Problem(
             ("map",),
-            f"the {config['map']} map has coordinates {', '.join(coordinates)}; a cobweb needs one with one: gap",
+            f"the {config['map']} map has coordinates {', '.join(coordinates)}; a {study.name} needs one with "
+            f"{'one: gap' if study.dimension == 1 else study.dimension}",
         )
-    study = STUDIES.get(config.get("study", ""))
     if study is not None and study.of == "model":
-        yield from _in_time(config)
+        yield from _in_time(config, study)
     if isinstance(config["settings"], Mapping):
         yield from _orbits(config, ranges, names, ("settings", "period") in broken)
     config["vary"] = ranges
@@ -228,26 +233,17 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     oscillator = not is_own(kind) and kind != "gap"
     if config.get("model") and not oscillator:
         yield Problem(("model",), f"the map {kind} is not made of an oscillator; leave the model out")
-    if config.get("law") and (config.get("model") or not oscillator):
-        brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
-        yield Problem(("law",), f"{brings}; leave the law out")
+    for key, (own, none) in BROUGHT.items() if config.get("model") or not oscillator else ():
+        if key in config:
+            brings = f"the model brings {own}" if config.get("model") else f"the map {kind} {none}"
+            yield Problem((key,), f"{brings}; leave the {key} out")
     for key in ("law", "model") if config.get("walls") and oscillator else ():
         if key in config:
             yield Problem((key,), f"the walls bring their own laws; leave the {key} out")
-    for key in ("mass", "base", "stop") if config.get("walls") and oscillator else ():
-        if key in config:
-            yield Problem((key,), f"{WITHOUT_UNITS}; leave the {key} out")
+    if config.get("walls") and oscillator and "stop" in config:
+        yield Problem(("stop",), "the walls say themselves where they are; leave the stop out")
     if config.get("walls") and not oscillator:
         yield Problem(("walls",), f"the map {kind} has no wall; leave them out")
-    if "mass" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
-        yield Problem(("mass",), f"{brings}; leave the mass out")
-    if "base" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
-        yield Problem(("base",), f"{brings}; leave the base out")
-    if "stop" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
-        yield Problem(("stop",), f"{brings}; leave it out")
     if "units" in config and "mass" not in config and not config.get("model") and not is_own(kind):
         yield Problem(("units",), "the model is dimensionless; give it with --si, or its mass with --mass")
     beside = has_beside(config)
@@ -268,23 +264,22 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
         config.setdefault("law", LAW)
 
 
-def _in_time(config: Recipe) -> Iterator[Problem]:
+def _in_time(config: Recipe, study: Study) -> Iterator[Problem]:
     """Yield what belongs to a map and means nothing for the oscillator itself."""
-    study = config["study"]
-    flown = study in FLOWN
+    flown = study.flown
     if config["map"] != "stroboscopic":
-        who = f"a {study} is flown by" if flown else "windows belong to"
+        who = f"a {study.name} is flown by" if flown else f"{study.name} belong to"
         yield Problem(("map",), f"map = {config['map']!r}; {who} the oscillator itself: leave it out")
     if config["parameters"].get("phase"):
-        who = f"a {study} has no section; leave it out, start is the initial time"
-        yield Problem(("parameters", "phase"), who if flown else "windows need no section; leave it out")
+        who = f"a {study.name} has no section; leave it out, start is the initial time"
+        yield Problem(("parameters", "phase"), who if flown else f"{study.name} need no section; leave it out")
 
 
 def _orbits(config: Recipe, ranges: Recipe, names: list[str], broken: bool) -> Iterator[Problem]:
     """Yield what is wrong with the settings of orbits and branches."""
     settings, study = config["settings"], config.get("study")
     named = broken or settings.get("period") is not None or settings.get("word") is not None
-    if study in ("orbit", "branch") and not named:
+    if study is not None and {"period", "word"} <= {*settings_of(study).model_fields} and not named:
         yield Problem(("settings", "period"), "missing; give least periods, such as 3 or 1:6, or a word, such as 001")
     for name, (low, high) in (settings.get("locus") or {}).items():
         value = config["parameters"].get(name, low)
@@ -309,12 +304,12 @@ def written_bounds(ranges: Recipe) -> bool:
 
 
 def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]]:
-    study = STUDIES.get(config.get("study", ""))
+    study = studies().get(config.get("study", ""))
     bounded = study is not None and study.form == "bounds"
     for name, written in config["vary"].items():
         try:
             found = bounds_of(written, name) if bounded else range_of(written, name)
-            if found == DEFAULT and config.get("study") != "windows":
+            if found == DEFAULT and not (study is not None and study.has("span")):
                 raise InputError(f"{name} has no range; give low:high, such as {name}=0.05:0.16")
             yield name, found
         except InputError as error:
@@ -323,10 +318,10 @@ def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]
 
 def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str]) -> Iterator[Problem]:
     """Yield what varies and cannot, how many should, and values that are out of range."""
-    study = STUDIES.get(config.get("study", ""))
-    allowed = coordinates if study is not None and study.varies == "coordinate" else names
+    study = studies().get(config.get("study", ""))
+    allowed = coordinates if study is not None and study.varies == COORDINATE else names
     for name in config["vary"]:
-        if name not in allowed:
+        if not named_by(name, allowed):
             what = "unknown coordinate" if allowed is coordinates else "unknown parameter"
             yield Problem(("vary", name), partial(unknown_key, name, allowed, what))
         elif (
@@ -343,7 +338,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
                     yield Problem(("vary", name), str(error))
                     break
     if study is not None and not study.least <= len(config["vary"]) <= study.most:
-        yield Problem(("vary",), _how_many(config, study.least, study.most, allowed))
+        yield Problem(("vary",), _how_many(config, study, allowed))
 
 
 def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
@@ -371,18 +366,26 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
             yield Problem(("settings", "fixed", name), partial(unknown_key, name, coordinates, "unknown coordinate"))
 
 
-def _how_many(config: Recipe, least: int, most: int, allowed: list[str]) -> str:
-    study = config["study"]
-    if not most:
-        article = "an" if study[0] in "aeiou" else "a"
-        return f"{', '.join(config['vary'])}: {article} {study} varies nothing; give single values"
-    varies = STUDIES[study].varies
-    wanted = f"{least}" if least == most else f"{least} to {most}"
-    plural = "" if most == 1 else "s"
+def _how_many(config: Recipe, study: Study, allowed: list[str]) -> str:
+    if not study.most:
+        article = "an" if study.name[0] in "aeiou" else "a"
+        return f"{', '.join(config['vary'])}: {article} {study.name} varies nothing; give single values"
+    wanted = f"{study.least}" if study.least == study.most else f"{study.least} to {study.most}"
+    plural = "" if study.most == 1 else "s"
     example = "d" if "d" in allowed else allowed[0]
     got = f"{len(config['vary'])} vary" if config["vary"] else "nothing varies"
-    form = f"{example}=0.1:0.2" if STUDIES[study].form == "bounds" else f"{example}=0.1:0.2:100"
-    return f"{got}; {study} varies {wanted} {varies}{plural} of {', '.join(allowed)}, such as {form}"
+    form = f"{example}=0.1:0.2" if study.form == "bounds" else f"{example}=0.1:0.2:100"
+    return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(allowed)}, such as {form}"
+
+
+def _shared(given: Recipe, known: Recipe) -> Iterator[Problem]:
+    """Give r to each wall whose law has one, in place; yield what is then given twice."""
+    for name in [name for name in given if name not in known and named_by(name, known)]:
+        value = given.pop(name)
+        for one in named_by(name, known):
+            if one in given:
+                yield Problem(("parameters", name), f"{name} stands for {one}, too, which is given beside it; give one")
+            given[one] = value
 
 
 def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:
@@ -395,6 +398,8 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             extra = (
                 f"the {config['law']} law has none"
                 if name in ("r", "V", "trigger") and config.get("law")
+                else "stiffness is given in its place"
+                if name == "k" and STIFFNESS in known
                 else "unknown parameter"
             )
             yield Problem(("parameters", name), partial(unknown_key, name, known, extra))
@@ -406,9 +411,9 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             sound = False
             yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
     complete = {name: given.get(name, default) for name, default in known.items()}
-    around = {name for name, written in config["vary"].items() if written == DEFAULT}  # a range chosen by the value
+    chosen = {name for name, written in config["vary"].items() if isinstance(written, str) and written == DEFAULT}
     config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
     }
     if sound and config["map"] != "normal-form":
         filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}

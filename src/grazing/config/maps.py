@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+from grazing.catalogue import studies
 from grazing.config.own import is_own, own_object
-from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, defaults_of, law_names
+from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, STIFFNESS, defaults_of, law_names, spring_in
 from grazing.config.schema import MAPS
 from grazing.config.walls import parameters_of, walled_defaults, walled_of
 from grazing.maps.discontinuity import discontinuity_map
@@ -18,7 +19,7 @@ from grazing.maps.normal_form import normal_form
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.forcing import Forcing
 from grazing.oscillator.model import Oscillator, pinball
-from grazing.oscillator.si import base_of, based
+from grazing.oscillator.si import based_on
 from grazing.outcome import InputError
 
 #: Maps that have a section in time.
@@ -48,11 +49,15 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     phase = defaults_of(stroboscopic_map)
     section = {"phase": phase["phase"]} if kind in PHASED else {}
     if config.get("walls"):
-        return {**walled_defaults(config["walls"], config.get("vary", {})), **section}
+        return {**walled_defaults(config["walls"], config.get("vary", {}), spring_in(config)), **section}
     if config.get("model"):
         return {**own_model(config["model"]).params, **section}
     paper = defaults_of(pinball)
-    flight = {name: paper[name] for name in FLIGHT} | {"cos": list(pinball().forcing.cos), "sin": []}
+    spring = spring_in(config)
+    flight = {spring if name == "k" else name: paper[name] for name in FLIGHT} | {
+        "cos": list(pinball().forcing.cos),
+        "sin": [],
+    }
     known = {**flight, **{name: paper.get(name) for name in law_names(law)}, **section}
     if beyond_pinball(config) is None:
         return known
@@ -76,6 +81,8 @@ def beyond_pinball(config: Mapping[str, Any]) -> str | None:
     if config.get("law") not in (None, LAW):
         return f"law = {config['law']}"
     given, varied = config.get("parameters", {}), list(config.get("vary", ()))
+    if spring_in(config) == STIFFNESS:
+        return STIFFNESS
     moved = [name for name in varied if name == "sigma" or harmonic(name)]
     named = [name for name in ("sigma", *AMPLITUDES) if name in given]
     if moved or not named:
@@ -115,17 +122,18 @@ def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     if config.get("walls"):
         phase = ["phase"] if kind in PHASED else []
         given, varied = config.get("parameters", {}), config.get("vary", {})
-        return [*parameters_of(config["walls"], given, varied), *phase], ["u", "v"]
+        coordinates = ["tau", "v_plus"] if kind == "impact" else ["u", "v"]
+        return [*parameters_of(config["walls"], given, varied, spring_in(config)), *phase], coordinates
     waves = {name: config.get("parameters", {}).get(name) for name in AMPLITUDES}
-    return _names(kind, config.get("law") or LAW, *(len(waves[name] or ()) for name in AMPLITUDES))
+    return _names(kind, config.get("law") or LAW, spring_in(config), *(len(waves[name] or ()) for name in AMPLITUDES))
 
 
 @cache
-def _names(kind: str, law: str, cosines: int, sines: int) -> tuple[list[str], list[str]]:
+def _names(kind: str, law: str, spring: str, cosines: int, sines: int) -> tuple[list[str], list[str]]:
     if kind in ("gap", "normal-form"):
         P = gap_map(0.5, 0.1, 0.1)
     else:
-        known = parameter_defaults({"map": kind, "law": law})
+        known = parameter_defaults({"map": kind, "law": law, "parameters": {spring: 1.0}})
         known |= {name: 1.0 for name, value in known.items() if value is None}
         known |= {"cos": [1.0] + [0.0] * max(cosines - 1, 0), "sin": [0.0] * sines}
         P = map_of({"map": kind, "law": law, "parameters": known})
@@ -176,8 +184,11 @@ def section_of(model: Any, config: Mapping[str, Any]) -> Map:
 
 def has_beside(config: Mapping[str, Any]) -> bool:
     """Say whether a configuration is the graph of a stroboscopic map, which a discontinuity map can stand beside."""
-    if config.get("study") != "graph" or not is_own(config["map"]):
-        return config.get("study") == "graph" and config["map"] == "stroboscopic" and not config.get("walls")
+    study = studies().get(str(config.get("study")))
+    if study is None or not study.has("order"):
+        return False
+    if not is_own(config["map"]):
+        return config["map"] == "stroboscopic" and not config.get("walls")
     found = own_object(config["map"])
     return isinstance(found, Map) and found.model is not None and found.section == "strobe"
 
@@ -189,16 +200,13 @@ def model_of(config: Mapping[str, Any]) -> Any:
         return own_model(config["model"]).replace(**given)
     if config.get("walls"):
         known = {**parameter_defaults({**config, "map": "impact"}), **given}
-        return walled_of(config["walls"], known)
+        return walled_of(config["walls"], known, config.get("mass"), config.get("base"))
     law = config.get("law") or LAW
     known = {**parameter_defaults({**config, "map": "impact", "law": law}), **given}
     forcing = Forcing(known["omega"], known["t0"], known["d"], known["cos"], known["sin"])
     bounce = LAWS[law](**{name: known[name] for name in law_names(law)})
     paper = beyond_pinball(config) is None
     kept: dict[str, Any] = {"mass": config.get("mass"), "stop": config.get("stop"), "offset_name": "d", "paper": paper}
-    if config.get("base"):
-        moved = base_of(config["base"])
-        kept["base"] = based(
-            moved.moves, moved.displacement, moved.acceleration, tuple(forcing.cos), tuple(forcing.sin)
-        )
-    return Oscillator(known["alpha"], known["k"], forcing, bounce, known["sigma"], **kept)
+    kept["base"] = based_on(config.get("base"), forcing)
+    kept[spring_in(config)] = known[spring_in(config)]
+    return Oscillator(known["alpha"], forcing=forcing, reset=bounce, sigma=known["sigma"], **kept)

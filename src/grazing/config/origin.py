@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.catalogue import studies
 from grazing.config.build import RECIPE, map_in
 from grazing.config.check import Recipe, checked
 from grazing.config.parameters import AMPLITUDES, GAP, LAWS, OF_LAWS, law_names
 from grazing.config.schema import MAPS
-from grazing.config.settings import STUDIES, settings_of
+from grazing.config.settings import settings_of
 from grazing.config.values import extremes, values_of, written_as
 from grazing.oscillator.si import base_of
 from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import named_by
 from grazing.studies.labels import fingerprint
 from grazing.units import ASKED
 
@@ -63,10 +65,12 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     if "grazing_config" not in attrs:
         raise InputError("it does not say how it was made")
     config = _decoded(attrs["grazing_config"])
-    if str(attrs.get("title", "")).startswith("bifurcation diagram") and config.get("study") == "orbit_diagram":
+    title = str(attrs.get("title", ""))
+    known = [one for one in studies().values() if one.titled and title.startswith(one.titled)]
+    if any(one.function != config.get("study") for one in known):
         raise InputError("an earlier version made it in Python, and did not say how far its branches were followed")
     try:
-        return _recipe_in(config, coordinates or {}, str(attrs.get("title", "")), attrs)
+        return _recipe_in(config, coordinates or {}, title, attrs)
     except GrazingError:
         raise
     except (ValueError, TypeError, LookupError, AttributeError, ArithmeticError) as error:  # it can say anything
@@ -76,7 +80,7 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
 def _recipe_in(
     config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.float64]], title: str, attrs: Mapping[str, Any]
 ) -> Recipe:
-    study = next((name for name, known in STUDIES.items() if known.function == config.get("study")), None)
+    study = next((name for name, known in studies().items() if known.function == config.get("study")), None)
     if study is None:
         raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
     recipe = {
@@ -193,7 +197,7 @@ def _own_box(recipe: Recipe, config: Mapping[str, Any]) -> Recipe:
     if box is None and not isinstance(moves, dict):
         return recipe
     P = map_in(recipe)
-    sides = {name: values_of(written) for name, written in recipe["vary"].items() if name in P.params}
+    sides = {name: values_of(written) for name, written in recipe["vary"].items() if named_by(name, P.params)}
     first, last = (P.replace(**{name: float(values[at]) for name, values in sides.items()}).box for at in (0, -1))
     if isinstance(moves, dict):
         if moves["moves"] != [[list(pair) for pair in own] for own in (first, last)]:

@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
+from grazing.catalogue import studies
 from grazing.config import values
-from grazing.config.parameters import LAWS, Parameters, Table
-from grazing.config.settings import PAIR, STATE, STUDIES, settings_of
+from grazing.config.parameters import LAWS, Parameters, Table, optional
+from grazing.config.settings import PAIR, STATE, settings_of
 from grazing.config.si import SCHEMA
 from grazing.config.walls import SAYS, Walls
 from grazing.maps.discontinuity import ORDERS
@@ -43,48 +44,29 @@ VARIED: dict[str, tuple[Any, str]] = {
 }
 
 
-#: Keys of one study's configuration alone: what the figure shows beside the result.
-DRAWN = {"chart": ("curves",), "graph": ("coordinate",)}
-
-
 #: The order of no discontinuity map: the graph of the stroboscopic map alone.
 ALONE = "none"
 
 
-def _curves(value: Any) -> list[int | str] | None:
-    return None if value is None else values.curves(value, "curves")
-
-
-Curves = Annotated[
-    list[int | str] | None,
-    BeforeValidator(_curves),
-    WithJsonSchema({"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}}),
-]
-
-
-def _mass(value: Any) -> float | None:
-    return None if value is None else MASS.check(values.number(value, "mass"))
-
-
-Mass = Annotated[float | None, BeforeValidator(_mass), WithJsonSchema({"type": "number", "exclusiveMinimum": 0.0})]
-
-
-def _base(value: Any) -> str | None:
-    return None if value is None else base_of(value).alone.text
-
-
-Moved = Annotated[str | None, BeforeValidator(_base), WithJsonSchema({"type": "string"})]
-
-
-def _units(value: Any) -> str | None:
-    return None if value is None else ",".join(checked_units(value, "units"))
-
-
-Units = Annotated[
-    str | None,
-    BeforeValidator(_units),
-    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
-]
+Curves = optional(
+    lambda value: values.curves(value, "curves"),
+    {"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}},
+)
+Mass = optional(lambda value: MASS.check(values.number(value, "mass")), {"type": "number", "exclusiveMinimum": 0.0})
+Moved = optional(lambda value: base_of(value).alone.text, {"type": "string"})
+Units = optional(
+    lambda value: ",".join(checked_units(value, "units")),
+    {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
+)
+#: Keys of the configurations of some studies alone: what the figure shows beside the result.
+BESIDE: dict[str, tuple[Any, str]] = {
+    "curves": (
+        Curves,
+        "drawn on top: the exact boundary curves of periods, where theory knows them (2,3,5 or 2:7), or a stored "
+        "branch or locus",
+    ),
+    "coordinate": (str | None, "coordinate whose images are drawn; the one that varies if not given"),
+}
 
 
 def _in_order(value: Any) -> Any:
@@ -97,7 +79,7 @@ def _in_order(value: Any) -> Any:
 class Config(Table):
     """What is computed: a study of a map, at these parameter values."""
 
-    study: Literal[tuple(STUDIES)] = Field(description="what is computed")  # type: ignore[valid-type]
+    study: Literal[tuple(studies())] = Field(description="what is computed")  # type: ignore[valid-type]
     map: Annotated[str, WithJsonSchema({"type": "string", "examples": [*MAPS, "file.py:name"]})] = Field(
         default="stroboscopic", description=f"{', '.join(MAPS)}, or file.py:name for a gz.Map of your own"
     )
@@ -105,9 +87,9 @@ class Config(Table):
     unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
     model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator or gz.System of your own")
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
-    walls: Walls = Field(default=None, description=SAYS)
-    mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")
-    base: Moved = Field(
+    walls: Walls = Field(default=None, description=SAYS)  # type: ignore[valid-type]
+    mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")  # type: ignore[valid-type]
+    base: Moved = Field(  # type: ignore[valid-type]
         default=None,
         description="a base whose amplitude a sweep keeps: moves=both,displacement=0.0003 or acceleration=5, with the "
         "sign of u, blanks between harmonics; cos and sin are what forces the mass beside it",
@@ -115,7 +97,7 @@ class Config(Table):
     stop: Literal[tuple(SIDES)] | None = Field(  # type: ignore[valid-type]
         default=None, description="side of a rig's stop: figures show its x, upwards, which is -u for one above"
     )
-    units: Units = Field(
+    units: Units = Field(  # type: ignore[valid-type]
         default=None, description="units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s"
     )
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(
@@ -136,29 +118,23 @@ class Config(Table):
 @cache
 def config_of(study: str) -> type[Config]:
     """Return the schema of one study's configuration."""
-    table = settings_of(study)
+    known, table = studies()[study], settings_of(study)
     kind: Any = Literal[study]
-    extra: dict[str, Any] = {}
-    if study == "chart":
-        says = (
-            "drawn on top: the exact boundary curves of periods, where theory knows them (2,3,5 or 2:7), or a stored "
-        )
-        says += "branch or locus"
-        extra["curves"] = (Curves, Field(default=None, description=says))
-    if study == "graph":
-        says = "coordinate whose images are drawn; the one that varies if not given"
-        extra["coordinate"] = (str | None, Field(default=None, description=says))
+    extra: dict[str, Any] = {
+        key: (BESIDE[key][0], Field(default=None, description=BESIDE[key][1])) for key in known.beside
+    }
+    if known.has("order"):
         says = f"terms of the discontinuity map; {ALONE} leaves it out beside the stroboscopic map"
         extra["order"] = (Literal[(*ORDERS, ALONE)] | None, Field(default=None, description=says))
-    if STUDIES[study].form != "values":
-        form, what = VARIED[STUDIES[study].form]
+    if known.form != "values":
+        form, what = VARIED[known.form]
         varied = Annotated[dict[str, Any], BeforeValidator(_in_order), WithJsonSchema(form)]
         extra["vary"] = (varied, Field(default_factory=dict, description=what))
     return create_model(
         f"{study.capitalize()}Config",
         __base__=Config,
-        __doc__=STUDIES[study].says,
-        study=(kind, Field(description=STUDIES[study].says)),
+        __doc__=known.says,
+        study=(kind, Field(description=known.says)),
         settings=(table, Field(default_factory=dict, validate_default=True, description=str(table.__doc__))),
         **extra,
     )
@@ -169,7 +145,7 @@ def json_schema() -> dict[str, Any]:
     from pydantic import TypeAdapter
 
     kinds: Any = None
-    for study in STUDIES:
+    for study in studies():
         kinds = config_of(study) if kinds is None else kinds | config_of(study)
     schema = TypeAdapter(Annotated[kinds, Field(discriminator="study")]).json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "grazing configuration", **schema}

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from math import pi
 from typing import Any, NamedTuple
 
+from grazing.catalogue import studies
 from grazing.config import values
 from grazing.config.problems import Problem
-from grazing.config.settings import STUDIES
 from grazing.config.values import DEFAULT
-from grazing.oscillator.parameters import describe_parameter
-from grazing.oscillator.si import AMPLITUDES, SI, SIDES, Numbers, faults_of, si_numbers
+from grazing.config.walls import checked_walls, flat, front_of, last_of, sides_of
+from grazing.oscillator.deflection import warn_of_gap
+from grazing.oscillator.parameters import parameter_units
+from grazing.oscillator.si import AMPLITUDES, GAP, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
 from grazing.units import magnitude
@@ -22,6 +24,7 @@ LAW = "newton"
 WORDS = ("side", "moves")
 #: What it must hold, and what stands for entries that are wrong while the rest is checked.
 NEEDED = ("m", "c", "k", "gap")
+UNITS = {**{name: known.units for name, known in SI.items()}, **AMPLITUDES}
 SOUND = {"m": 1.0, "c": 0.0, "k": 1.0, "gap": 0.0, "omega": 1.0, "frequency": 1.0}
 SCHEMA = {
     "anyOf": [
@@ -41,6 +44,14 @@ SCHEMA = {
                 },
                 "side": {"enum": list(SIDES), "description": "where the stop is"},
                 "moves": {"type": "string", "description": "what the base carries: both, spring or stop"},
+            },
+            "patternProperties": {
+                "^[ABD-RT-Z]$": {
+                    "type": "object",
+                    "properties": {"gap": {"type": ["number", "string"]}},
+                    "additionalProperties": False,
+                },
+                "^[ABD-RT-Z][.]gap$": {"type": ["number", "string"], "description": GAP.meaning},
             },
             "additionalProperties": False,
         },
@@ -66,32 +77,40 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         their place stands something sound, so that the rest can be checked.
     """
     found = {name: value for name, value in raw.items() if name != "si"}
-    table, faults = _table(raw["si"])
+    gaps = _gaps(raw.get("walls"))
+    table, faults = _table(raw["si"], gaps)
     read = bool(table)
-    if "side" not in table and "stop" in found:
+    if gaps is None and "side" not in table and "stop" in found:
         table["side"] = found.pop("stop")
-    beside = _beside(found, table)
+    beside = _beside(found, table, gaps)
+    placed = {name: table.pop(name) for name in gaps or () if name in table}
     vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
     given_frequency = {"frequency", "omega"} & {*table}
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not given_frequency
     wrong = faults_of(table)
-    faults += wrong.values()
+    faults += [*wrong.values(), *faults_of(placed).values()]
     usual: dict[str, Any] = {"side": "above", "moves": "both", "frequency": None}
     usual |= dict.fromkeys((*AMPLITUDES, "load"), 0.0)
-    absent = [name for name in NEEDED if name not in table]
+    needed = NEEDED if gaps is None else NEEDED[:-1]
+    absent = [name for name in needed if name not in table]
     missing = [name for name in absent if name not in vary]
     if missing and read:
-        faults.append(f"{', '.join(missing)} missing; give m, c, k and gap, with units or in kg, N s/m, N/m and m")
+        names, units = (" and ".join([", ".join(one[:-1]), one[-1]]) for one in (needed, [UNITS[n] for n in needed]))
+        faults.append(f"{', '.join(missing)} missing; give {names}, with units or in {units}")
     table |= {name: SOUND.get(name, usual.get(name)) for name in (*absent, *wrong)}
+    if gaps is not None:
+        table |= {"gap": 0.0, "side": "below"}
     try:
         made = si_numbers(**{**usual, "omega": 1.0 if open_frequency else None, **table})
     except InputError as error:
         faults += [str(error)] if read else []
         made = si_numbers(**{**usual, **SOUND, "frequency": None})
     cos, sin = (made.cos, made.sin) if made.base is None else (made.base.cos, made.base.sin)
+    load = "d" if gaps is None else "offset"
+    places = {"sigma": made.sigma} if gaps is None else _places(placed, gaps)
     parameters = {
-        "alpha": made.alpha, "k": made.k, "omega": made.omega, "d": made.offset, "cos": list(cos),
-        "sin": list(sin) if any(sin) else [], "sigma": made.sigma,
+        "alpha": made.alpha, "k": made.k, "omega": made.omega, load: made.offset, "cos": list(cos),
+        "sin": list(sin) if any(sin) else [], **places,
     }  # fmt: skip
     if open_frequency:
         del parameters["omega"]
@@ -99,22 +118,68 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     both = sorted({*parameters, "mass", "base", "stop"} & {*given, *found}) if isinstance(given, Mapping) else []
     if both:
         faults.append(f"the table gives {', '.join(both)}, too; give it there alone")
-    found["parameters"] = {**given, **parameters} if isinstance(given, Mapping) else given
-    found["mass"], found["stop"] = made.mass, table.get("side", usual["side"])
+    problems = [Problem(("si",), fault) for fault in faults] + beside
+    if isinstance(given, Mapping):
+        found["parameters"] = {**_measured(given, made.mass, problems), **parameters}
+    found["mass"], side = made.mass, table.get("side", usual["side"])
     if made.base is not None:
         found["base"] = made.base.alone.text
-    problems = [Problem(("si",), fault) for fault in faults] + beside
-    problems += _renamed(found, _sides(made, found["stop"]), made.mass)
-    found.setdefault("law", LAW)
+    if gaps is None:
+        found["stop"] = side
+        found.setdefault("law", LAW)
+    problems += _renamed(found, _sides(made, side, gaps), made.mass)
+    if gaps is None and not problems:
+        warn_of_gap(made, _least_gap(found["vary"] if vary else {}, -made.sigma))
     return found, problems
 
 
-def _beside(found: dict[str, Any], table: dict[str, Any]) -> list[Problem]:
+def _least_gap(vary: Any, gap: float) -> float:
+    """Return the least gap of a study; 0 where forces or what holds the mass vary, so that its deflection is open."""
+    if {"alpha", "k", "d", "cos1", "sin1"} & {*vary}:
+        return 0.0
+    written = vary.get("sigma", gap)
+    ends = written.split(":")[:2] if isinstance(written, str) else written
+    return min(abs(float(end)) for end in (ends if isinstance(ends, list) else [ends]))
+
+
+def _gaps(walls: Any) -> dict[str, Own] | None:
+    """Return the gap of each wall of a configuration, by its name, as the position it is; None without walls."""
+    if walls is None:
+        return None
+    try:
+        named = checked_walls(walls) or {}
+    except InputError:  # which the schema says
+        named = {}
+    sides = sides_of(named)
+    fronts = {name: front_of(named, name) for name in named}
+    return {f"{fronts[one]}gap": Own(f"{fronts[one]}sigma", -SIDES[sides[one]]) for one in named}
+
+
+def _places(placed: Mapping[str, Any], gaps: Mapping[str, Own]) -> dict[str, float]:
+    """Return the positions of walls whose gap is given, where that is sound."""
+    wrong = faults_of(placed)
+    return {gaps[name].name: gaps[name].of(_one(gap, name, 1.0)) for name, gap in placed.items() if name not in wrong}
+
+
+def _measured(given: Mapping[str, Any], mass: float, problems: list[Problem]) -> dict[str, Any]:
+    """Return parameters of which some have units as plain numbers."""
+    found = dict(given)
+    for name, value in given.items():
+        if isinstance(value, str) and value[-1:].isalpha():
+            try:
+                found[name] = _one(value, name, mass)
+            except InputError as error:
+                problems.append(Problem(("parameters", name), str(error)))
+                found[name] = 0.5
+    return found
+
+
+def _beside(found: dict[str, Any], table: dict[str, Any], gaps: Mapping[str, Own] | None) -> list[Problem]:
     """Take what is of the rig and stands among the parameters into the table; return what is given twice."""
     given = found.get("parameters")
     if not isinstance(given, Mapping):
         return []
-    own = {*SI, *AMPLITUDES, *WORDS} - {"k", *(("omega",) if {"omega", "frequency"} & {*table} else ())}
+    own = {*_known(gaps)} - {"k", *(("omega",) if {"omega", "frequency"} & {*table} else ())}
     rig = {name: _number(value) if isinstance(value, str) else value for name, value in given.items() if name in own}
     twice = [
         Problem(("parameters", name), f"{name} = {shown(value)}; the table of the rig gives it, too: give it once")
@@ -126,7 +191,13 @@ def _beside(found: dict[str, Any], table: dict[str, Any]) -> list[Problem]:
     return twice
 
 
-def _table(given: Any) -> tuple[dict[str, Any], list[str]]:
+def _known(gaps: Mapping[str, Own] | None) -> list[str]:
+    """Return what a table may hold: between walls a gap of each, which says where its stop is."""
+    names = [*SI, *AMPLITUDES, *WORDS]
+    return names if gaps is None else [*(name for name in names if name not in ("gap", "side")), *gaps]
+
+
+def _table(given: Any, gaps: Mapping[str, Own] | None) -> tuple[dict[str, Any], list[str]]:
     """Return the entries of the table, and what is wrong with it; numbers that a shell wrote as text are numbers."""
     if isinstance(given, str):
         parts = [part.partition("=") for part in given.split(",")]
@@ -137,8 +208,14 @@ def _table(given: Any) -> tuple[dict[str, Any], list[str]]:
         given = {name.strip(): _number(value.strip()) for name, _equals, value in parts}
     if not isinstance(given, Mapping) or not given:
         return {}, [f"si = {shown(given)}; give a table, such as {{ m = 0.8, c = 2.4, k = 3200.0, ... }}"]
-    known = [*SI, *AMPLITUDES, *WORDS]
-    faults = [str(unknown(name, known, "si")) for name in given if name not in known]
+    given, known = flat(given), _known(gaps)
+    faults = [
+        f"{name} is that of one stop; of walls give {' and '.join(gaps)}, or their positions, such as A.sigma"
+        if gaps is not None and name in ("gap", "side")
+        else str(unknown(name, known, "si"))
+        for name in given
+        if name not in known
+    ]
     return {name: value for name, value in given.items() if name in known}, faults
 
 
@@ -161,15 +238,15 @@ class Own(NamedTuple):
         return self.factor * (x if self.power == 1.0 else x**self.power)
 
 
-def _sides(made: Numbers, side: Any) -> dict[str, Own]:
+def _sides(made: Numbers, side: Any, gaps: Mapping[str, Own] | None) -> dict[str, Own]:
     """Return what of the rig may vary, each with the parameter of the model that it is."""
     sign = SIDES.get(side, 1.0) / made.mass
     of_base = {} if made.base is not None else {"force": Own("cos1", sign)}
     springs = {"c": Own("alpha", 1.0 / made.mass), "k": Own("k", made.mass**-0.5, 0.5)}
     return {
         "frequency": Own("omega", 2.0 * pi),
-        "gap": Own("sigma", -1.0),
-        "load": Own("d", sign),
+        "load": Own("d" if gaps is None else "offset", sign),
+        **({"gap": Own("sigma", -1.0)} if gaps is None else gaps),
         **springs,
         **of_base,
     }
@@ -192,7 +269,7 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
                 faults.append(Problem(("si",), f"{name} and {own.name} both vary; give one of them"))
         return {names.get(name, Own(name)).name: converted(item, name, bounded, at) for name, item in table.items()}
 
-    study = STUDIES.get(str(found.get("study")))
+    study = studies().get(str(found.get("study")))
     if isinstance(found.get("vary"), Mapping):
         varied = [*found["vary"]]
         found["vary"] = named(found["vary"], study is not None and study.form == "bounds", "vary")
@@ -251,11 +328,11 @@ def _one(value: Any, name: str, mass: float) -> float:
     """Return one value of a quantity of the rig, or of another parameter, given with or without its units."""
     plain = _number(value.strip()) if isinstance(value, str) else value
     if isinstance(plain, str) and any(letter.isdigit() for letter in plain):
-        units = {**{one: known.units for one, known in SI.items()}, **AMPLITUDES}.get(name)
-        units = describe_parameter(name).units if units is None else units
+        units = UNITS.get(last_of(name))
+        units = parameter_units(name) if units is None else units
         if units == "N/kg" and not plain.endswith("/kg"):
             plain = magnitude(plain, "N", name) / mass
         else:
             plain = magnitude(plain, units, name)
     found = values.number(plain, name)
-    return SI[name].check(found) if name in SI else found
+    return SI[last_of(name)].check(found) if last_of(name) in SI else found

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, WithJsonSchema
-
-from grazing.config.parameters import AMPLITUDES, LAWS, defaults_of, law_names
+from grazing.config.parameters import AMPLITUDES, LAWS, STIFFNESS, defaults_of, law_names, optional
 from grazing.oscillator.forcing import Forcing
 from grazing.oscillator.model import pinball
+from grazing.oscillator.si import based_on
 from grazing.oscillator.wall import SIDES, wall
 from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError, shown
@@ -18,13 +17,11 @@ from grazing.outcome import InputError, shown
 SAYS = "one wall or two, each with its law, in place of law and sigma: A=newton,B=active; a single one may be above"
 NAMED = "a name is one capital letter other than C and S"
 #: Numbers with which the names of a model's parameters are found.
-SOME = {"alpha": 1.0, "k": 1.0, "omega": 1.0, "t0": 0.0, "offset": 0.0}
+SOME = {"alpha": 1.0, "omega": 1.0, "t0": 0.0, "offset": 0.0}
 
 
-def _walls(value: Any) -> dict[str, str] | None:
+def checked_walls(value: Any) -> dict[str, str]:
     """Return the law and side of each wall from a table, or from text such as ``A=newton,B=active``."""
-    if value is None:
-        return None
     given = value
     if isinstance(value, str):
         given = dict(([*item.strip().split("=", 1), ""])[:2] for item in value.split(","))
@@ -46,19 +43,16 @@ def _laws() -> str:
 
 
 _SHAPES = [f"{law}{side}" for law in LAWS for side in ("", *(f" {side}" for side in SIDES))]
-Walls = Annotated[
-    dict[str, str] | None,
-    BeforeValidator(_walls),
-    WithJsonSchema(
-        {
-            "type": "object",
-            "propertyNames": {"pattern": "^[ABD-RT-Z]$"},
-            "additionalProperties": {"enum": _SHAPES},
-            "minProperties": 1,
-            "maxProperties": 2,
-        }
-    ),
-]
+Walls = optional(
+    checked_walls,
+    {
+        "type": "object",
+        "propertyNames": {"pattern": "^[ABD-RT-Z]$"},
+        "additionalProperties": {"enum": _SHAPES},
+        "minProperties": 1,
+        "maxProperties": 2,
+    },
+)
 
 
 def flat(table: Any) -> Any:
@@ -75,14 +69,23 @@ def front_of(walls: Mapping[str, str], name: str) -> str:
     return f"{name}." if len(walls) > 1 else ""
 
 
+def sides_of(walls: Mapping[str, str]) -> dict[str, str]:
+    """Return on which side of the ball each wall is: of two the first is below it, unless a side is said."""
+    said = {name: text.partition(" ")[2] for name, text in walls.items()}
+    first = said[next(iter(said))] if said else ""
+    turned = first == "above" and len(said) > 1
+    usual = dict(zip(said, ("above", "below") if turned else ("below", "above"), strict=False))
+    return {name: side or usual[name] for name, side in said.items()}
+
+
 def last_of(name: str) -> str:
     """Return the name of a parameter without that of its wall."""
     return name.rpartition(".")[2]
 
 
-def walled_defaults(walls: Mapping[str, str], varied: Mapping[str, Any]) -> dict[str, Any]:
+def walled_defaults(walls: Mapping[str, str], varied: Mapping[str, Any], spring: str = "k") -> dict[str, Any]:
     """Return the parameters of a model with these walls, in order, with defaults: 0 for what leaves a term out."""
-    flight = {name: None for name in ("alpha", "k", "omega")}
+    flight = {name: None for name in ("alpha", spring, "omega")}
     known: dict[str, Any] = {**flight, "t0": defaults_of(pinball)["t0"], "offset": 0.0, "cos": None, "sin": []}
     for name, text in walls.items():
         front, law = front_of(walls, name), text.partition(" ")[0]
@@ -97,8 +100,10 @@ def walled_defaults(walls: Mapping[str, str], varied: Mapping[str, Any]) -> dict
     return known
 
 
-def walled_of(walls: Mapping[str, str], given: Mapping[str, Any]) -> Walled:
-    """Return the model of these walls, with all parameters given; amplitudes are lists."""
+def walled_of(
+    walls: Mapping[str, str], given: Mapping[str, Any], mass: float | None = None, base: Any = None
+) -> Walled:
+    """Return the model of these walls, with all parameters given; amplitudes are lists. ``base`` is text."""
     omega, t0 = given["omega"], given["t0"]
 
     def made(name: str, text: str) -> Any:
@@ -110,12 +115,16 @@ def walled_of(walls: Mapping[str, str], given: Mapping[str, Any]) -> Walled:
         return wall(given[f"{front}sigma"], bounce, side or None, motion, name)
 
     force = Forcing(omega, t0, given["offset"], tuple(given["cos"]), tuple(given["sin"]))
-    return Walled(given["alpha"], given["k"], force, [made(name, text) for name, text in walls.items()])
+    stops = [made(name, text) for name, text in walls.items()]
+    spring = {"k": None} | {name: given[name] for name in ("k", STIFFNESS) if name in given}
+    return Walled(given["alpha"], forcing=force, walls=stops, mass=mass, base=based_on(base, force), **spring)
 
 
-def parameters_of(walls: Mapping[str, str], given: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:
+def parameters_of(
+    walls: Mapping[str, str], given: Mapping[str, Any], varied: Mapping[str, Any], spring: str
+) -> list[str]:
     """Return the names of the parameters that can vary."""
-    usual = walled_defaults(walls, varied)
+    usual = walled_defaults(walls, varied, spring)
     some = {name: 0.5 if value is None else value for name, value in usual.items()} | SOME
     some |= {name: place for name, place in zip((n for n in usual if last_of(n) == "sigma"), (-1.0, 1.0), strict=False)}
     for name in usual:  # the numbers of amplitudes count, not what they are

@@ -36,7 +36,7 @@ from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.facing import held_between, mirrored
 from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.pairs import held_back, state_of
-from grazing.oscillator.pointed import POINTED, flight_kind, law_addresses, pointed_rows
+from grazing.oscillator.pointed import POINTED, flight_kind, law_kind, pointed_rows, strike_address
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.still import LONGEST as LONGEST_CYCLE
 from grazing.oscillator.still import SELDOM, find_cycles, remember, stand_still
@@ -345,7 +345,7 @@ def ensemble_tasks(
     """
     rows = np.ascontiguousarray(rows)
     flat = pointed_rows(harmonics, law, kind, rows, arithmetic)
-    strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)[2]
+    strike = strike_address(law.law, law.name, law_kind(law), arithmetic)
     who = f"the reset law {law.name}"
     return block_tasks(
         above_wall(harmonics), harmonics, flat, rows, (strike, strike), lanes, transient, found, arithmetic, block, who

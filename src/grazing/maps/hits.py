@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from grazing.outcome import InputError, shown
 
@@ -14,6 +17,10 @@ MANY = -5
 #: Codes of chatter that was completed at the first wall, and of a ball that lay there throughout; for the second wall
 #: two less.
 CHATTER, LAY = -1, -2
+
+
+#: What the letter of an impact map between walls has more than the strobes passed, where the second wall is hit.
+LATER = 2**30
 
 
 def most_of(walls: int) -> int:
@@ -50,6 +57,11 @@ class Alphabet:
 
     def read(self, text: str, position: int) -> tuple[int, int]:
         """Return the letter that stands at a position of a text, and where the next one begins."""
+        raise NotImplementedError
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
         raise NotImplementedError
 
 
@@ -103,6 +115,12 @@ class Names(Alphabet):
                 f"{', '.join(map(self.symbol, range(len(self.names))))}"
             )
         return self.names.index(name), end + 1
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        codes = np.arange(len(self.names), dtype=np.int32)
+        return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(self.names)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +182,18 @@ class Hits(Alphabet):
             **{LAY - 2 * j: f"stuck_throughout_on_{name}" for j, name in enumerate(self.names)},
         }
 
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(self.names, start=1))
+        said = f"letter of the step: the walls that are hit, in order, as digits to base {self.base}: {digits}"
+        return {
+            "long_name": said,
+            "flag_values": np.array(sorted(self.special), np.int32),
+            "flag_meanings": " ".join(self.special[code] for code in sorted(self.special)),
+            "surfaces": self.names,
+        }
+
     def symbol(self, letter: int) -> str:
         """Return what stands for a letter in a word."""
         if letter == MANY:
@@ -210,3 +240,61 @@ class Hits(Alphabet):
         for name in inside if inside != "0" else "":
             letter = self.base * letter + 1 + self.names.index(name)
         return letter, found.end()
+
+
+@dataclass(frozen=True, slots=True)
+class Struck(Hits):
+    """The alphabet of an impact map between two walls.
+
+    A letter is the wall that the step ends at, with the strobes passed on the way in front of it: ``A``, ``1B``.
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import LATER, Struck
+    >>> struck = Struck("AB")
+    >>> struck.symbol(0), struck.symbol(LATER + 12), struck.read("A12B", 1) == (LATER + 12, 4)
+    ('A', '12B', True)
+    """
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_symbols", re.compile(rf"(0|[1-9][0-9]{{0,4}})?([{re.escape(self.names)}])"))
+
+    @property
+    def most(self) -> int:
+        """Signs of a letter beside the parentheses of others."""
+        return 5
+
+    @property
+    def special(self) -> dict[int, str]:
+        """What letters mean that are no impacts: there are none."""
+        return {}
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        names = self.names
+        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
+        return {"long_name": said, "walls": self.names}
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        wall, strobes = divmod(letter, LATER)
+        return f"{strobes or ''}{self.names[wall]}"
+
+    def strobes(self, letter: int) -> int:
+        """Return how many strobes a step passes."""
+        return letter % LATER
+
+    def walls(self, letter: int) -> tuple[int, ...]:
+        """Return the number of the wall that is hit."""
+        return (letter // LATER,)
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        found = self._symbols.match(text, position)
+        if found is None:
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{' and '.join(self.names)}, with the strobes passed in front: 1{self.names[-1]}"
+            )
+        return int(found[1] or 0) + LATER * self.names.index(found[2]), found.end()

@@ -4,69 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from math import nan, sqrt
-from typing import Any, NamedTuple
+from math import nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.elementary import length
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator
-from grazing.maps.period import log_size
+from grazing.maps.returning import INFINITY, MAX_PERIODS, NO_DOUBT, derivative, next_period
 from grazing.maps.starting import impact_box
+from grazing.maps.walled_impact import walled_impact_map
 from grazing.oscillator.constants import constants_of, forcing
 from grazing.oscillator.contact import (
     FLIES,
     LIES,
     MAX_SWINGS,
-    Ball,
-    Launch,
     departure_of,
     next_contact,
     placed,
 )
-from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.pointed import POINTED
+from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
-#: Periods without an impact after which the step gives up by name.
-MAX_PERIODS = 1000
-INFINITY = float("inf")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-class Doubt(NamedTuple):
-    """How wrong a ball may be that has flown for many periods: bounds on y and v, and one on sqrt(k^2 y^2 + v^2)."""
-
-    y: float
-    v: float
-    energy: float
-
-
-NO_DOUBT = Doubt(0.0, 0.0, 0.0)
-
-
-def next_period(ball: Ball, doubt: Doubt, c: Any) -> tuple[Ball, Doubt]:
-    """Return the ball at the end of a period as the same ball at the beginning of the next, and how wrong it may be.
-
-    Bounds that go from piece to piece by the sizes of the modes grow with every piece, where the errors themselves
-    fade: the free ball gains no energy. Here the errors of each period are added up, and go on as those of a departure.
-    Where it may gain energy they grow with the modes alone; beyond all doubles they are infinite.
-    """
-    E11, E12, E21, E22 = modes(c.T, c)
-    y = abs(E11) * doubt.y + abs(E12) * doubt.v + ball.error_y
-    v = abs(E21) * doubt.y + abs(E22) * doubt.v + ball.error_v
-    if c.grows > 0.0:
-        y, v = (y if y >= 0.0 else INFINITY), (v if v >= 0.0 else INFINITY)
-        return Ball(0.0, ball.y, ball.v, 0, 0.0, 0.0, Launch(0.0, 1.0, 0.0, y, v)), Doubt(y, v, INFINITY)
-    root = sqrt(c.k2)
-    energy = doubt.energy + length(root * ball.error_y, ball.error_v)
-    y = energy / root if energy < root * y else y
-    v = min(v, energy)
-    return Ball(0.0, ball.y, ball.v, 0, 0.0, 0.0, Launch(0.0, 1.0, 0.0, y, v)), Doubt(y, v, energy)
 
 
 @lru_cache(maxsize=256)
@@ -109,7 +73,7 @@ def return_of(
                         t, at = 0.0, strobes + 1
                     J = (0.0, 0.0, 0.0, 0.0, -INFINITY) if lying or kind != FLIES else lost
                     if kind == FLIES and smooth and not outcome & (GRAZE | AMBIGUOUS):
-                        J = derivative(start, w, ball.t + strobes * c.T, arrived, slope(arrived, c.p), c)
+                        J = derivative(start, w, ball.t + strobes * c.T, arrived, slope(arrived, c.p), 1.0, c, c)
                     return (t, ball.v), at, outcome, J
                 smooth = smooth and kind == FLIES
                 lying = lying or kind == LIES
@@ -122,24 +86,6 @@ def return_of(
         return (nan, nan), strobes, outcome | NO_IMPACT, lost
 
     return tangent
-
-
-def derivative(start: float, w: float, end: float, v: float, g: float, c: Any) -> Any:
-    """Return the Jacobian of (tau, w) -> (tau', w') from the flight between the impacts, and the logarithm of |det J|.
-
-    g = law'(v). NaN for v = 0. The flight keeps w dtau dw but for damping, so det J = g w/v exp(-alpha s).
-    """
-    if v == 0.0:
-        return nan, nan, nan, nan, nan
-    E11, E12, E21, E22 = modes(end - start, c)
-    F0, _dF0 = forcing(start, c)
-    F1, _dF1 = forcing(end - c.T * (end // c.T), c)
-    lift, fall = F0 - c.alpha * w, F1 - c.alpha * v
-    # starting later by dtau is starting at (-w dtau, -lift dtau) in the flight's own time
-    y_tau, v_tau = -(E11 * w + E12 * lift), -(E21 * w + E22 * lift)
-    tau_tau, tau_w = -y_tau / v, -E12 / v
-    area = log_size(g * w / v) - c.alpha * (end - start)
-    return tau_tau, tau_w, g * (v_tau + fall * tau_tau), g * (E22 + fall * tau_w), area
 
 
 @lru_cache(maxsize=256)
@@ -198,7 +144,7 @@ class Struck(OfOscillator):
         return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / omega)
 
 
-def impact_map(model: Oscillator) -> Map:
+def impact_map(model: Oscillator | Walled) -> Map:
     """Return the oscillator as a map from one impact to the next.
 
     Parameters
@@ -210,7 +156,10 @@ def impact_map(model: Oscillator) -> Map:
     Map
         State (tau, v_plus): the phase in [0, T), measured from t = 0, and the velocity just after an impact. The
         letter counts the strobes t = nT crossed on the way. After completed chatter or sticking the state is the
-        release: (time of release, 0). Without an impact in 1000 periods the outcome is *no_impact*.
+        release: (time of release, 0). Without an impact in 1000 periods the outcome is *no_impact*. Between walls
+        v_plus is relative to the wall, upwards: positive after an impact with the one below the ball, negative after
+        one with the one above it (a ball released there has v_plus = -0.0). A letter is then the wall that is hit,
+        with the strobes in front of it if there are any: ``A``, ``B``, ``1B``.
 
     Examples
     --------
@@ -220,6 +169,8 @@ def impact_map(model: Oscillator) -> Map:
     >>> bool(abs(orbit[-1] - orbit[-2]).max() < 1e-12)
     True
     """
+    if isinstance(model, Walled):
+        return walled_impact_map(model)
     checked_model(model)
     law = model.reset
     return Map(

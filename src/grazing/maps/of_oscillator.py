@@ -1,4 +1,4 @@
-"""What the maps of an oscillator over one wall know of it."""
+"""What the maps of an oscillator know of it: of any, and of one over one wall."""
 
 from __future__ import annotations
 
@@ -14,13 +14,54 @@ from grazing.maps.starting import Box, boxes_at
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_kind, pointed_rows
 from grazing.oscillator.reach import Reach
+from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError
 from grazing.parameter import Parameter, parameter_tuple
 
 Floats = NDArray[np.float64]
 
 
-class OfOscillator(Origin):
+class OfRig(Origin):
+    """The origin of a map of an oscillator, over one wall or between several: units, mass and base are the model's."""
+
+    @property
+    def rig(self) -> Rig:
+        """The model."""
+        return self.model if self.model is not None else self.walled  # type: ignore[no-any-return]
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter or coordinate."""
+        return self.rig.describe(name)
+
+    def complete(self, rows: Floats) -> Floats:
+        """Write the forces of a base into all parameters."""
+        return self.rig.made_from_base(rows)
+
+    def refuse_made(self, names: Sequence[str]) -> None:
+        """Raise InputError for parameters that a base makes."""
+        self.rig.refuse_made(names)
+
+    def units_of(self, names: Sequence[str]) -> str:
+        """Return the units of coordinates."""
+        return self.rig.units_of(names)
+
+    @property
+    def followers(self) -> tuple[str, ...]:
+        """The parameters that a base makes."""
+        return () if self.rig.base is None else self.rig.base.made
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of the rig: its mass, its stop, its base."""
+        return self.rig.attributes
+
+    @property
+    def config(self) -> dict[str, str]:
+        """The base, which makes forces from other parameters."""
+        return {} if self.rig.base is None else {"base": self.rig.base.text}
+
+
+class OfOscillator(OfRig):
     """The origin of a map of an oscillator over one wall: the model."""
 
     sized: ClassVar[bool] = True
@@ -51,37 +92,6 @@ class OfOscillator(Origin):
     def boxes(self, rows: Floats) -> Floats:
         """Return the boxes at parameter values."""
         return boxes_at(self.model, self.form, rows)
-
-    def describe(self, name: str) -> Parameter:
-        """Return what is known of a parameter or coordinate."""
-        return self.model.describe(name)
-
-    def complete(self, rows: Floats) -> Floats:
-        """Write the forces of a base into all parameters."""
-        return self.model.made_from_base(rows)
-
-    def refuse_made(self, names: Sequence[str]) -> None:
-        """Raise InputError for parameters that a base makes."""
-        self.model.refuse_made(names)
-
-    def units_of(self, names: Sequence[str]) -> str:
-        """Return the units of coordinates."""
-        return self.model.units_of(names)
-
-    @property
-    def followers(self) -> tuple[str, ...]:
-        """The parameters that a base makes."""
-        return () if self.model.base is None else self.model.base.made
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """What a result says of the rig: its mass, its stop, its base."""
-        return self.model.attributes
-
-    @property
-    def config(self) -> dict[str, str]:
-        """The base, which makes forces from other parameters."""
-        return {} if self.model.base is None else {"base": self.model.base.text}
 
 
 def apart(params: Mapping[str, float]) -> tuple[dict[str, float], float]:

@@ -15,8 +15,7 @@ from grazing.maps.derivative import Derived
 from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
-from grazing.maps.of_oscillator import apart
-from grazing.maps.origin import Origin
+from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
@@ -35,7 +34,7 @@ from grazing.oscillator.frames import (
     seen_from_strobe,
 )  # fmt: skip
 from grazing.oscillator.impacts import impacts_of
-from grazing.oscillator.pointed import POINTED, law_addresses
+from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
     AMBIGUOUS,
@@ -50,7 +49,6 @@ from grazing.outcome import (
 from grazing.outcome import (
     CHATTER as CHATTERED,
 )
-from grazing.parameter import Parameter
 from grazing.pool import Task
 
 INFINITY = float("inf")
@@ -195,7 +193,7 @@ def between_walls(harmonics: int, walls: int) -> Setting:
     return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
 
 
-class Strobed(Origin):
+class Strobed(OfRig):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
     walled: Walled
@@ -221,20 +219,14 @@ class Strobed(Origin):
         """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
         model = self.walled
         numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
-        strikes = [
-            law_addresses(one.law.law, one.law.slope, one.law.name, model.kind_seen_from(j), arithmetic)[2]
-            for j, one in enumerate(model.walls)
-        ]
+        laws = [one.law for one in model.walls]
+        strikes = [strike_address(law.law, law.name, law_kind(law), arithmetic) for law in laws]
         setting = between_walls(model.harmonics, len(model.walls) if block else 0)
-        who = " or ".join(f"the reset law {one.law.name}" for one in model.walls)
+        who = " or ".join(f"the reset law {law.name}" for law in laws)
         ends = strikes[0], strikes[-1]
         return block_tasks(
             setting, model.harmonics, numbers, source, ends, lanes, transient, found, arithmetic, block, who
         )  # fmt: skip
-
-    def describe(self, name: str) -> Parameter:
-        """Return what is known of a parameter or coordinate."""
-        return self.walled.describe(name)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a ball inside a wall."""

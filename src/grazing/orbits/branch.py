@@ -14,6 +14,7 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
+from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, joined, located, point_at, unscaled
@@ -42,7 +43,7 @@ from grazing.orbits.switching import (
 )
 from grazing.orbits.word import word
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import checked_name, real, whole
+from grazing.parameter import checked_name, named_by, real, value_of, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -256,7 +257,7 @@ def followed(
     else:
         raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
     if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
-        rested = resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
+        rested = resting_branch(P, name, (low, high), seeds[0].equations, value_of(name, orbit.map.params))
         work.spend(len(rested.pieces[0].orbits))
         return rested
     search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds, work)
@@ -319,8 +320,8 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
 def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     """Return where a branch begins that holds a given orbit."""
     low, high = bounds
-    value = float(orbit.map.params.get(name, np.nan))
-    moved = (name, *P.origin.followers)
+    value = value_of(name, orbit.map.params)
+    moved = (*named_by(name, P.params), *P.origin.followers)
     differ = [
         key for key, x in orbit.map.params.items() if key not in P.params or not (key in moved or P.params[key] == x)
     ]
@@ -335,6 +336,11 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     p = np.array([value])
     if isinstance(equations, RestEquations):
         return Seed(equations, Point(np.zeros(2), np.zeros(2), ()))
+    if isinstance(equations, FreeEquations) and orbit.degenerate:
+        raise Unsettled(
+            f"{shown(orbit)} is one of a continuum at {name} = {value:g}: a multiplier is 1, and no branch leads "
+            "through one of them alone; begin with an orbit that has impacts"
+        )
     solved = closed(equations, x, p)
     if solved is None:  # at a fold the derivative is singular; across it, it is not
         fold = seeded_at_fold(equations, x, p)

@@ -5,7 +5,7 @@ An oscillator over one wall at rest is a model with one wall below the ball; its
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -13,17 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.lanes import unpacker
-from grazing.maps.hits import Hits
+from grazing.maps.hits import LATER, Hits, Struck
 from grazing.maps.map import Map
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows, plain_frames
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses
+from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses, law_kind, law_start
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
 from grazing.oscillator.wall import NAMES, Wall
 from grazing.oscillator.walled import Walled
-from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
 Model = Oscillator | Walled
@@ -38,7 +37,7 @@ def model_of(P: Map) -> Model | None:
 
 def section_of(P: Map) -> str | None:
     """Return where a map sees its oscillator: "strobe" or "impact"; None for another map."""
-    return "strobe" if P.walled is not None else P.section
+    return "strobe" if P.walled is not None and P.section is None else P.section
 
 
 def walls_of(model: Model) -> tuple[Wall, ...]:
@@ -64,6 +63,27 @@ def on_wall(model: Model, j: int, t: float) -> tuple[float, float]:
 def letters_of_walls(model: Model) -> Hits | None:
     """Return the letters of a stroboscopic map, the walls that are hit; None for one wall, whose impacts count."""
     return Hits(model.names) if isinstance(model, Walled) and len(model.walls) > 1 else None
+
+
+def numbered(model: Model, names: Iterable[str]) -> list[int]:
+    """Return the numbers of walls by their names; in a model over one wall there is one only."""
+    letters = [str(wall.name) for wall in walls_of(model)]
+    return [letters.index(name) for name in names]
+
+
+def strobes_of(P: Map, letters: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how many strobes steps of an impact map pass, from their letters."""
+    return letters % LATER if isinstance(P.letters, Struck) else letters
+
+
+def left_walls(model: Model, after: Floats) -> NDArray[np.int64]:
+    """Return the number of the wall that a ball leaves, from the velocity in a state of an impact map."""
+    return np.where(np.signbit(after), len(walls_of(model)) - 1, 0)
+
+
+def signs_of(model: Model) -> Floats:
+    """Return for each wall 1 if it is below the ball, -1 if above."""
+    return np.array([wall.sign for wall in walls_of(model)])
 
 
 def wall_of(contact: int) -> int:
@@ -104,20 +124,18 @@ def law_numbers(model: Model, j: int, values: Floats) -> dict[str, float]:
     return dict(zip(law, values[place].tolist(), strict=True))
 
 
-def numbers_seen(model: Model, values: Floats) -> list[tuple[type, Floats]]:
-    """Return for each wall the parameters that it sees, as its law gets them, and their names."""
+def numbers_seen(model: Model, values: Floats) -> list[Floats]:
+    """Return for each wall the parameters that it sees, of all parameters of the model."""
     if isinstance(model, Oscillator):
-        return [(parameter_tuple(tuple(model.params)), values)]
+        return [values]
     rows = values[None]
-    return [
-        (model.kind_seen_from(j), np.append(model.rows_seen_from(j, rows)[0], 0.0)) for j in range(len(model.walls))
-    ]
+    return [model.rows_seen_from(j, rows)[0] for j in range(len(model.walls))]
 
 
 def flight_row(model: Model, values: Floats) -> Floats:
     """Return the numbers that flights need, as :func:`framer` takes them; the fields of laws are 0."""
     n, head = len(flight_fields(model.harmonics)), len(HEAD) + 2 * model.harmonics + 1  # alpha to sigma
-    seen = [numbers for _kind, numbers in numbers_seen(model, values)]
+    seen = numbers_seen(model, values)
     ends = (seen[0],) if isinstance(model, Oscillator) else (seen[0], seen[-1])
     row = np.zeros(n * len(ends))
     for j, numbers in enumerate(ends):
@@ -154,13 +172,13 @@ def frames_at(model: Model, values: Floats, phase: float = 0.0) -> Frames:
     return alone(constants_of(model.harmonics)(flight_kind(model.harmonics)(*flight_row(model, values).tolist())))
 
 
-def addresses(model: Model, contacts: Sequence[int]) -> tuple[list[float], list[float]]:
-    """Return for each impact the address of the piece of the law that acts there, and of its slope.
+def addresses(model: Model, contacts: Sequence[int]) -> list[tuple[float, float, int]]:
+    """Return for each impact where the piece of the law lies that acts there, its slope, and in a row its parameters.
 
-    A piece of a trigger goes on smoothly beyond the trigger's speed, so that Newton's method and virtual orbits can.
+    The last in bytes behind what a wall sees, see :func:`numbers_seen`. A piece of a trigger goes on smoothly beyond
+    the trigger's speed, so that Newton's method and virtual orbits can.
     """
-    walls, kinds = walls_of(model), [kind for kind, _numbers in numbers_seen(model, np.array([*model.params.values()]))]
-    pairs = []
+    walls, found = walls_of(model), []
     for contact in contacts:
         law = walls[wall_of(contact)].law
         known = {
@@ -168,15 +186,9 @@ def addresses(model: Model, contacts: Sequence[int]) -> tuple[list[float], list[
             FIRED: (active_law, newton_slope, "active"),
             PASSIVE: (newton_law, newton_slope, "newton"),
         }
-        pairs.append(_addresses(*known[piece_of(contact)], kinds[wall_of(contact)]))
-    return [at for at, _slope in pairs], [slope for _at, slope in pairs]
-
-
-@lru_cache(maxsize=64)
-def _addresses(law: Any, slope: Any, name: str, kind: type) -> tuple[float, float]:
-    """Return the addresses of a law and its slope in strict arithmetic."""
-    at, slope_at, _strike = law_addresses(law, slope, name, kind, "strict")
-    return at, slope_at
+        code = law_addresses(*known[piece_of(contact)], law_kind(law), "strict")
+        found.append((*code, law_start(model.harmonics, law)))
+    return found
 
 
 def sizes_of(model: Model) -> tuple[float, float]:

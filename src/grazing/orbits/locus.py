@@ -14,6 +14,7 @@ from grazing.copies import ByValue
 from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.contacts import model_of, sizes_of
 from grazing.orbits.equations import Equations, Test
+from grazing.orbits.even_equations import EvenEquations, evenly
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Path, Point, at_value, closed, follow, joined, linearised, tangent_of
 from grazing.orbits.piece_equations import PieceOrbit, border_units
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 #: Special points that are zeros of one test function.
-FOLLOWED = ("lp", "pd", "ns", "gr", "bcb", "v0", "law")
+FOLLOWED = ("lp", "pd", "ns", "bp", "gr", "bcb", "v0", "law")
 #: Part of an unknown's size by which it is moved to see how a test function changes.
 MOVED = 1e-5
 #: A fold whose second parameter turns round at a point where the first one does, too, is a cusp.
@@ -54,7 +55,7 @@ class LocusEquations(Equations):
         self.scale = np.append(base.scale, base.spans[0])
         tests = base.tests(x, p)
         # at a graze of a passive wall an impact's speed and a dip's depth are one thing, and the speed is smoother
-        alike = ("v0", "gr") if type in ("gr", "v0") else (type,)
+        alike = {"gr": ("v0", "gr"), "v0": ("v0", "gr"), "bp": ("lp",)}.get(type, (type,))
         places = [i for i, test in enumerate(tests) if test.type in alike and test.where in (where, -1)]
         if not places:
             raise InputError(
@@ -306,7 +307,8 @@ def locus(
     Parameters
     ----------
     special : Special
-        Of type lp, pd, ns, gr, bcb, v0 or law.
+        Of type lp, pd, ns, gr, bcb, v0 or law; or a bp at which the symmetry of an orbit between walls breaks, in
+        parameters that keep the symmetry of the model.
     names : (str, str)
         Two different parameters of its map.
     bounds : ((low, high), (low, high))
@@ -363,6 +365,8 @@ def locus(
             )
     spans = np.array([high - low for low, high in ranges])
     base, x = equations_of(special.orbit, (one, other), spans)
+    if special.type == "bp":
+        base, x = evenly(special, base, x, p)
     equations = LocusEquations(base, special.type, special.where, ranges[0], x, p)
     X = closed(equations, np.append(x, p[0]), p[1:])
     if X is None:
@@ -398,7 +402,8 @@ def locus(
         if low <= X[-1] <= high:
             own, *others = kind.split("+")
             both = np.array([X[-1], q[-1]])
-            kind = name_of([own, *(called(base, other, event.where, both)[0] for other in others)])
+            whole_base = base.base if isinstance(base, EvenEquations) else base
+            kind = name_of([own, *(called(whole_base, other, event.where, both)[0] for other in others)])
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
     orbits = tuple(equations.orbit(X, q) for X, q in solutions)

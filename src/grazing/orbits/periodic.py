@@ -12,7 +12,7 @@ from grazing.maps.hits import Hits
 from grazing.maps.map import Map
 from grazing.orbits.contacts import model_of, section_of
 from grazing.orbits.gap_orbits import gap_orbits
-from grazing.orbits.orbit import ROUNDING, Orbit
+from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_pieces import piece_orbits, spelled
@@ -112,8 +112,8 @@ class Orbits(tuple[Orbit, ...]):
         said += (f", {neutral} neutral" if neutral else "") + f" and {len(kept) - stable - neutral} unstable"
         said += f", and {_counted(virtual, 'virtual one')}" if virtual else ""
         for spelled_as, N, many in s.continua:
-            said += f" (of word {spelled_as} and period {N} a continuum: {many} with a multiplier 1 were met, one "
-            said += "listed)"
+            met = f"{many} with a multiplier 1 were met, one listed" if many > 1 else "the one in the middle is listed"
+            said += f" (of word {spelled_as} and period {N} a continuum: {met})"
         if s.complete:
             return f"{said}: these are all, because every word of the length is solved by algebra"
         how = (
@@ -246,12 +246,18 @@ def _one_of_each_continuum(orbits: list[Orbit]) -> tuple[list[Orbit], tuple[tupl
     """
     many: dict[tuple[str, int], list[Orbit]] = {}
     for orbit in orbits:
-        if orbit.admissible and np.abs(orbit.multipliers - 1.0).min(initial=1.0) <= ROUNDING:
+        if orbit.admissible and orbit.degenerate:
             many.setdefault((orbit.word, orbit.period), []).append(orbit)
-    families = {key: found for key, found in many.items() if len(found) >= FAMILY}
+    families = {key: found for key, found in many.items() if len(found) >= FAMILY or _flies(found[0])}
     left_out = {id(one) for found in families.values() for one in found[1:]}
     kept = [orbit for orbit in orbits if id(orbit) not in left_out]
     return kept, tuple((*key, len(found)) for key, found in families.items())
+
+
+def _flies(orbit: Orbit) -> bool:
+    """Whether an orbit of an oscillator is a flight without impacts."""
+    P = orbit.map
+    return section_of(P) == "strobe" and impacts_in(P, letters_of(orbit.word, P.letters)) == 0
 
 
 def impacts_in(P: Map, letters: Sequence[int]) -> int:
@@ -321,7 +327,8 @@ def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tupl
 def _order(orbit: Orbit) -> tuple[Any, ...]:
     """Return what orbits are sorted by: period, word, admissible ones first, points."""
     letters = letters_of(orbit.word, orbit.map.letters)
-    return orbit.period, letters, not orbit.admissible, tuple(np.round(orbit.points, 9).ravel())
+    points = orbit.points / [high - low for low, high in orbit.map.box]
+    return orbit.period, letters, not orbit.admissible, tuple(np.round(points, 9).ravel())
 
 
 def _counted(n: int, what: str) -> str:

@@ -114,8 +114,8 @@ class RestEquations(FlightEquations):
         if self.release >= len(times):
             return None
         start = times[self.release]
-        (at,), (slope,) = addresses(self.model, (0,))
-        laws, out = np.array([at, slope, float(values.ctypes.data)]), np.zeros(4)
+        ((at, slope, first),) = addresses(self.model, (0,))
+        laws, out = np.array([at, slope, float(values.ctypes.data + first)]), np.zeros(4)
         call(settler(self.model.harmonics), self.row(values), start, laws, out, who="the chatter")
         if out[3] == 0.0:
             return None

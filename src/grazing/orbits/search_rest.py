@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of, walls_of
+from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of, signs_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
@@ -47,7 +47,8 @@ def resting_starts(P: Map, model: Model) -> list[Floats]:
         c = FreeEquations(seen, ()).constants(np.empty(0))
         times = presses(seen)
         if section_of(P) == "impact":
-            return [np.array([t, 0.0]) for t in times]
+            starts += [np.array([t, np.copysign(0.0, signs_of(model)[j])]) for t in times]
+            continue
         if not times and c.first < 0.0:
             starts.append(np.array(on_wall(model, j, phase)))
         for t in times:

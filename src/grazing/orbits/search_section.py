@@ -11,16 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.random import uniform
+from grazing.maps.hits import LATER, Struck
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import (
     Model,
     frames_at,
+    left_walls,
     letters_of_walls,
+    numbered,
     oscillators_of,
     pieces_of,
     section_of,
-    walls_of,
+    signs_of,
+    strobes_of,
 )
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import Flown, ImpactEquations, strobed
@@ -68,19 +72,21 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
     impacts = section_of(search.P) == "impact"
     P = search.P if impacts else stroboscopic_map(search.model)
-    runs = simulated(P, _starts(search, P), wanted[-1], search.threads)
+    runs = simulated(P, starts_of(search, P), wanted[-1], search.threads)
     tally.starts, tally.steps = runs.starts, runs.steps
     for n in wanted:
         window = recurrences(runs, n, search.starts)
         if impacts:
-            times, after = _impacts_of(window.points, window.letters, search.model)
-            N = window.letters.sum(axis=1)
+            times, after, left = _impacts_of(window.points, window.letters, search)
+            N = strobes_of(P, window.letters).sum(axis=1)
             speed = 2.0 * float(np.max(after, initial=found.speed))
             for turns in sorted({*range(1, FAR + 1), *N.tolist()} - {0}):
-                rows = N == turns
-                found.from_outgoing(turns, np.hstack([times[rows], after[rows]]))
+                for at in np.unique(left[N == turns], axis=0):
+                    rows = (N == turns) & (left == at).all(axis=1)
+                    found.from_outgoing(turns, np.hstack([times[rows], after[rows]]), at.tolist())
                 if turns <= FAR * n:
                     _others(found, search, turns, [n], speed)
+                found.images(turns)
             continue
         flown = recorded(search.model, window.points[:, 0], n, min(PER_PERIOD * n, IN_ALL))
         found.from_flights(n, flown)
@@ -94,7 +100,7 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     return found
 
 
-def _starts(search: Search, P: Map) -> Floats:
+def starts_of(search: Search, P: Map) -> Floats:
     """Return random states, half of them in the map's box, half as far as forcing and impacts can carry the ball."""
     half = search.starts // 2
     frames = FreeEquations(search.model, ()).frames(NOTHING)
@@ -102,17 +108,19 @@ def _starts(search: Search, P: Map) -> Floats:
     speed = c.size * c.rate
     box = np.array(P.box)
     if section_of(P) == "impact":
-        wide = np.array([[0.0, c.T], [0.0, WIDE * speed]])
+        ends = [0.0, *(sign * WIDE * speed for sign in signs_of(search.model))]
+        wide = np.array([[0.0, c.T], [min(ends), max(ends)]])
     else:
         far = frames.zb if frames.two else low + frames.side * (WIDE * c.size)
         wide = np.array([sorted((low, far)), [frames.wa - WIDE * speed, frames.wa + WIDE * speed]])
     return np.hstack([drawn(search.seed, search.starts - half, box, 0.0), drawn(search.seed, half, wide, 1.0)])
 
 
-def _impacts_of(points: Floats, letters: NDArray[np.int64], model: Model) -> tuple[Floats, Floats]:
-    """Return times and velocities of the impacts of stretches of the impact map."""
-    passed = np.cumsum(letters, axis=1) - letters
-    return points[:, :, 0] + passed * model.period, points[:, :, 1]
+def _impacts_of(points: Floats, letters: NDArray[np.int64], search: Search) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    """Return times, velocities away from the wall and walls of the impacts of stretches of the impact map."""
+    strobes, after = strobes_of(search.P, letters), points[:, :, 1]
+    passed = np.cumsum(strobes, axis=1) - strobes
+    return points[:, :, 0] + passed * search.model.period, np.abs(after), left_walls(search.model, after)
 
 
 def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: float) -> None:
@@ -184,9 +192,11 @@ def seen(orbit: ImpactOrbit, P: Map) -> Orbit:
     """Return an orbit of the oscillator as a map of it sees it: at its own phase, or from impact to impact."""
     phase, T = float(P.params.get("phase", 0.0)), orbit.model.period
     if section_of(P) == "impact":
-        points = np.column_stack([np.mod(orbit.times, T), orbit.outgoing])
+        walls = np.array(numbered(orbit.model, orbit.walls))
+        points = np.column_stack([np.mod(orbit.times, T), signs_of(orbit.model)[walls] * orbit.outgoing])
         passed = np.floor(np.append(orbit.times[1:], orbit.times[0] + orbit.period * T) / T) - np.floor(orbit.times / T)
-        letters = [int(letter) for letter in passed]
+        later = LATER if isinstance(P.letters, Struck) else 0
+        letters = [int(letter) + later * int(wall) for letter, wall in zip(passed, np.roll(walls, -1), strict=True)]
     elif phase == 0.0:
         return replace(orbit, map=P)
     else:
@@ -213,8 +223,7 @@ def _strobed(orbit: ImpactOrbit, phase: float) -> tuple[Floats, list[int]]:
     free = FreeEquations(model, ())
     c = free.frames(NOTHING)
     if orbit.impacts:
-        letters = [str(wall.name) for wall in walls_of(model)]
-        walls = [letters.index(name) for name in orbit.walls]
+        walls = numbered(model, orbit.walls)
         return strobed(Flown(orbit.times, orbit.outgoing, walls, orbit.period), model, c, phase)
     y, v = free.state(orbit).tolist()
     y, v = flight(phase - T * floor(phase / T), anchored(0.0, y, v, c.a), c.a)

@@ -6,6 +6,7 @@ from math import ceil, inf
 
 import numpy as np
 
+from grazing.maps.hits import Struck
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.word import least_rotation, letters_of, primitive, word
@@ -33,6 +34,12 @@ def checked_word(P: Map, text: object) -> tuple[str | None, tuple[int, ...] | No
     if P.model is not None and P.section == "strobe":
         _check_rests(P.model, text, letters)
         _check_counts(P.model, text, letters)
+    elif P.section == "impact" and isinstance(P.letters, Struck):
+        if not any(map(P.letters.strobes, letters)):
+            raise InputError(
+                f"no orbit of the impact map has word {shown(text)}: it passes no strobe, and an orbit takes a period "
+                f"at least; write the strobes in front of the wall that is hit then, such as 1{P.letters.names[0]}"
+            )
     elif P.section == "impact" and (min(letters) < 0 or sum(letters) == 0):
         raise InputError(
             f"no orbit of the impact map has word {shown(text)}: its letters count the strobes from one "

@@ -20,7 +20,8 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import TESTS, closing, impact_state, impact_velocities
 from grazing.orbits.survey import PHASE, Family, families, survey
-from grazing.orbits.windows import EDGES, PIECES, windows
+from grazing.orbits.windows import EDGES, windows
+from grazing.orbits.word_windows import PIECES
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator, checked_model

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.contacts import Model, model_of, pieces_of, relative, section_of, walls_of
+from grazing.orbits.contacts import (
+    Model,
+    left_walls,
+    model_of,
+    numbered,
+    on_wall,
+    pieces_of,
+    relative,
+    section_of,
+    strobes_of,
+)  # fmt: skip
 from grazing.orbits.equations import Equations
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
@@ -17,7 +27,6 @@ from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.piece_equations import equations_of_pieces
 from grazing.orbits.resting import resting_equations
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import CHATTER, STUCK, InputError
 
@@ -66,12 +75,6 @@ def mapped(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations,
     return MapEquations(orbit.map, names, letters, spans), orbit.points.ravel().copy()
 
 
-def numbered(model: Model, names: Iterable[str]) -> list[int]:
-    """Return the numbers of walls by their names; in a model over one wall there is one only."""
-    letters = [str(wall.name) for wall in walls_of(model)]
-    return [letters.index(name) for name in names]
-
-
 def rests(orbit: Orbit) -> bool:
     """Whether an orbit comes to rest on the wall."""
     return bool(np.any(orbit.map.orbit(orbit.points[0], orbit.period).outcomes & (CHATTER | STUCK)))
@@ -87,10 +90,12 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     """
     P, model = orbit.map, model_of(orbit.map)
     assert model is not None
-    if isinstance(model, Oscillator) and section_of(P) == "impact":
-        start, state = float(orbit.points[0, 0]), (model.sigma, float(orbit.points[0, 1]))
-        letters = P.orbit(orbit.points[0], orbit.period).letters
-        N, count = int(letters.sum()), orbit.period
+    if section_of(P) == "impact":
+        start, after = map(float, orbit.points[0])
+        u, v = on_wall(model, int(left_walls(model, orbit.points[0, 1])), start)
+        state = u, v + after
+        strobes = strobes_of(P, P.orbit(orbit.points[0], orbit.period).letters)
+        N, count = int(strobes.sum()), orbit.period
         beyond = 0.5  # the last impact is where the flight would end, or beside it by rounding
     else:
         start, state = P.params.get("phase", 0.0), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
@@ -99,7 +104,7 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     if path.attrs["grazing_outcome"] & (CHATTER | STUCK):
         raise InputError(f"{orbit!r} comes to rest on the wall; give it as one of gz.stroboscopic_map(model), phase 0")
     times = path["impact_time"].values[:count]
-    walls = numbered(model, path["impact_wall"].values) if "impact_wall" in path else [0] * len(times)
+    walls = numbered(model, path["impact_wall"].values[:count]) if "impact_wall" in path else [0] * len(times)
     incoming, outgoing = (relative(model, walls, times, path[key].values[:count]) for key in ("v_minus", "v_plus"))
     shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
     equations = impact_equations(model, (), N if len(times) else 1, incoming, walls)

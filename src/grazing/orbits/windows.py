@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import inf
 from typing import Any
@@ -14,14 +14,16 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from grazing.memory import refuse_too_large
-from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE
+from grazing.orbits.closure import TESTS
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
+from grazing.orbits.word_windows import PIECES, VALUES, checked_words, piece_words, word_windows
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import damped
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
+from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_periods, unknown, whole
 
@@ -34,9 +36,9 @@ EDGES = {
     "v0": "the impact speed reaches 0",
     "law": "the impact speed reaches the trigger",
     "st": "sticking: a ball that the impact leaves at rest is no longer lifted off at once",
+    "bp": "branch point: another branch crosses, as where the symmetry of an orbit breaks",
     "end": "end of the span searched",
 }
-PIECES = {WHOLE: "whole", FIRED: "fired", PASSIVE: "passive"}
 #: Edges that are closer than this share of the parameter are told apart with many digits.
 CLOSE = 1e-10
 #: Bytes of a cell of the first grid: the columns of a few phases, found and followed.
@@ -45,28 +47,36 @@ LAST_TEST = FIRST_TEST + len(TESTS)
 
 
 def windows(
-    model: Oscillator,
+    model: Oscillator | Walled,
     name: str,
     N: int | Iterable[int] = range(1, 8),
     span: tuple[float, float] | None = None,
-    samples: int = 2000,
+    samples: int | None = None,
+    words: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Return every interval of a parameter with a stable admissible one-impact orbit of period N, and why it ends.
+
+    Between walls: with an orbit of each word, the walls that are hit in order.
 
     Parameters
     ----------
     model : Oscillator
-        With a reset law that is affine piece by piece: newton, active or triggered.
+        With a reset law that is affine piece by piece: newton, active or triggered. With ``walls=`` any.
     name : str
         Any parameter of the model; the others keep their values.
     N : int or iterable of int
         Periods of the forcing between impacts, each 1 to 1000; 1 to 7 if none are named. Attribute ``N`` of the result.
+        Between walls those of an orbit.
     span : (low, high), optional
         The values searched, within the allowed range. Default: the whole range of r; half to twice the value of
         alpha, k, omega, V and trigger ([0, 1] for a value 0); the value plus or minus the sum of the amplitudes for
         the offset and the amplitudes, half a period for t0, the farthest push in one period for sigma.
     samples : int
-        Cells of the first grid, >= 2; cells are then halved where impact phases appear, disappear or run fast.
+        Cells of the first grid, >= 2; 2000, unless said. Cells are then halved where impact phases appear, disappear
+        or run fast. Between walls the values at which orbits are searched, 16 unless said.
+    words : str or sequence of str
+        Between walls: orders of walls, such as ``"A,AB,AABB"``, begun at any of the impacts. Default: each wall alone,
+        and to and fro.
 
     Returns
     -------
@@ -75,7 +85,8 @@ def windows(
         ``high_type``, one of gr pd lp ns v0 law st end (in words: attribute ``meaning``); ``low_dip`` and
         ``high_dip``, for gr the dip that touches the wall, 1 the last before the impact, else 0; ``low_status`` and
         ``high_status``: *zero* (of a test function, bracketed to the last bits), *bracket* (the curve could be
-        followed no further), *span*; ``piece`` of the reset law: whole, fired, passive.
+        followed no further), *span*; ``piece`` of the reset law: whole, fired, passive. Between walls also ``word``,
+        ``low_wall`` and ``high_wall``, the wall of a graze, and ``symmetric``; an edge may be *bp*: symmetry breaks.
 
     Raises
     ------
@@ -95,6 +106,10 @@ def windows(
     to each other or to a fold, are computed with 512 bits; windows narrower than a double are left out. Orbits that lie
     on the wall for a while are outside: beyond st they go on with an impact, rest and release.
 
+    Between walls orbits are searched at ``samples`` values, and followed by :func:`grazing.continuation` through folds,
+    grazes and breaking symmetry. A window between two values is found if its branch leads to one of them. Two orbits
+    that are mirror images of each other have one row.
+
     References
     ----------
     Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, Figures 1.6 and 3.2.
@@ -109,13 +124,17 @@ def windows(
     ...     print(f"{row.low:.12f} {row.low_type:s} {row.high:.12f} {row.high_type:s}")
     0.098450444937 gr 0.123281449644 pd
     """
+    if isinstance(model, Walled):
+        return _between_walls(model, name, N, span, samples, words)
+    if words is not None:
+        raise InputError(f"words = {shown(words)} are orders of walls; an oscillator with one wall has one impact here")
     families(model, 1)  # refuses what is no oscillator, and laws outside the form
     refuse_stiffness(model, "a search for windows")
     if not isinstance(name, str) or name not in model.params:
         raise unknown(name, model.params, "the model")
     model.refuse_base("a search for windows", [name])
     low, high = _span(model, name, span)
-    cells = whole(samples, "samples", 2)
+    cells = whole(2000 if samples is None else samples, "samples", 2)
     refuse_too_large(ROW * cells, f"reduce samples ({cells})", "the first grid")
     values = np.linspace(low, high, cells + 1)
     found: list[tuple[int, Edge, Edge, str]] = []
@@ -126,6 +145,27 @@ def windows(
                 found += [(n, *window, PIECES[family.law]) for window in stable_intervals(curve)]
     found.sort(key=lambda window: (window[0], window[1].value, window[2].value))
     return _dataset(model, name, periods, (low, high), cells, found)
+
+
+def _between_walls(model: Walled, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
+    """Return the windows of orbits between walls."""
+    if not isinstance(name, str) or name not in model.params:
+        raise unknown(name, model.params, "the model")
+    model.refuse_made([name])
+    periods, bounds = checked_periods(N), _span(model, name, span)
+    orders = checked_words(model, words)
+    values = whole(VALUES if samples is None else samples, "samples", 2)
+    found = word_windows(model, name, periods, orders, bounds, values)
+    rows = [(one.N, one.low, one.high, piece_words(one, model)) for one in found]
+    table = _dataset(model, name, periods, bounds, values, rows)
+    texts = {"word": [one.word for one in found]}
+    texts |= {f"{side}_wall": [one.walls[end] for one in found] for end, side in enumerate(("low", "high"))}
+    said = {"word": "walls that are hit, in order", "low_wall": "wall of the low edge", "high_wall": "of the high one"}
+    for key, column in texts.items():
+        table[key] = "window", np.array(column, dtype=object), {"long_name": said[key]}
+    symmetric = np.array([one.symmetric for one in found], np.int8)
+    table["symmetric"] = "window", symmetric, {"long_name": "whether the orbit is its own mirror image"}
+    return table.assign_attrs(title=f"windows of orbits between walls in {name}", words=",".join(orders))
 
 
 def stable_intervals(curve: Curve) -> list[tuple[Edge, Edge]]:
@@ -269,9 +309,10 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
     return float(brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
 
 
-def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
+def _span(model: Oscillator | Walled, name: str, span: Any) -> tuple[float, float]:
     """Return the span searched, checked, or the default one."""
-    parameter = damped(model.describe(name))
+    known = model.describe(name)
+    parameter = damped(known) if isinstance(model, Oscillator) else known
     if span is not None:
         try:
             low, high = span
@@ -292,7 +333,7 @@ def _span(model: Oscillator, name: str, span: Any) -> tuple[float, float]:
 
 
 def _dataset(
-    model: Oscillator,
+    model: Oscillator | Walled,
     name: str,
     periods: list[int],
     span: tuple[float, float],

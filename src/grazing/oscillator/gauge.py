@@ -7,6 +7,7 @@ quadrature, and extreme values lie at ends of flights and at roots of a polynomi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,14 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.legs import END, LEG, MAX_IMPACTS, START, V_MINUS, V_PLUS, V, Y, flown, flown_legs
+from grazing.oscillator.legs import END, LEG, MAX_IMPACTS, START, V_MINUS, V_PLUS, V, Y, flown_legs, heights
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_kind, pointed_model
+from grazing.oscillator.walled import Walled
+from grazing.oscillator.walled_trajectory import HIT, SEEN, above_first, walled_legs
 
 Floats = NDArray[np.float64]
+Model = Oscillator | Walled
 
 #: What is read from a motion, each over a whole cycle, and its units for a model in SI units: of position and velocity,
 #: and of impacts, 0 where there is none.
@@ -33,6 +37,8 @@ READINGS = {
     "impulse": ("impulse of the wall in a period of the forcing, per unit of mass", "N s/kg"),
     "impacts_per_period": ("impacts in a period of the forcing", "1"),
 }
+#: Those that are said of each of two walls as well, with its name in front: ``A.impulse``.
+BY_WALL = ("impact_speed", "mean_impact_speed", "impulse", "impacts_per_period")
 #: Nodes of a piece, and its longest length in units of the fastest rate.
 NODES, LENGTH = 20, 4.0
 #: Bytes of a piece while it is read.
@@ -53,11 +59,14 @@ class Cycle(NamedTuple):
     Parameters
     ----------
     flights : ndarray, shape (n, 4)
-        Time at which each begins, from the section at ``start``; height above the wall, velocity; how long it takes.
-    rest : float
-        How long the ball rests on the wall.
-    incoming, outgoing : ndarray, shape (m,)
-        Velocities just before and just after each impact.
+        Time at which each begins, from the section at ``start``; height above the first wall, or where that has its
+        middle, and its rate; how long it takes.
+    rides : ndarray, shape (m, 3)
+        When a ball begins to lie on a wall, how long, and on which.
+    incoming, outgoing : ndarray, shape (k,)
+        Velocities just before and just after each impact, relative to the wall and away from it.
+    walls : ndarray of int, shape (k,)
+        Which is hit, from below.
     periods : int
         Of the forcing.
     start : float
@@ -65,19 +74,36 @@ class Cycle(NamedTuple):
     """
 
     flights: Floats
-    rest: float
+    rides: Floats
     incoming: Floats
     outgoing: Floats
+    walls: NDArray[np.int64]
     periods: int
     start: float
 
 
-def flown_cycle(model: Oscillator, state: tuple[float, float], periods: int, start: float = 0.0) -> Cycle:
+def readings_of(model: Model) -> dict[str, tuple[str, str]]:
+    """Return the readings of a model with what each means and its units: of two walls some are said of each, too."""
+    if isinstance(model, Oscillator) or len(model.walls) < 2:
+        return READINGS
+    named = {f"{wall}.{name}": (wall, *READINGS[name]) for wall in model.names for name in BY_WALL}
+    words = {name: (_of_wall(meaning, wall), units) for name, (wall, meaning, units) in named.items()}
+    total = READINGS["impulse"]
+    return {**READINGS, "impulse": (total[0].replace("the wall", "both walls"), total[1]), **words}
+
+
+def _of_wall(meaning: str, wall: str) -> str:
+    if "the wall" in meaning:
+        return meaning.replace("the wall", f"wall {wall}")
+    return f"{meaning}, wall {wall}".replace("an impact, ", "an impact at ").replace("impacts, ", "impacts at ")
+
+
+def flown_cycle(model: Model, state: tuple[float, float], periods: int, start: float = 0.0) -> Cycle:
     """Return the motion that a ball makes from a state at time ``start`` in so many periods.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
     state : (float, float)
         Position and velocity.
     periods : int
@@ -88,47 +114,74 @@ def flown_cycle(model: Oscillator, state: tuple[float, float], periods: int, sta
     UserCodeError
         For a reset law that returns what it must not.
     """
-    legs = flown_legs(model, state, start, start + periods * model.period, MAX_IMPACTS)
+    until = start + periods * model.period
+    if isinstance(model, Oscillator):
+        legs = flown_legs(model, state, start, until, MAX_IMPACTS)
+        seen = hit = np.zeros(len(legs), np.int64)
+    else:
+        legs = walled_legs(model, state, start, until, MAX_IMPACTS)
+        seen, hit = legs[:, SEEN].astype(np.int64), legs[:, HIT].astype(np.int64)
     length, rests = legs[:, END] - legs[:, START], legs[:, LEG] != 0.0
     hits = ~np.isnan(legs[:, V_MINUS])
+    begins = legs[:, START]
     return Cycle(
-        np.column_stack([legs[:, [START, Y, V]], length])[~rests],
-        float(length[rests].sum()),
+        np.column_stack([begins, *_above_first(model, seen, start + begins, legs[:, Y], legs[:, V]), length])[~rests],
+        np.column_stack([begins, length, seen])[rests],
         legs[hits, V_MINUS],
         legs[hits, V_PLUS],
+        hit[hits],
         periods,
         start,
     )
 
 
+def _above_first(model: Model, seen: NDArray[np.int64], t: Floats, y: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Return heights and velocities, as walls see them at times, above the place of the first wall, at rest."""
+    if isinstance(model, Oscillator) or not len(t):
+        return y, v
+    at, speed = model.places_at(t)
+    sign, which = np.array([wall.sign for wall in model.walls])[seen], np.arange(len(t))
+    return at[seen, which] - model.walls[0].position + sign * y, speed[seen, which] + sign * v
+
+
 def repeated_cycle(
-    model: Oscillator, state: tuple[float, float], times: Floats, incoming: Floats, outgoing: Floats, periods: int
+    model: Model,
+    state: tuple[float, float],
+    times: Floats,
+    incoming: Floats,
+    outgoing: Floats,
+    periods: int,
+    walls: Sequence[int] = (),
 ) -> Cycle:
     """Return the motion with impacts at these times and no others, which it repeats after so many periods.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
     state : (float, float)
         Position and velocity at time 0; of no matter where there are impacts.
     times, incoming, outgoing : ndarray, shape (n,)
         Of an :class:`grazing.ImpactOrbit`.
     periods : int
+    walls : sequence of int, shape (n,)
+        Which wall is hit; the first, unless said.
     """
+    struck = np.array([*walls] or [0] * len(times), np.int64)
     if times.size:
         length = np.diff(np.append(times, times[0] + periods * model.period))
-        flights = np.column_stack([times, np.zeros_like(times), outgoing, length])
+        y, v = _above_first(model, struck, np.asarray(times), np.zeros_like(times), np.asarray(outgoing))
+        flights = np.column_stack([times, y, v, length])
     else:
-        flights = np.array([[0.0, state[0] - model.sigma, state[1], periods * model.period]])
-    return Cycle(flights, 0.0, np.asarray(incoming), np.asarray(outgoing), periods, 0.0)
+        flights = np.array([[0.0, state[0] - above_first(model).sigma, state[1], periods * model.period]])
+    return Cycle(flights, np.empty((0, 3)), np.asarray(incoming), np.asarray(outgoing), struck, periods, 0.0)
 
 
-def gauged(model: Oscillator, cycle: Cycle) -> dict[str, float]:
-    """Return the readings of a motion, by the names of :data:`READINGS`.
+def gauged(model: Model, cycle: Cycle) -> dict[str, float]:
+    """Return the readings of a motion, by the names of :func:`readings_of`.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
     cycle : Cycle
 
     Examples
@@ -142,41 +195,78 @@ def gauged(model: Oscillator, cycle: Cycle) -> dict[str, float]:
     """
     half, u, v = _pieces(model, cycle)
     time = cycle.periods * model.period
-    speeds = np.concatenate([-cycle.incoming, cycle.outgoing, [0.0]])
-    wall = np.zeros(1 if cycle.rest > 0.0 else 0)
-    return {
-        "amplitude": 0.5 * (_greatest(u, wall) + _greatest(-u, wall)),
-        "mean": float((2.0 * u[:, 0] * half).sum() / time) + model.sigma,
+    # relative to a wall that moves these speeds are not those of the ball, which the pieces have
+    speeds = np.concatenate([-cycle.incoming, cycle.outgoing, [0.0]]) if isinstance(model, Oscillator) else np.zeros(1)
+    none = np.empty(0)
+    found = {
+        "amplitude": 0.5 * (_greatest(u, none) + _greatest(-u, none)),
+        "mean": float((2.0 * u[:, 0] * half).sum() / time) + above_first(model).sigma,
         "peak_velocity": max(_greatest(v, speeds), _greatest(-v, speeds)),
         "rms_velocity": float(np.sqrt((v * v @ (1.0 / _DEGREES) * half).sum() / time)),  # Parseval
-        "impact_speed": float(np.abs(cycle.incoming).max(initial=0.0)),
-        "mean_impact_speed": float(-cycle.incoming.mean()) if cycle.incoming.size else 0.0,
-        "impulse": float((cycle.outgoing - cycle.incoming).sum()) / cycle.periods,
-        "impacts_per_period": cycle.incoming.size / cycle.periods,
+        **_struck(cycle, np.ones(len(cycle.walls), bool)),
     }
+    for j, wall in enumerate(() if isinstance(model, Oscillator) or len(model.walls) < 2 else model.names):
+        found |= {f"{wall}.{name}": value for name, value in _struck(cycle, cycle.walls == j).items()}
+    return found
 
 
-def _pieces(model: Oscillator, cycle: Cycle) -> tuple[Floats, Floats, Floats]:
-    """Return half the length of each piece, and the series of height and velocity on it, shape (pieces, NODES)."""
-    numbers = pointed_model(model, cycle.start)
-    prepare = constants_of(model.harmonics, section_phase)
-    rate = prepare(flight_kind(model.harmonics)(*numbers.row.tolist())).rate
+def _struck(cycle: Cycle, hits: NDArray[np.bool_]) -> dict[str, float]:
+    """Return what is read from some of the impacts, by the names in :data:`BY_WALL`."""
+    incoming, outgoing = cycle.incoming[hits], cycle.outgoing[hits]
+    speeds = float(np.abs(incoming).max(initial=0.0)), float(-incoming.mean()) if incoming.size else 0.0
+    return dict(
+        zip(
+            BY_WALL,
+            (*speeds, float((outgoing - incoming).sum()) / cycle.periods, incoming.size / cycle.periods),
+            strict=True,
+        )
+    )
+
+
+def _pieces(model: Model, cycle: Cycle) -> tuple[Floats, Floats, Floats]:
+    """Return half the length of each piece, and the series of height and velocity on it, shape (pieces, NODES).
+
+    Heights are above the place of the first wall, at rest.
+    """
+    free = above_first(model)
+    numbers = pointed_model(free, cycle.start)
+    prepare = constants_of(free.harmonics, section_phase)
+    rate = prepare(flight_kind(free.harmonics)(*numbers.row.tolist())).rate
     flights = cycle.flights[cycle.flights[:, 3] > 0.0]
-    cuts = np.ceil(flights[:, 3] * rate / LENGTH)
+    which, half, passed = _cut(flights[:, 3], rate)
+    t, y, v = (np.repeat(flights[which, j], NODES) for j in range(3))
+    h, w = heights(free, cycle.start, t, y, v, passed.ravel())
+    series = half, h.reshape(passed.shape) @ _SERIES.T, w.reshape(passed.shape) @ _SERIES.T
+    rides = cycle.rides[cycle.rides[:, 1] > 0.0]
+    if not len(rides):
+        return series
+    fastest = 0.0 if isinstance(model, Oscillator) else model.harmonics * model.forcing.omega
+    which, half, passed = _cut(rides[:, 1], fastest)
+    at, speed = np.zeros((2, passed.size))
+    if not isinstance(model, Oscillator):
+        wall, t = np.repeat(rides[which, 2].astype(np.int64), NODES), np.repeat(rides[which, 0], NODES) + passed.ravel()
+        places, speeds = model.places_at(cycle.start + t)
+        at = places[wall, np.arange(len(t))] - free.sigma
+        speed = speeds[wall, np.arange(len(t))]
+    ridden = half, at.reshape(passed.shape) @ _SERIES.T, speed.reshape(passed.shape) @ _SERIES.T
+    whole = [np.concatenate(both) for both in zip(series, ridden, strict=True)]
+    return whole[0], whole[1], whole[2]
+
+
+def _cut(lengths: Floats, rate: float) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Return pieces of stretches, so short that a rate is followed: of which each is, half its length, its nodes."""
+    cuts = np.maximum(np.ceil(lengths * rate / LENGTH), 1.0)
     refuse_too_large(SIZE * float(cuts.sum()), "its flights change too fast to be read", "one motion")
     counts = cuts.astype(np.int64)
-    which = np.repeat(np.arange(len(flights)), counts)
-    half = 0.5 * (flights[:, 3] / counts)[which]
+    which = np.repeat(np.arange(len(lengths)), counts)
+    half = 0.5 * (lengths / counts)[which]
     number = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
-    passed = (half * (2 * number + 1))[:, None] + half[:, None] * _AT
-    t, y, v = (np.repeat(flights[which, j], NODES) for j in range(3))
-    u, w = flown(model, cycle.start, t, y, v, passed.ravel())
-    return half, (u - model.sigma).reshape(passed.shape) @ _SERIES.T, w.reshape(passed.shape) @ _SERIES.T
+    return which, half, (half * (2 * number + 1))[:, None] + half[:, None] * _AT
 
 
 def _greatest(series: Floats, known: Floats) -> float:
     """Return the greatest value of several Legendre series on [-1, 1], and of numbers that are known."""
-    tops = (series @ _GRID).max(axis=1)
+    tops = (series @ _GRID).max(axis=1, initial=-np.inf)
     best = float(np.concatenate([tops, known]).max())
     # a maximum is at most half a step from a point of the grid, and flat
     bound = tops + 0.125 * STEP**2 * np.abs(legendre.legder(series, 2, axis=1)).sum(axis=1)

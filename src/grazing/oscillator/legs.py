@@ -91,20 +91,19 @@ def recorder_of(
 
 @lru_cache(maxsize=64)
 def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
-    """Compile ``sample(row, t, y, v, s, u, w)``: position u and velocity w at times s after flights began at (t, y, v).
+    """Compile ``sample(row, t, y, v, s, h, w)``: height h and velocity w at times s after flights began at (t, y, v).
 
     Numbers of one flight stand together: what it needs is computed once.
     """
     unpack = unpacker(kind)
 
-    def sample(row: Any, t: Any, y: Any, v: Any, s: Any, u: Any, w: Any) -> None:
+    def sample(row: Any, t: Any, y: Any, v: Any, s: Any, h: Any, w: Any) -> None:
         c = prepare(unpack(row))
         a = anchored(t[0], y[0], v[0], c)
         for j in range(s.shape[0]):
             if j > 0 and not (t[j] == t[j - 1] and y[j] == y[j - 1] and v[j] == v[j - 1]):
                 a = anchored(t[j], y[j], v[j], c)
-            height, w[j] = flight(s[j], a, c)
-            u[j] = max(height, 0.0) + c.sigma
+            h[j], w[j] = flight(s[j], a, c)
 
     return compiled(sample)
 
@@ -140,14 +139,23 @@ def flown_legs(model: Oscillator, state: tuple[float, float], start: float, unti
     return np.concatenate(tables)
 
 
-def flown(model: Oscillator, start: float, t: Floats, y: Floats, v: Floats, s: Floats) -> tuple[Floats, Floats]:
-    """Return positions and velocities at times ``s`` after flights began at ``t``, counted from the section ``start``.
+def heights(model: Oscillator, start: float, t: Floats, y: Floats, v: Floats, s: Floats) -> tuple[Floats, Floats]:
+    """Return heights and velocities at times ``s`` after flights began at ``t``, counted from the section ``start``.
 
-    ``y`` are heights above the wall. Where the ball rests, is for the caller to say.
+    ``y`` are heights above the wall, through which these flights may go.
     """
     numbers = pointed_model(model, start)
     sample = sampler_of(constants_of(model.harmonics, section_phase), flight_kind(model.harmonics))
-    u, w = np.empty_like(s), np.empty_like(s)
+    h, w = np.empty_like(s), np.empty_like(s)
     if s.size:
-        sample(numbers.row, t, y, v, s, u, w)
-    return u, w
+        sample(numbers.row, t, y, v, s, h, w)
+    return h, w
+
+
+def flown(model: Oscillator, start: float, t: Floats, y: Floats, v: Floats, s: Floats) -> tuple[Floats, Floats]:
+    """Return positions and velocities at such times, none inside the wall.
+
+    Where the ball rests, is for the caller to say.
+    """
+    h, w = heights(model, start, t, y, v, s)
+    return np.maximum(h, 0.0) + model.sigma, w

@@ -6,26 +6,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grazing.oscillator.constants import natural_size
-from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, refuse_out_of_range, series_said
+from grazing.oscillator.deflection import warn_of_gap
+from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.si import Base, checked_side, si_numbers
 from grazing.oscillator.spring import frequency_of, spring_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, updated
-from grazing.units import magnitude
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from grazing.parameter import Parameter
 
 
 @dataclass(frozen=True, slots=True)
-class Oscillator:
+class Oscillator(Rig):
     """A forced linear oscillator above a wall: u'' + alpha u' + k^2 u = f(t) for u > sigma, and a reset law.
 
     Parameters
@@ -120,13 +117,18 @@ class Oscillator:
         from grazing.oscillator.walled import Walled
 
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
-        beside = sorted(set(given) - {"alpha", "k", "stiffness", "forcing"})
-        if beside or len(args) > 3:
+        kept = {"alpha", "k", "stiffness", "forcing", "mass", "base"}
+        cls._refuse_beside(sorted(set(given) - kept) or (["reset"] if len(args) > 3 else []))
+        return Walled(**({"k": None} | given), walls=walls)
+
+    @staticmethod
+    def _refuse_beside(names: Sequence[str]) -> None:
+        """Raise InputError for what is given beside walls, and belongs to each of them."""
+        if names:
             raise InputError(
-                f"walls are given beside {listed(beside or ['reset'])}; each wall has its own law and position: "
+                f"walls are given beside {listed(names)}; each wall has its own law and position: "
                 "gz.wall(position, law)"
             )
-        return Walled(**({"k": None} | given), walls=walls)
 
     @classmethod
     def from_si(
@@ -135,17 +137,18 @@ class Oscillator:
         m: Any,
         c: Any,
         k: Any,
-        gap: Any,
-        reset: Reset,
+        gap: Any = None,
+        reset: Any = None,
         force: Any = 0.0,
-        side: str = "above",
+        side: str | None = None,
         base: Any = 0.0,
         moves: str = "both",
         load: Any = 0.0,
         frequency: Any = None,
         omega: Any = None,
         acceleration: Any = 0.0,
-    ) -> Oscillator:
+        walls: Any = None,
+    ) -> Any:
         """Return the model of a mass on a spring and a damper with a stop, all in SI units.
 
         Every number may also be a quantity of pint, or a text such as ``"1.2 mm"`` (``pip install 'grazing[units]'``).
@@ -155,14 +158,15 @@ class Oscillator:
         m, c, k : float
             Mass, > 0, in kg; viscous damping, >= 0, in N s/m; stiffness, >= 0, in N/m.
         gap : float
-            Distance from the mass to the stop where the spring is relaxed, >= 0, in m.
+            Distance from the mass to the stop where the spring is relaxed, >= 0, in m. A warning says where it is more
+            than ten times the largest deflection that the force brings.
         reset : Reset
             Such as ``gz.newton(0.7)``; its speeds are in m/s.
         force : float or sequence of float
             Amplitude in N: the mass feels force cos(omega t), upwards. Several are those of harmonics 1, 2, ...
         side : {"above", "below"}
-            Where the stop is. Above, u points down: u = -x; below, u = x. In both the wall is at u = -gap. Figures
-            show x, upwards; results, tables and starts are in u.
+            Where the stop is; above, unless said. Above, u points down: u = -x; below, u = x. In both the wall is at
+            u = -gap. Figures show x, upwards; results, tables and starts are in u.
         base : float or sequence of float
             Amplitude in m of a base that moves by base cos(omega t), positive upwards. A sweep in ``omega`` keeps it:
             the force grows with the frequency.
@@ -176,6 +180,10 @@ class Oscillator:
         acceleration : float or sequence of float
             Amplitude in m/s^2 of a base, which a sweep in ``omega`` keeps: it moves by
             acceleration/omega^2 cos(omega t). Added to ``base``.
+        walls : sequence of wall
+            One or two of :func:`wall`, in place of ``gap``, ``reset`` and ``side``: stops at these positions x, upwards
+            from where the spring is relaxed, in m or with units, as ``gz.wall("1.2 mm", law)``. u is then x. A base
+            that carries "the stop" carries both.
 
         Returns
         -------
@@ -196,7 +204,23 @@ class Oscillator:
         <Oscillator alpha=3, k=63.2456, omega=87.9646, t0=0, offset=0, cos1=-3.125, sin1=0, sigma=-0.0012, mass=0.8,
         newton(r=0.7)>
         """
-        found = si_numbers(m, c, k, force, gap, side, base, moves, load, frequency, omega, acceleration)
+        numbers = {"m": m, "c": c, "k": k, "force": force, "base": base, "moves": moves, "load": load}
+        numbers |= {"frequency": frequency, "omega": omega, "acceleration": acceleration}
+        if walls is not None:
+            from grazing.oscillator.walled import Walled
+
+            beside = [name for name, one in (("gap", gap), ("reset", reset), ("side", side)) if one is not None]
+            cls._refuse_beside(beside)
+            found = si_numbers(**numbers, gap=0.0, side="below")
+            forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
+            return Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
+        if gap is None or reset is None:
+            one = "gap is missing; give the distance to the stop, such as gap='1.2 mm'"
+            one = one if gap is None else "reset is missing; give the law of the stop, such as reset=gz.newton(r=0.7)"
+            raise InputError(f"{one}; or several stops as walls")
+        side = "above" if side is None else side
+        found = si_numbers(**numbers, gap=gap, side=side)
+        warn_of_gap(found, -found.sigma)
         forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
         return cls(found.alpha, found.k, forcing, reset, found.sigma, mass=found.mass, base=found.base, stop=side)
 
@@ -205,42 +229,6 @@ class Oscillator:
         own = name in COORDINATES and name not in self.reset.params
         known = COORDINATES[name] if own else describe_parameter(name)
         return known if self.mass is not None else replace(known, units="1")
-
-    def units_of(self, names: Sequence[str]) -> str:
-        """Return the units of several coordinates, one after the other; ``"1"`` if all is dimensionless."""
-        return "1" if self.mass is None else ", ".join(self.describe(name).units for name in names)
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """What a result says of the rig: the mass in kg by which forces are divided, the side of the stop, the base."""
-        base = None if self.base is None else self.base.text
-        said = {"mass": self.mass, "stop": self.stop, "base": base}
-        return {name: value for name, value in said.items() if value is not None}
-
-    def made_from_base(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Write the forces of a base into all parameters, shape (..., parameters), in place; return these."""
-        if self.base is not None:
-            self.base.row(values)
-        return values
-
-    def refuse_made(self, names: Sequence[str]) -> None:
-        """Raise InputError for parameters that are made from a base, and cannot vary by themselves."""
-        for name in names if self.base is not None else ():
-            if name in self.base.made:  # type: ignore[union-attr]
-                raise InputError(f"{name} is made by the moving base; make another model with from_si to change it")
-
-    def refuse_base(self, what: str, names: Sequence[str]) -> None:
-        """Raise InputError where something would change parameters that a base answers to, and keep its force."""
-        if self.base is not None and not {*names}.isdisjoint(("alpha", "k", "omega", *self.base.made)):
-            raise InputError(
-                f"{what} in {', '.join(names)} does not know that the force of a base depends on it; vary something "
-                "else, or follow orbits with gz.continuation"
-            )
-
-    @property
-    def k2(self) -> float:
-        """The stiffness: k^2, or as it was given."""
-        return self.k * self.k if self.stiffness is None else self.stiffness
 
     def _flight_params(self) -> dict[str, float]:
         f = self.forcing
@@ -285,11 +273,6 @@ class Oscillator:
         return {**self._flight_params(), **self.reset.params}
 
     @property
-    def period(self) -> float:
-        """Period T = 2 pi/omega of the forcing."""
-        return 2.0 * pi / self.forcing.omega
-
-    @property
     def harmonics(self) -> int:
         """Number of harmonics of the forcing."""
         return len(self.forcing.cos)
@@ -302,16 +285,7 @@ class Oscillator:
         **changes : float or pint.Quantity
             Names of :attr:`params`.
         """
-        updated(self.params, dict.fromkeys(changes, 0.0), "the model")  # names before units, which others have not
-        given = {name: self._number(name, value) for name, value in changes.items()}
-        new = updated(self.params, given, "the model")
-        if self.base is not None:
-            refuse_out_of_range(new["omega"])  # before forces are divided by its square
-            made = self.base.forces(new["alpha"], new["k"], new["omega"])
-            for name, value in zip(self.base.made, (x for pair in made for x in pair), strict=True):
-                if name in given and new[name] not in (value, self.params[name]):
-                    self.refuse_made([name])
-                new[name] = value
+        new = self.changed(changes)
         new[self.offset_name] = describe_parameter(self.offset_name).check(new[self.offset_name])
         forcing = Forcing(
             omega=new["omega"],
@@ -324,15 +298,6 @@ class Oscillator:
         kept: dict[str, Any] = {name: getattr(self, name) for name in ("mass", "offset_name", "paper", "base", "stop")}
         kept[spring_of(self)[0]] = new[spring_of(self)[0]]
         return Oscillator(new["alpha"], forcing=forcing, reset=law, sigma=new["sigma"], **kept)
-
-    def _number(self, name: str, value: Any) -> Any:
-        """Return what a parameter is changed to, in its units."""
-        try:
-            return magnitude(value, self.describe(name).units, name)
-        except InputError as error:
-            if name == "k" and self.stop is not None:
-                raise InputError(f"{error}. That is the natural frequency sqrt(k/m), and no stiffness, here") from None
-            raise
 
     def __repr__(self) -> str:
         values = listed(f"{name}={value:g}" for name, value in self._flight_params().items())

@@ -54,6 +54,12 @@ def describe_parameter(name: str) -> Parameter:
     return Parameter(name, rf"\mathrm{{{name}}}", LAWS_OWN, units="")
 
 
+def parameter_units(name: str) -> str:
+    """Return the units of a parameter, with the name of a wall in front or not; amplitudes of a wall are lengths."""
+    front, _dot, last = name.rpartition(".")
+    return "m" if front and last[:3] in ("cos", "sin") else describe_parameter(last).units
+
+
 def damped(parameter: Parameter) -> Parameter:
     """Return a parameter with the range that it has where a steady response is to attract: no negative damping."""
     return replace(parameter, low=0.0) if parameter.name == "alpha" else parameter

@@ -61,11 +61,21 @@ def flight_kind(harmonics: int) -> type:
     return parameter_tuple(flight_fields(harmonics))
 
 
+def law_kind(law: Reset) -> type:
+    """Return the named tuple that a law gets, of its own parameters: so it is compiled once for all models."""
+    return parameter_tuple(tuple(law.params))
+
+
+def law_start(harmonics: int, law: Reset) -> int:
+    """Return by how many bytes the parameters of a law lie behind the first of a model's; 0 if it has none."""
+    return 8 * (len(HEAD) + 2 * harmonics + 1) if law.params else 0
+
+
 @lru_cache(maxsize=256)
 def law_addresses(
     law: Callable[..., float], slope: Callable[..., float], name: str, kind: type, arithmetic: str
-) -> tuple[float, float, float]:
-    """Compile a reset law, its slope and its loop; return where their code lies."""
+) -> tuple[float, float]:
+    """Compile a reset law of parameters ``kind``, and its slope; return where their code lies."""
     unpack = unpacker(kind)
 
     def law_at(v: float, row: Any) -> float:
@@ -74,13 +84,14 @@ def law_addresses(
     def slope_at(v: float, row: Any) -> float:
         return 1.0 * slope(v, unpack(row))
 
-    strike = strike_of(law, unpack)
     who = f"the reset law {name}"
-    return (
-        address(law_at, "value", arithmetic, who),
-        address(slope_at, "value", arithmetic, who),
-        address(strike, "sweep", arithmetic, who),
-    )
+    return address(law_at, "value", arithmetic, who), address(slope_at, "value", arithmetic, who)
+
+
+@lru_cache(maxsize=256)
+def strike_address(law: Callable[..., float], name: str, kind: type, arithmetic: str) -> float:
+    """Compile the loop of a reset law over impacts, see :func:`strike_of`; return where its code lies."""
+    return address(strike_of(law, unpacker(kind)), "sweep", arithmetic, f"the reset law {name}")
 
 
 @lru_cache(maxsize=64)
@@ -105,7 +116,7 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     arithmetic : {"strict", "fast"}
     """
     refuse_to_compile(harmonics)  # before the law is: its parameters are as many
-    law_at, slope_at, _strike = law_addresses(law.law, law.slope, law.name, kind, arithmetic)
+    law_at, slope_at = law_addresses(law.law, law.slope, law.name, law_kind(law), arithmetic)
     flight = len(HEAD) + 2 * harmonics + 1
     found = np.empty((len(rows), flight + 7))  # written in place: of one row, as of a single orbit, joining took longer
     found[:, :flight] = rows[:, :flight]
@@ -113,7 +124,8 @@ def pointed_rows(harmonics: int, law: Reset, kind: type, rows: Floats, arithmeti
     found[:, flight + 1] = 1.0 if "stiffness" in kind._fields else 0.0  # type: ignore[attr-defined]
     found[:, flight + 2 : flight + 4] = contractions(law.contraction, kind, rows.tobytes())
     found[:, flight + 4], found[:, flight + 5] = law_at, slope_at
-    found[:, flight + 6] = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
+    first = rows.ctypes.data + law_start(harmonics, law)
+    found[:, flight + 6] = first + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
     return found
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
-from grazing.oscillator.forcing import MOST_HARMONICS, refuse_out_of_range
+from grazing.oscillator.forcing import MOST_HARMONICS, Forcing, refuse_out_of_range
 from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, real
 from grazing.units import magnitude
@@ -93,6 +93,14 @@ def base_of(text: Any) -> Base:
     if moves not in MOVES or not set(lists) <= set(Base._fields) or len(lists) == 0:
         raise InputError(f"base = {shown(text)}; {wanted}")
     return based(moves, *(lists.get(name, ()) for name in Base._fields[1:]))
+
+
+def based_on(text: str | None, forcing: Forcing) -> Base | None:
+    """Return the base that a text describes, with the force beside it; None for no text."""
+    if text is None:
+        return None
+    moved = base_of(text)
+    return based(moved.moves, moved.displacement, moved.acceleration, tuple(forcing.cos), tuple(forcing.sin))
 
 
 def based(moves: str, *lists: tuple[float, ...]) -> Base:
@@ -188,7 +196,7 @@ def faults_of(given: Mapping[str, Any]) -> dict[str, str]:
                 checked_side(value, name)
             elif name == "moves":
                 _checked_moves(value)
-            elif name == "gap":
+            elif name.endswith("gap"):
                 _distance(value, given.get("side", "above"))
             elif name in AMPLITUDES:
                 _amplitudes(value, name, AMPLITUDES[name])

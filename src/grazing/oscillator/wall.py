@@ -11,6 +11,7 @@ from grazing.oscillator.forcing import MOST_HARMONICS, Forcing
 from grazing.oscillator.reset import Reset
 from grazing.outcome import InputError, shown
 from grazing.parameter import real
+from grazing.units import magnitude
 
 SIDES = ("below", "above")
 #: Names that walls get unless they have one. C and S mean chatter and sticking in words.
@@ -28,6 +29,7 @@ class Wall:
     side: str | None = None
     motion: Forcing | None = None
     name: str | None = None
+    metres: bool = False
 
     @property
     def sign(self) -> float:
@@ -36,14 +38,14 @@ class Wall:
 
 
 def wall(
-    position: float, law: Reset, side: str | None = None, motion: Forcing | None = None, name: str | None = None
+    position: Any, law: Reset, side: str | None = None, motion: Forcing | None = None, name: str | None = None
 ) -> Wall:
     """Return a wall for ``gz.Oscillator(..., walls=...)``.
 
     Parameters
     ----------
     position : float
-        Where it is, or the middle of its motion.
+        Where it is, or the middle of its motion. For :meth:`Oscillator.from_si` also with units: ``"1.2 mm"``.
     law : Reset
         What an impact does to the velocity relative to the wall: :func:`newton`, :func:`active`, :func:`triggered` or
         :func:`reset`.
@@ -72,7 +74,8 @@ def wall(
     >>> m.params["B.r"]
     0.6
     """
-    place = real(position, "position", "any finite number is allowed")
+    given = magnitude(position, "m", "position")
+    place = real(given, "position", "any finite number is allowed")
     if not isinstance(law, Reset):
         raise InputError(f"law of a wall is {shown(law)}; give gz.newton(r), gz.active(r, V) or gz.reset(law, ...)")
     if side is not None and (not isinstance(side, str) or side not in SIDES):
@@ -84,7 +87,7 @@ def wall(
     proper = isinstance(name, str) and len(name) == 1 and "A" <= name <= "Z" and name not in "CS"
     if name is not None and not proper:
         raise InputError(f"name of a wall is {shown(name)}; allowed is one capital letter other than C and S")
-    return Wall(place, law, side, motion, name)
+    return Wall(place, law, side, motion, name, given is not position)
 
 
 def checked_walls(walls: Any) -> tuple[Wall, ...]:

@@ -9,19 +9,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.oscillator.forcing import Forcing, series_said
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.parameters import COORDINATES, describe_parameter, means_model
+from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model, parameter_units
 from grazing.oscillator.reach import Reach
+from grazing.oscillator.rig import Rig
+from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple, updated
+from grazing.parameter import Parameter, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -39,7 +41,7 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Walled:
+class Walled(Rig):
     """A forced linear oscillator with its walls: what ``gz.Oscillator(..., walls=...)`` makes.
 
     u'' + alpha u' + k^2 u = f(t) between the walls, or with a stiffness of either sign in place of k^2; a wall's law
@@ -57,6 +59,10 @@ class Walled:
         One or two of :func:`grazing.wall`; from below, once the model is made.
     stiffness : float, optional
         In place of k.
+    mass : float, optional
+        In kg: the numbers are then metres and seconds, and results carry units; see :meth:`Oscillator.from_si`.
+    base : Base, optional
+        A moving base, which makes the force.
 
     Raises
     ------
@@ -78,12 +84,21 @@ class Walled:
     forcing: Forcing
     walls: Sequence[Wall]
     stiffness: float | None = field(default=None, kw_only=True)
+    mass: float | None = field(default=None, kw_only=True, repr=False)
+    base: Base | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         walls = checked_walls(self.walls)
         object.__setattr__(self, "walls", walls)
+        if self.mass is not None:
+            object.__setattr__(self, "mass", MASS.check(self.mass))
+        elif any(one.metres for one in walls):
+            raise InputError("the position of a wall has units, and the model has none; make it with from_si")
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")
+        if self.base is not None:
+            cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
+            object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
         for one in walls:
             clash = [name for name in one.law.params if means_model(name)]
             if clash:
@@ -140,9 +155,9 @@ class Walled:
         return max(len(self.forcing.cos), *moving)
 
     @property
-    def period(self) -> float:
-        """Period T = 2 pi/omega of the forcing."""
-        return 2.0 * pi / self.forcing.omega
+    def stop(self) -> str | None:  # type: ignore[override]  # each wall has its own side
+        """What results with units say of the stops: u is x, and each wall is where it is."""
+        return None if self.mass is None else "walls"
 
     @property
     def names(self) -> str:
@@ -156,9 +171,9 @@ class Walled:
 
     def replace(self, **changes: float) -> Walled:
         """Return the model with other parameter values; names as in :attr:`params`."""
-        new = updated(self.params, changes, "the model")
-        for name, value in changes.items():
-            self.describe(name).check(value)
+        new = self.changed(changes)
+        for name in spread(changes, self.params, "the model"):
+            self.describe(name).check(new[name])
         row = list(new.values())
         head = dict(zip(("omega", "t0", "offset"), row[2:HEAD], strict=True))
         stop = HEAD + 2 * len(self.forcing.cos)
@@ -169,14 +184,8 @@ class Walled:
             motion = Forcing(head["omega"], head["t0"], cos=wave[::2], sin=wave[1::2]) if wave else None
             law = one.law.replace(**dict(zip(one.law.params, row[place.law], strict=True)))
             walls.append(replace(one, position=row[place.sigma], motion=motion, law=law))
-        return Walled(row[0], **{"k": None, spring_of(self)[0]: row[1]}, forcing=forcing, walls=walls)
-
-    def made_from_base(self, values: Floats) -> Floats:
-        """Return all parameters: no force of it is made from a moving base."""
-        return values
-
-    def refuse_made(self, names: Sequence[str]) -> None:
-        """Do nothing: each of its parameters can vary by itself."""
+        kept: dict[str, Any] = {"k": None, spring_of(self)[0]: row[1], "mass": self.mass, "base": self.base}
+        return Walled(row[0], **kept, forcing=forcing, walls=walls)
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
@@ -186,13 +195,18 @@ class Walled:
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
             meaning = known.meaning.replace("of the forcing", f"of the motion of wall {front}")
             meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
-            known = replace(known, name=name, symbol=f"{known.symbol.rstrip()}^{{{front}}}", meaning=meaning)
-        return replace(known, units="1")
+            symbol = f"{known.symbol.rstrip()}^{{{front}}}"
+            known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
+        return known if self.mass is not None else replace(known, units="1")
 
-    @property
-    def k2(self) -> float:
-        """The stiffness: k^2, or as it was given."""
-        return self.k * self.k if self.stiffness is None else self.stiffness
+    def unit_of(self, name: str) -> float:
+        """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
+        front, _dot, last = name.rpartition(".")
+        moving = bool(front) and last.startswith(("cos", "sin"))
+        seen = self.seen_from(self.names.index(front) if front else 0)
+        unit = seen.unit_of("sigma" if moving else last)
+        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+        return min(unit, 0.5 * room) if moving or last == "sigma" else unit
 
     @property
     def symmetric(self) -> bool:
@@ -326,6 +340,8 @@ class Walled:
         values = listed(
             f"{name}={value:g}" for name, value in list(self.params.items())[: HEAD + 2 * len(self.forcing.cos)]
         )
+        values += "" if self.mass is None else f", mass={self.mass:g}"
+        values += "" if self.base is None else f", base ({self.base.text})"
         walls = ", ".join(
             f"{one.name} {one.side} at {one.position:g}{' moving' if one.motion is not None else ''}: {shown(one.law)}"
             for one in self.walls

@@ -23,8 +23,10 @@ from grazing.oscillator.frames import (
     seen_from_strobe,
 )  # fmt: skip
 from grazing.oscillator.legs import CAPACITY, MAX_IMPACTS, PATIENCE, flown
+from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED
-from grazing.oscillator.reset import in_python
+from grazing.oscillator.reset import in_python, newton
+from grazing.oscillator.spring import spring_of
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, InputError, Trust, UserCodeError
 from grazing.parameter import parameters
@@ -132,6 +134,15 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
     return np.concatenate(tables)
 
 
+def above_first(model: Oscillator | Walled) -> Oscillator:
+    """Return an oscillator that flies as a model does, above the place where its first wall is, or has its middle."""
+    if isinstance(model, Oscillator):
+        return model
+    name, value = spring_of(model)
+    spring: dict[str, Any] = {name: value}
+    return Oscillator(model.alpha, forcing=model.forcing, reset=newton(1.0), sigma=model.walls[0].position, **spring)
+
+
 def rests_in(begins: Floats, ends: Floats, lies: NDArray[np.bool_]) -> Floats:
     """Return from when until when the ball lies, shape (rests, 2); legs end at strobes, a rest need not."""
     on = lies & (ends > begins)
@@ -199,7 +210,7 @@ def walled_trajectory(
             "impact_speed": (
                 "impact",
                 -legs[hits, V_MINUS],
-                {"long_name": "speed of approach to the wall", "units": "1"},
+                {"long_name": "speed of approach to the wall", "units": model.units_of("v")},
             ),
             "rest_time": (
                 ("rest", "end"),
@@ -209,7 +220,7 @@ def walled_trajectory(
             "wall_position": (
                 ("wall", "t"),
                 model.places_at(t)[0],
-                {"long_name": "position of the wall", "units": "1"},
+                {"long_name": "position of the wall", "units": model.units_of("u")},
             ),
             "side": ("wall", [str(wall.side) for wall in model.walls], {"long_name": "side of the ball"}),
             "trust": ((), trust.value),
@@ -219,6 +230,7 @@ def walled_trajectory(
             "title": f"trajectory of {model!r}",
             "grazing_outcome": flags,
             "chatter": int(bool(flags & CHATTER)),
+            **model.attributes,
             **{f"parameter_{name}": value for name, value in model.params.items()},
         },
     )

@@ -27,7 +27,7 @@ LISTED = 14
 
 @inline
 def basins(
-    result: Any, ax: Axes | None = None, *, points: bool = True, graze: int | None = None, legend: bool = True
+    result: Any, ax: Axes | None = None, *, points: bool = True, graze: int | None = None, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw basins of attraction; those of a map with one coordinate as a strip.
 
@@ -43,8 +43,9 @@ def basins(
     graze : int, optional
         Preimages of the grazing curve up to this order are drawn, 0 for the curve alone, -1 for nothing; default:
         all that the result has.
-    legend : bool
-        Whether a legend with word, period and share of the area stands beside the basins.
+    legend : bool, optional
+        Whether a legend with word, period and share of the area stands beside the basins; None for one in a figure of
+        its own only.
 
     Returns
     -------
@@ -167,11 +168,12 @@ def _graze(ax: Axes, result: Any, names: tuple[str, ...], highest: int | None) -
 def _entries(ax: Axes, result: Any, colours: list[str], lines: dict[int, Any], dots: dict[int, Any]) -> list[Any]:
     period, fraction = (result[name].values.tolist() for name in ("period", "fraction"))
     words = [str(word) for word in result["word"].values]
+    idle = result["neutral"].values.tolist() if "neutral" in result else [0] * len(words)
     largest = sorted(range(len(colours)), key=lambda k: -fraction[k])
     room = min(LISTED, rows_beside(ax) - 2 * bool(lines) - bool(dots))
     listed = largest if len(largest) <= room else largest[: max(room, 2) - 1]
     entries: list[Any] = [
-        patch(colours[k], f"{class_name(words[k], period[k])}: {percent(fraction[k])}")
+        patch(colours[k], f"{class_name(words[k], period[k])}{', neutral' * idle[k]}: {percent(fraction[k])}")
         for k in sorted(listed, key=lambda k: (*order_of(period[k]), -fraction[k]))
     ]
     rest = largest[len(listed) :]

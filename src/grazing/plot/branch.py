@@ -10,24 +10,25 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
-from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
+from grazing.compare.word_branches import loci_of
 from grazing.outcome import InputError, shown
 from grazing.plot.classes import legend_extended, patch, written
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice
-from grazing.plot.style import INK, axes, period_colour, root, styled, symbol
+from grazing.plot.locus import locus
+from grazing.plot.spread import MARKER, spread
+from grazing.plot.style import INK, axes, panels, period_colour, root, styled, symbol
 from grazing.plot.words import OTHERS, with_words, words_in
 
 #: Dashes by kind of orbit.
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
 #: Part of the range of the parameter within which two values are the same.
 ROUNDING = 1e-12
-#: Size of a marker in points, and letters of a line of a legend.
-MARKER, WIDTH = 4.2, 26
+#: Letters of a line of a legend.
+WIDTH = 26
 #: Markers of special points: filled for stability, open for borders.
 MARKERS = {
     "lp": ("o", True), "pd": ("s", True), "ns": ("D", True), "bp": ("P", True), "gr": ("v", False),
@@ -45,7 +46,7 @@ def branch(
     by: str | None = None,
     virtual: bool = True,
     names: bool = True,
-    legend: bool = True,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw branches: all points of their orbits over the parameter.
 
@@ -62,8 +63,8 @@ def branch(
         Whether orbits that the map does not have are drawn, and special points on them.
     names : bool
         Whether special points carry their names.
-    legend : bool
-        Whether to say what the lines and the special points are.
+    legend : bool, optional
+        Whether to say what the lines and the special points are; None for one in a new figure, or where there is one.
 
     Returns
     -------
@@ -110,6 +111,20 @@ def branch(
             explained(ax, tables, virtual, listed)
         spread(ax, texts, markers)
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts}
+
+
+def whole(result: xr.Dataset, **style: Any) -> dict[str, Any]:
+    """Draw all that a command found: a branch, and beside it the loci of its special points if there are any."""
+    recipe = json.loads(result.attrs.get("grazing_recipe", "{}"))
+    if recipe:
+        style = {"virtual": bool(recipe["settings"].get("virtual")), **style}
+    loci = loci_of(result)
+    figure, (left, *right) = panels(174.0, 80.0, columns=2 if loci else 1)
+    drawn = branch(result, left, **style)
+    if not loci:
+        return drawn
+    locus(loci, *right, virtual=style.get("virtual", True), names=style.get("names", True))
+    return {"figure": figure}
 
 
 def table_of(one: Any) -> xr.Dataset:
@@ -211,35 +226,6 @@ def word_at(table: xr.Dataset, i: int) -> str:
     far = np.abs(values - table["special_value"].values[i])
     far[table["event"].values[there] != 1] += np.ptp(values)  # the point itself is on the piece
     return str(table["word"].values[there[int(np.argmin(far))]])
-
-
-def spread(ax: Axes, texts: list[Any], markers: list[Any]) -> None:
-    """Move names that would cover each other or a marker to the first place that is free; where none is, leave it out.
-
-    Called when everything else is there: a legend beside the axes makes them narrower.
-    """
-    places = [(3, 3), (3, -8), (-11, 3), (-11, -8), (-4, 6), (-4, -12), (3, 10), (3, -15), (-11, 10), (-11, -15)]
-    figure = root(ax)
-    ax.get_xlim()  # limits that wait to be found: before, every point lies outside and every name on the others
-    canvas = figure.canvas
-    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
-    if texts and (engine := figure.get_layout_engine()) is not None:
-        engine.execute(figure)
-    figure.set_canvas(canvas)
-    radius = 0.5 * MARKER * figure.dpi / 72.0
-    corners = [ax.transData.transform(artist.get_xydata()[0]) for artist in markers]
-    taken: list[Any] = [Bbox([at - radius, at + radius]) for at in corners]
-    inside = ax.get_window_extent(renderer).padded(radius)
-    for text in texts:
-        text.set_visible(True)
-        for place in places:
-            text.set_position(place)
-            box = text.get_window_extent(renderer)
-            if inside.containsx(box.x1) and not any(box.overlaps(other) for other in taken):
-                taken.append(box)
-                break
-        else:
-            text.set_visible(False)
 
 
 def special_entries(table: xr.Dataset, virtual: bool = False) -> list[Any]:

@@ -10,13 +10,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from grazing.outcome import InputError
-from grazing.plot.branch import spread
 from grazing.plot.drawn import inline
+from grazing.plot.spread import spread
 from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
 
 #: Colours of the types of special points, each with dashes of its own so that print in grey keeps them apart.
 LINES: dict[str, tuple[str, Any]] = {
     "lp": ("#0064a4", "-"), "pd": ("#e69f00", "-"), "ns": ("#00624a", "-"), "gr": (GRAZE, "-"),
+    "bp": ("#0064a4", (0, (4.0, 1.5))),
     "bcb": (GRAZE, (0, (4.0, 1.5))), "v0": ("#5b2c83", (0, (4.0, 1.5))), "law": ("#7a4a12", (0, (4.0, 1.5))),
 }  # fmt: skip
 

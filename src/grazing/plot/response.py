@@ -11,11 +11,12 @@ from matplotlib.lines import Line2D
 
 from grazing.outcome import InputError, shown
 from grazing.plot.bifurcation_diagram import branch_part
-from grazing.plot.branch import DASHES, branch, kinds, special_entries, spread
+from grazing.plot.branch import DASHES, branch, kinds, special_entries
 from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
+from grazing.plot.spread import spread
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
 
 #: Marks of the sweeps; random starts are dots.
@@ -29,7 +30,7 @@ SHADE = 0.07
 
 @inline
 def response(
-    result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool = True
+    result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw a reading over the parameter: sweeps as triangles, random starts as dots, branches as lines.
 
@@ -44,8 +45,8 @@ def response(
         ``mean_impact_speed``, ``impulse`` or ``impacts_per_period``.
     names : bool
         Whether special points carry their names.
-    legend : bool
-        Whether to say what lines, marks and names are.
+    legend : bool, optional
+        Whether to say what lines, marks and names are; None for one in a figure of its own only.
 
     Returns
     -------

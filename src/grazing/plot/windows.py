@@ -65,7 +65,7 @@ def windows(
         left, right = sorted(ax.get_xlim())
         to_axes = ax.transScale + ax.transLimits  # also on a logarithmic axis
         above = across(ax)
-        for N, low, high in rows_of(edges):
+        for (N, low, high), word in zip(rows_of(edges), words_of(edges), strict=True):
             a, b = max(min(low, high), left), min(max(low, high), right)
             if low >= high or a >= b:
                 continue
@@ -78,7 +78,7 @@ def windows(
             ends = to_axes.transform([(a, 1.0), (b, 1.0)])[:, 0]
             share = abs(float(ends[1] - ends[0]))
             if names and share > numbered:
-                text = rf"$\Omega_{{{N}}}$" if share > narrowest else f"{N}"
+                text = word or (rf"$\Omega_{{{N}}}$" if share > narrowest else f"{N}")
                 texts[N] = ax.text(
                     float(to_axes.inverted().transform((float(ends.mean()), 0.5))[0]),
                     row + 0.5 * BAR - 0.3,
@@ -127,6 +127,18 @@ def rows_of(edges: Any) -> list[tuple[int, float, float]]:
             "grazing.windows returns (variables N, low, high) and a mapping from N to (low, high)"
         ) from None
     return sorted(plain, key=lambda row: (row[0], row[2] - row[1]))
+
+
+def words_of(edges: Any) -> list[str]:
+    """Return the walls that the orbits of windows hit, in the order of :func:`rows_of`; nothing over one wall."""
+    rows = rows_of(edges)
+    if not isinstance(edges, xr.Dataset) or "word" not in edges:
+        return [""] * len(rows)
+    known = {
+        (int(N), float(low), float(high)): str(word)
+        for N, low, high, word in zip(*(edges[name].values for name in ("N", "low", "high", "word")), strict=True)
+    }
+    return [known[row] for row in rows]
 
 
 def across(ax: Axes) -> Transform:

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.oscillator.forcing import Forcing
-from grazing.oscillator.legs import flown
+from grazing.oscillator.legs import flown, heights
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES
 from grazing.oscillator.reset import newton
 from grazing.oscillator.wall import Wall, wall
 from grazing.oscillator.walled import Walled
+from grazing.oscillator.walled_trajectory import above_first
 from grazing.outcome import InputError, shown
 from grazing.parameter import real
 
@@ -168,14 +169,13 @@ def _between(model: Oscillator | Walled, t: Floats, u: Floats, v: Floats, times:
 
 
 def _between_walls(model: Walled, t: Floats, u: Floats, v: Floats, times: Floats) -> tuple[Floats, Floats]:
-    """Return the same between walls: flights as over a floor that is out of reach, rests on the wall that carries."""
+    """Return the same between walls: flights as without them, rests on the wall that carries."""
     before = np.searchsorted(t, times, side="right") - 1  # the later one of two points at an impact
     after = np.minimum(before + 1, len(t) - 1)
-    low, high = float(u.min()), float(u.max())
-    floor = low - max(high - low, np.spacing(max(abs(low), abs(high))))
-    free = Oscillator(model.alpha, model.k, model.forcing, newton(1.0), floor, stiffness=model.stiffness)
+    free = above_first(model)
     phases = np.fmod(t[before] - t[0], model.period)
-    us, vs = flown(free, t[0], phases, u[before] - floor, v[before], times - t[before])
+    hs, vs = heights(free, t[0], phases, u[before] - free.sigma, v[before], times - t[before])
+    us = hs + free.sigma
     (now, speed), (places, speeds) = model.places_at(times), model.places_at(t)
     for at, moving, here, then in zip(now, speed, places, speeds, strict=True):
         rides = (u == here) & (v == then)

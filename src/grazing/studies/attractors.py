@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,16 +15,25 @@ if TYPE_CHECKING:
 
 
 class Class(NamedTuple):
-    """A class of orbits: how many there are, and a point of theirs."""
+    """A class of orbits: how many there are, a point of theirs, and whether that is on a neutral cycle."""
 
     period: int
     word: str
     orbits: int
     point: NDArray[np.float64]
+    neutral: bool
+
+
+#: Whether cycles of so many points through points (n, dim) are neutral, as :attr:`grazing.Orbit.neutral` says.
+Neutral = Callable[[int, NDArray[np.float64]], NDArray[np.bool_]]
 
 
 def attractors_of(
-    period: NDArray[np.int32], words: NDArray[Any], points: NDArray[np.float64], same: NDArray[np.float64]
+    period: NDArray[np.int32],
+    words: NDArray[Any],
+    points: NDArray[np.float64],
+    same: NDArray[np.float64],
+    neutral: Neutral,
 ) -> tuple[NDArray[np.int64], list[Class]]:
     """Sort orbits by the attractor they are on, the one with most orbits first.
 
@@ -34,6 +44,8 @@ def attractors_of(
         A point of each orbit's attractor, chosen by the same rule for all.
     same : ndarray, shape (dim,)
         Points of one attractor differ by less along each coordinate.
+    neutral : callable
+        ``neutral(N, points)``: which of them are on neutral cycles; those of one word are one continuum.
 
     Returns
     -------
@@ -50,7 +62,10 @@ def attractors_of(
             with np.errstate(invalid="ignore"):  # infinity is near to nothing, not even to itself
                 near = np.ones(left.size, bool) if N < 1 else (np.abs(points[left] - first) < same).all(axis=1)
             near[0] = True
-            found.append((Class(N, str(texts[k]), int(near.sum()), first), left[near]))
+            idle = bool(N >= 1 and neutral(N, first[None])[0])
+            if idle and not near.all():
+                near |= neutral(N, points[left])
+            found.append((Class(N, str(texts[k]), int(near.sum()), first, idle), left[near]))
             left = left[~near]
     found.sort(key=lambda one: (-one[0].orbits, one[0].period, one[0].word, one[0].point.tolist()))
     which = np.empty(len(period), np.int64)

@@ -14,14 +14,15 @@ from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, let_go, pieces
 from grazing.orbits.grazing_curve import grazing_arrays
+from grazing.orbits.orbit import ROUNDING
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.studies import labels, outside
 from grazing.studies.attractors import attractors_of
 from grazing.studies.boundary import basin_entropy, evenly_spaced, uncertainty
 from grazing.studies.classify import Settled, settled_columns
-from grazing.studies.growth import on_cycles
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.growth import on_cycles, turned
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import (
     checked_arithmetic,
     checked_fixed,
@@ -41,19 +42,9 @@ Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions of the result, which a coordinate must not have.
 TAKEN = (
-    "basin",
-    "attractor",
-    "coordinate",
-    "period",
-    "word",
-    "fraction",
-    "point",
-    "trust",
-    "outcome",
-    "graze",
-    "graze_order",
-    "outside",
-)
+    "basin", "attractor", "coordinate", "period", "word", "neutral", "fraction", "point", "trust", "outcome", "graze",
+    "graze_order", "outside",
+)  # fmt: skip
 #: Two orbits of the same word and period are on one attractor if their points differ by less than this share of the
 #: grid's extent.
 SAME = 1e-6
@@ -61,6 +52,7 @@ SAME = 1e-6
 CURVE = 2000
 
 
+@planned
 def basins(
     P: Map,
     grid: Mapping[str, ArrayLike] | None = None,
@@ -72,7 +64,7 @@ def basins(
     threads: int | None = None,
     arithmetic: str = "fast",
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return which attractor each initial state of a grid reaches.
 
     Parameters
@@ -96,8 +88,9 @@ def basins(
     xarray.Dataset
         ``basin`` on the grid: the row in the tables on the dimension "attractor", the one with the largest basin
         first: ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word``, ``fraction`` of the grid,
-        ``point``, a point of the attractor. Orbits without a period are one row for each kind. ``trust`` and
-        ``outcome`` on the grid as in :func:`grazing.orbit_diagram`.
+        ``point``, a point of the attractor. Orbits without a period are one row for each kind, and so are *neutral*
+        ones of one word, ``neutral`` = 1, whose largest multiplier has modulus 1: a continuum, as where a ball without
+        a spring touches no wall. ``trust`` and ``outcome`` on the grid as in :func:`grazing.orbit_diagram`.
         Attributes: ``basin_entropy`` and ``boundary_basin_entropy`` in boxes of 5 cells a side;
         ``uncertainty_exponent`` with its standard error ``uncertainty_error``, and ``boundary_dimension``: not a
         number where no boundary was met, or where the grid is not evenly spaced. An orbit that begins exactly on an
@@ -124,23 +117,6 @@ def basins(
     >>> found.word.values.tolist(), bool(found.fraction.sum() == 1.0)
     (['LLR', 'LLLR'], True)
     """
-    made = plan(
-        P, grid, fixed=fixed, transient=transient, keep=keep, preimages=preimages, arithmetic=arithmetic
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    grid: Mapping[str, ArrayLike] | None = None,
-    *,
-    fixed: Mapping[str, float] | None = None,
-    transient: int = 500,
-    keep: int = 64,
-    preimages: int = 3,
-    arithmetic: str = "fast",
-) -> Plan:
-    """Return the plan of basins, see :func:`basins`."""
     checked_map(P)
     axes = _checked_grid(P, grid)
     others = checked_fixed(P, axes, fixed)
@@ -186,6 +162,9 @@ def plan(
         finish=partial(_with_attractors, P, axes, preimages),
         finish_work=partial(_finish_work, P, axes, preimages),
     )
+
+
+plan = basins.plan
 
 
 def _compute(
@@ -265,6 +244,17 @@ def _first_in_order(candidates: Floats) -> Ints:
     return best
 
 
+def _neutral(P: Map, N: int, points: Floats) -> NDArray[np.bool_]:
+    """Return which of points (n, dim) are on neutral cycles of N points, see :attr:`grazing.Orbit.neutral`."""
+    n = len(points)
+    rows = np.repeat([list(P.params.values()) or [0.0]], n, axis=0)
+    turns = turned(P, rows, points, np.zeros((n, N), np.int64), np.full(n, N))[1]
+    result = np.zeros(n, bool)
+    known = np.isfinite(turns).all(axis=(1, 2))
+    result[known] = np.abs(np.abs(np.linalg.eigvals(turns[known])).max(axis=1) - 1.0) <= ROUNDING
+    return result
+
+
 def _same(P: Map, axes: Mapping[str, Floats]) -> Floats:
     """Return by how much points of one attractor differ at most."""
     extents = np.array([np.ptp(axes[name]) if name in axes else 0.0 for name in P.coordinates])
@@ -289,13 +279,18 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
 
     period, words = result["reached_period"].values, result["reached_word"].values
     points = result["reached_point"].values.reshape(-1, P.dimension)
-    which, rows = attractors_of(period.ravel(), words.ravel(), points, _same(P, axes))
+    which, rows = attractors_of(period.ravel(), words.ravel(), points, _same(P, axes), partial(_neutral, P))
     grid = which.reshape(period.shape)
     state = labels.units(P, *P.coordinates)
     table: dict[str, Any] = {
         "basin": (tuple(axes), grid.astype(np.int32), {"long_name": "attractor that is reached, a row of the tables"}),
         "period": ("attractor", np.array([row.period for row in rows], np.int32), result["reached_period"].attrs),
         "word": ("attractor", np.array([row.word for row in rows], object), result["reached_word"].attrs),
+        "neutral": (
+            "attractor",
+            np.array([row.neutral for row in rows], np.int8),
+            {"long_name": "whether the largest multiplier has modulus 1: all such orbits of a word are one row"},
+        ),
         "fraction": (
             "attractor",
             np.array([row.orbits for row in rows]) / grid.size,

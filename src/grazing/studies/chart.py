@@ -18,11 +18,11 @@ from grazing.parameter import whole
 from grazing.studies import labels
 from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Settled, settled_columns
 from grazing.studies.growth import grower, sides_of
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,6 +35,7 @@ TAKEN = ("rank", "period", "word", "share", "exponent", "outcome", "trust", "out
 UNUSED = -3
 
 
+@planned
 def chart(
     P: Map,
     params: Mapping[str, ArrayLike],
@@ -48,7 +49,7 @@ def chart(
     arithmetic: str = "fast",
     box: Sequence[tuple[float, float]] | None = None,
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return what orbits of a map settle on as two parameters vary.
 
     Parameters
@@ -87,26 +88,6 @@ def chart(
     >>> found.word.sel(mu=0.07, l=0.1).values[:2].tolist(), found.share.sel(mu=0.07, l=0.1).values[0].item()
     (['LLR', ''], 1.0)
     """
-    made = plan(
-        P, params, starts=starts, transient=transient, keep=keep, exponent_steps=exponent_steps, seed=seed,
-        arithmetic=arithmetic, box=box,
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    params: Mapping[str, ArrayLike],
-    *,
-    starts: int | ArrayLike = 8,
-    transient: int = 500,
-    keep: int = 64,
-    exponent_steps: int = 500,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-) -> Plan:
-    """Return the plan of a chart, see :func:`chart`."""
     checked_map(P)
     if not isinstance(params, Mapping) or len(params) != 2:
         raise InputError(
@@ -141,6 +122,9 @@ def plan(
         work=runs.work,
         working=runs.kept_size,
     )
+
+
+plan = chart.plan
 
 
 def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[None]:

@@ -18,7 +18,7 @@ from grazing.studies import labels
 from grazing.studies.changes import changes, work_of
 from grazing.studies.classify import settled_columns
 from grazing.studies.growth import sides_of
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ ARRIVED = 1e-6
 NEVER = -1
 
 
+@planned
 def coexistence(
     P: Map,
     name: str,
@@ -52,7 +53,7 @@ def coexistence(
     arithmetic: str = "fast",
     box: Sequence[tuple[float, float]] | None = None,
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return all attractors that random starts reach while one parameter varies, with shares and lifetimes.
 
     Parameters
@@ -90,25 +91,6 @@ def coexistence(
     >>> found.word.values.tolist(), (found.share > 0).values.tolist()
     (['LLLR', 'LLR'], [[True, False], [True, True], [False, True]])
     """
-    made = plan(
-        P, name, values, starts=starts, transient=transient, keep=keep, seed=seed, arithmetic=arithmetic, box=box
-    )
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    name: str,
-    values: ArrayLike,
-    *,
-    starts: int | ArrayLike = 200,
-    transient: int = 1000,
-    keep: int = 64,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-) -> Plan:
-    """Return the plan of a study of coexistence, see :func:`coexistence`."""
     name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN)
 
@@ -135,6 +117,9 @@ def plan(
         finish=partial(_with_attractors, P, name, runs.settings.transient, runs.settings.keep),
         finish_work=partial(_finish_work, name, runs.settings.transient + runs.settings.keep),
     )
+
+
+plan = coexistence.plan
 
 
 def _compute(runs: Runs, cells: Ints, arrays: Arrays) -> Iterator[None]:

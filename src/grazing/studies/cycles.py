@@ -2,6 +2,11 @@
 
 An orbit approaches a cycle if its distance falls in the norm in which the linearised map contracts every turn:
 ``|x|^2 = sum_k |A^k x|^2`` with A the derivative of one turn divided by (1 + its spectral radius)/2.
+
+Where some multipliers are 1 and all others lie inside the unit circle, as of a ball without a spring that touches no
+wall, cycles may be a continuum. With R = lim M^n, the projector onto what M keeps, I - M + R is regular, and Newton's
+method with it goes along the other directions alone: to the cycle that the orbit itself approaches. It does so at the
+rate of M - R.
 """
 
 from __future__ import annotations
@@ -27,6 +32,9 @@ INSIDE = 1e-9
 RATE = 0.1
 #: Squarings of a matrix: 2^40 turns leave its spectral radius to rounding.
 SQUARINGS = 40
+#: A power of a matrix is a projector if its square differs from it by no more than this share; beyond this size it
+#: grows for ever.
+SAME, ENDLESS = 1e-9, 1e100
 # What a search ends with.
 NONE, FOUND, NO_TANGENT = 0, 1, 2
 
@@ -96,22 +104,67 @@ def contracting_norm(M: Any, rate: float, Q: Any) -> None:
         A, B = B, A
 
 
-def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
-    """Say whether orbit j approaches the cycle through z (dim, 1) with derivative M.
+def equal_after(A: Any, B: Any, out: Any) -> bool:
+    """Write A B to ``out``; say whether it is B, to a share of the sums of its terms, which no unit changes."""
+    d, equal = A.shape[0], True
+    for i in range(d):
+        for j in range(d):
+            total, size = 0.0, 0.0
+            for k in range(d):
+                total += A[i, k] * B[k, j]
+                size += abs(A[i, k] * B[k, j])
+            out[i, j] = total
+            equal = equal and abs(total - B[i, j]) <= SAME * size
+    return equal
 
-    Its distance, in the norm above, falls in every two turns (near -1 a quadratic term makes one of the two sides
-    larger), and over all at no less than a tenth of the linear rate; within the tolerance it counts as arrived.
+
+def keeps(M: Any, R: Any) -> bool:
+    """Write to R the limit of the powers of M, by squaring; say whether there is one, and whether it is not 0."""
+    d = M.shape[0]
+    square = np.empty((d, d))
+    for i in range(d):
+        for j in range(d):
+            R[i, j] = M[i, j]
+    for _ in range(SQUARINGS):
+        settled, trace, bounded = equal_after(R, R, square), 0.0, True
+        for i in range(d):
+            trace += R[i, i]
+            for j in range(d):
+                R[i, j] = square[i, j]
+                bounded = bounded and abs(square[i, j]) < ENDLESS
+        if not bounded:
+            return False
+        if settled:
+            return trace > 0.5 and equal_after(M, R, square)  # a multiplier -1 is none that M keeps
+    return False
+
+
+def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
+    """Say whether orbit j approaches the cycle through z (dim, 1) with derivative M, of a continuum the one it does.
+
+    Its distance, in the norm above with coordinates in units of the tolerance, falls in every two turns (near -1 a
+    quadratic term makes one of the two sides larger), and over all at no less than a tenth of the linear rate; within
+    the tolerance it counts as arrived.
     """
     keep, d, _n = x.shape
-    radius = exp(log_radius(M))
+    away, Q = M.copy(), np.empty((d, d))
+    radius = exp(log_radius(away))
+    if not radius < 1.0 - INSIDE and keeps(M, Q):
+        for i in range(d):
+            for k in range(d):
+                away[i, k] -= Q[i, k]
+        radius = exp(log_radius(away))
     if not radius < 1.0 - INSIDE:
         return False
-    Q = np.empty((d, d))
-    contracting_norm(M, 0.5 * (1.0 + radius), Q)
-    trace, worst = 0.0, 0.0
+    A = np.empty((d, d))
     for i in range(d):
-        trace, worst = trace + Q[i, i], max(worst, tolerance[i, j])
-    floor = sqrt(trace) * worst
+        for m in range(d):
+            A[i, m] = away[i, m] * (tolerance[m, j] / tolerance[i, j])
+    contracting_norm(A, 0.5 * (1.0 + radius), Q)
+    trace = 0.0
+    for i in range(d):
+        trace += Q[i, i]
+    floor = sqrt(trace)
     turns = (keep - 1) // N
     distance = np.empty(turns + 1)
     for t in range(turns + 1):
@@ -119,7 +172,8 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
         k = keep - 1 - t * N
         for i in range(d):
             for m in range(d):
-                total += (x[k, i, j] - z[i, 0]) * Q[i, m] * (x[k, m, j] - z[m, 0])
+                one, other = (x[k, i, j] - z[i, 0]) / tolerance[i, j], (x[k, m, j] - z[m, 0]) / tolerance[m, j]
+                total += one * Q[i, m] * other
         distance[t] = sqrt(max(total, 0.0))
         if t >= 2 and not (distance[t - 2] < distance[t] or distance[t - 2] <= floor):
             return False
@@ -174,18 +228,19 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
         return True
 
     def find(x: Any, s: Any, j: int, N: int, c: Any, tolerance: Any, z: Any, M: Any, room: Any) -> int:
-        end, move, A, _B, seen, points = room
+        end, move, A, B, seen, points = room
         for i in range(dimension):
             z[i, 0] = x[x.shape[0] - 1, i, j]
         moved = True
         for step in range(STEPS):
             if not turn(z, N, c, M, room):
                 return NO_TANGENT if step == 0 else NONE
+            kept = keeps(M, B)
             for i in range(dimension):
                 move[i] = end[i, 0] - z[i, 0]
                 for m in range(dimension):
-                    A[i, m] = (1.0 if i == m else 0.0) - M[i, m]
-            if not solved(A, move):
+                    A[i, m] = (1.0 if i == m else 0.0) - M[i, m] + (B[i, m] if kept else 0.0)
+            if not solved(A, move, tolerance[:, j]):
                 return NONE
             small, moved = True, False
             for i in range(dimension):

@@ -16,11 +16,11 @@ from grazing.memory import refuse_too_large
 from grazing.outcome import AMBIGUOUS, FATAL, InputError, shown
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,6 +37,7 @@ TRIAL = 64, 20, 100
 BIN = 8 * 6
 
 
+@planned
 def density(
     P: Map,
     name: str,
@@ -53,7 +54,7 @@ def density(
     arithmetic: str = "fast",
     box: Sequence[tuple[float, float]] | None = None,
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return how often orbits visit each part of a coordinate's range while one parameter varies.
 
     Parameters
@@ -95,29 +96,6 @@ def density(
     >>> found["count"].sum("x").values.tolist(), int((found["count"].sel(mu=0.07) > 0).sum())
     ([6000, 6000], 3)
     """
-    made = plan(
-        P, name, values, bins=bins, coordinate=coordinate, range=range, starts=starts, transient=transient,
-        keep=keep, seed=seed, arithmetic=arithmetic, box=box,
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    name: str,
-    values: ArrayLike,
-    *,
-    bins: int = 1000,
-    coordinate: str | None = None,
-    range: tuple[float, float] | None = None,
-    starts: int | ArrayLike = 100,
-    transient: int = 200,
-    keep: int = 500,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-) -> Plan:
-    """Return the plan of a density, see :func:`density`."""
     name = checked_name(name, checked_map(P).params, P.name or "the map")
     runs = checked_runs(P, {name: values}, starts, transient, keep, seed, arithmetic, box, TAKEN, as_they_come=True)
     seen = P.coordinates[0] if coordinate is None else coordinate
@@ -159,6 +137,9 @@ def plan(
         work=runs.work,
         working=runs.piece_size + 3 * 8 * bins,
     )
+
+
+plan = density.plan
 
 
 def _compute(runs: Runs, i: int, low: float, high: float, bins: int, cells: Ints, arrays: Arrays) -> Iterator[None]:

@@ -17,11 +17,11 @@ from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import ENDED, settled_columns
 from grazing.studies.growth import sides_of, stretcher, turned
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,6 +38,7 @@ SLOWER = 10
 TILE = 100_000
 
 
+@planned
 def lyapunov(
     P: Map,
     name: str | None = None,
@@ -52,7 +53,7 @@ def lyapunov(
     arithmetic: str = "fast",
     box: Sequence[tuple[float, float]] | None = None,
     progress: Progress | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return the Lyapunov exponents of a map's orbits, at one or many values of a parameter.
 
     Parameters
@@ -88,27 +89,6 @@ def lyapunov(
     >>> bool(np.isclose(found.exponent[0, 0], np.log(abs(gz.theory.multiplier(3, 0.5, 0.07, 0.1))) / 3, rtol=1e-12))
     True
     """
-    made = plan(
-        P, name, values, starts=starts, transient=transient, steps=steps, keep=keep, seed=seed,
-        arithmetic=arithmetic, box=box,
-    )  # fmt: skip
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    name: str | None = None,
-    values: ArrayLike | None = None,
-    *,
-    starts: int | ArrayLike = 10,
-    transient: int = 200,
-    steps: int = 1000,
-    keep: int = 64,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-) -> Plan:
-    """Return the plan of a study of Lyapunov exponents, see :func:`lyapunov`."""
     checked_map(P)
     if (name is None) != (values is None):
         raise InputError("give a parameter's name with its values, or neither of them")
@@ -136,6 +116,9 @@ def plan(
         work=runs.work + SLOWER * lanes * steps,
         working=2 * runs.kept_size,  # letters once more, and deviations
     )
+
+
+plan = lyapunov.plan
 
 
 def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[None]:

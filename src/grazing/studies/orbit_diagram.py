@@ -16,11 +16,11 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name
 from grazing.studies import labels
 from grazing.studies.classify import settled_columns
-from grazing.studies.plan import Arrays, Plan, Progress, Variable, run_plan
+from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,6 +33,7 @@ NEARNESS = ("near_miss", "slowest", "undecided")
 SWEEPS = ("up", "down")
 
 
+@planned
 def orbit_diagram(
     P: Map,
     name: str,
@@ -47,7 +48,7 @@ def orbit_diagram(
     progress: Progress | None = None,
     *,
     sweep: str | None = None,
-) -> xr.Dataset:
+) -> Plan:
     """Return where orbits of a map settle while one parameter varies.
 
     Parameters
@@ -102,24 +103,6 @@ def orbit_diagram(
     >>> diagram.word.sel(mu=0.07)[0].item(), diagram.period.sel(mu=0.07)[0].item()
     ('LLR', 3)
     """
-    made = plan(P, name, values, starts, transient, keep, seed, arithmetic, box, sweep=sweep)
-    return run_plan(made, threads, progress)
-
-
-def plan(
-    P: Map,
-    name: str,
-    values: ArrayLike,
-    starts: int | ArrayLike = 100,
-    transient: int = 200,
-    keep: int = 50,
-    seed: int = 0,
-    arithmetic: str = "fast",
-    box: Sequence[tuple[float, float]] | None = None,
-    *,
-    sweep: str | None = None,
-) -> Plan:
-    """Return the plan of an orbit diagram, see :func:`orbit_diagram`."""
     if sweep is not None and (not isinstance(sweep, str) or sweep not in SWEEPS):
         raise InputError(
             f"sweep = {shown(sweep)}; allowed are 'up', 'down' and None: starts of their own for every value"
@@ -149,6 +132,9 @@ def plan(
         working=runs.kept_size,
         sequential=sweep is not None,
     )
+
+
+plan = orbit_diagram.plan
 
 
 def _compute(runs: Runs, name: str, sweep: str | None, cells: Ints, arrays: Arrays) -> Iterator[None]:

@@ -6,11 +6,12 @@ ask for and in where the numbers go.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import partial, wraps
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from grazing.studies.outside import with_note
 if TYPE_CHECKING:
     import xarray as xr
 
+Q = ParamSpec("Q")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Arrays = Mapping[str, NDArray[Any]]
@@ -163,6 +165,15 @@ class Plan(ByValue):
         return cells * self.size_of_cell * (FINISHED if self.finish is not None else 1) + flying * self.working
 
 
+class Planned(Protocol[Q]):
+    """A study that runs a plan; made by :func:`planned`."""
+
+    plan: Callable[..., Plan]
+
+    def __call__(self, *args: Q.args, **kwargs: Q.kwargs) -> xr.Dataset:
+        """Return the result of the plan."""
+
+
 def empty_arrays(plan: Plan, cells: int) -> dict[str, NDArray[Any]]:
     """Return arrays for so many cells, to be filled by ``plan.compute``."""
     return {
@@ -225,3 +236,32 @@ def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None =
 
     run_tasks([partial(task, first) for first in range(0, plan.cells, step)], threads, finished)
     return labelled(plan, arrays)
+
+
+def planned(plan: Callable[Q, Plan]) -> Planned[Q]:
+    """Return the study that a function plans: it runs the plan, with the arguments ``threads`` and ``progress``.
+
+    Its attribute ``plan`` is the function without these two, as the number of threads changes no number.
+    """
+    known = inspect.signature(plan)
+    alone = [item for name, item in known.parameters.items() if name not in ("threads", "progress")]
+    without = known.replace(parameters=alone, return_annotation="Plan")
+
+    @wraps(plan)
+    def study(*args: Q.args, **more: Q.kwargs) -> xr.Dataset:
+        made = plan(*args, **more)
+        given = known.bind(*args, **more).arguments
+        return run_plan(made, given.get("threads"), given.get("progress"))
+
+    def planning(*args: Any, **more: Any) -> Plan:
+        given = without.bind(*args, **more)
+        return plan(**given.arguments)  # type: ignore[call-arg]
+
+    planning.__name__ = planning.__qualname__ = "plan"
+    planning.__module__, planning.__doc__ = plan.__module__, f"Return the plan of :func:`{plan.__name__}`."
+    planning.__signature__ = without  # type: ignore[attr-defined]
+    planning.__annotations__ = {**plan.__annotations__, "return": "Plan"}
+    study.__annotations__ = {**plan.__annotations__, "return": "xr.Dataset"}
+    study.__signature__ = known.replace(return_annotation="xr.Dataset")  # type: ignore[attr-defined]
+    study.plan = planning  # type: ignore[attr-defined]
+    return cast("Planned[Q]", study)

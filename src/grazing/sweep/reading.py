@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 #: Copies of letters while they become texts: as read, sorted, and decoded.
 LETTERS = 3
-#: Studies that add something when all cells are there.
-FINISHED = ("coexistence", "basins")
 #: Seconds that this may take where nobody but the store asks for it.
 PATIENCE = 20.0
 NOTE, INCOMPLETE = "grazing_note", "grazing_incomplete"
@@ -123,11 +121,11 @@ def open_store(store: str | os.PathLike[str], plan: Plan | None = None, *, code:
 
 def _refuse_other_recipe(store: Store) -> None:
     """Raise InputError for a recipe of another study or of other sizes: to make its plan could take any time."""
-    from grazing.config.settings import STUDIES
+    from grazing.catalogue import studies
 
     recipe, config = store.recipe or {}, json.loads(store.attrs["grazing_config"])
-    study = STUDIES.get(str(recipe.get("study")))
-    if study is None or study.function != config.get("study") or study.function not in FINISHED:
+    study = studies().get(str(recipe.get("study")))
+    if study is None or study.function != config.get("study") or study.plan is None or not study.takes_long:
         raise InputError(f"its study is {shown(recipe.get('study'))}")
     counts = [range_[-1].split(":")[2:3] for range_ in _ranges_in(recipe)]
     if any(count and count[0].strip().isdigit() and int(count[0][:20]) not in store.grid.shape for count in counts):

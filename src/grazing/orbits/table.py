@@ -1,28 +1,26 @@
-"""Orbits and windows as tables, for files and the command line, and proofs of the edges of windows."""
+"""Orbits and windows as tables."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from grazing.orbits.impact_orbit import ImpactOrbit
-from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.windows import windows
 from grazing.oscillator.model import Oscillator
-from grazing.outcome import GrazingError
+from grazing.oscillator.walled import Walled
+from grazing.outcome import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from grazing.orbits.periodic import Orbits
-    from grazing.proof.certify import Certificate
+
 
 #: Periods of the windows that are looked for if none are named.
 PERIODS: Sequence[int] = list(range(1, 8))
-#: Parts of a window's width from its edge at which an orbit is taken to begin a proof from.
-INSIDE = (1e-3, 1e-2, 1e-4)
 
 
 def orbit_table(found: Orbits) -> xr.Dataset:
@@ -44,7 +42,7 @@ def orbit_table(found: Orbits) -> xr.Dataset:
     Examples
     --------
     >>> import grazing as gz
-    >>> from grazing.config.orbits import orbit_table
+    >>> from grazing.orbits.table import orbit_table
     >>> from grazing.orbits.periodic import periodic_orbits
     >>> table = orbit_table(periodic_orbits(gz.gap_map(lam=0.8, mu=0.5, l=1.0), range(1, 4)))
     >>> table.word.values.tolist(), table.stable.values.tolist()
@@ -78,25 +76,27 @@ def orbit_table(found: Orbits) -> xr.Dataset:
         table["symmetric"] = column((getattr(one, "symmetric", False) for one in found), np.int8, "own mirror image")
         table["depth"] = column((getattr(one, "depth", 0.0) for one in found), np.float64, "how far it passes a wall")
     for j, name in enumerate(P.coordinates):
-        said = {"long_name": name, "symbol": name} if P.model is None else P.model.describe(name).attributes
+        known = P.origin.describe(name)
+        said = {"long_name": name, "symbol": name} if known is None else known.attributes
         table[name] = ("orbit", "n"), points[:, :, j], said
     attributes = {"title": f"periodic orbits of the {P.name or 'map'}", "statement": found.statement}
-    return xr.Dataset(table, attrs=attributes | ({} if P.model is None else P.model.attributes))
+    return xr.Dataset(table, attrs=attributes | P.origin.attributes)
 
 
 def window_table(
-    model: Oscillator,
+    model: Oscillator | Walled,
     name: str,
     N: Sequence[int] = PERIODS,
     span: tuple[float, float] | None = None,
-    samples: int = 2000,
+    samples: int | None = None,
     sensitivity: bool = False,
+    words: str | None = None,
 ) -> xr.Dataset:
     """Return the windows of one-impact orbits, with the derivatives of their edges if wanted.
 
     Parameters
     ----------
-    model, name, N, span, samples
+    model, name, N, span, samples, words
         As for :func:`grazing.windows`.
     sensitivity : bool
         Whether to add ``derivative`` and ``error`` (window, edge, moved), see :func:`grazing.sensitivity`; the
@@ -105,77 +105,16 @@ def window_table(
     Examples
     --------
     >>> import grazing as gz
-    >>> from grazing.config.orbits import window_table
+    >>> from grazing.orbits.table import window_table
     >>> dict(window_table(gz.pinball(V=0.4), "d", [2, 3]).sizes)
     {'window': 2}
     """
-    table = windows(model, name, N, span, samples)
-    if sensitivity:
+    if sensitivity and not isinstance(model, Oscillator):
+        raise InputError("derivatives of edges are those of windows over one wall; leave out sensitivity")
+    table = windows(model, name, N, span, samples, words)
+    if sensitivity and isinstance(model, Oscillator):
         from grazing.orbits.sensitivity import sensitivity as derivatives
 
-        moved = derivatives(model, name, N, span, samples)[["derivative", "error"]]
+        moved = derivatives(model, name, table.attrs["N"], span, table.attrs["samples"])[["derivative", "error"]]
         table = table.merge(moved.rename(parameter="moved"))
     return table
-
-
-def edge_proofs(model: Oscillator, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
-    """Yield a proof of every edge of every window: the window, the side, and the proof or why there is none.
-
-    Parameters
-    ----------
-    model : Oscillator
-        That of the windows.
-    table : xarray.Dataset
-        What :func:`grazing.windows` returned.
-
-    Yields
-    ------
-    (int, str, Certificate or str)
-
-    Examples
-    --------
-    >>> import grazing as gz
-    >>> from grazing.config.orbits import edge_proofs
-    >>> model = gz.pinball(V=0.4)
-    >>> [(side, proof.proven) for _w, side, proof in edge_proofs(model, gz.windows(model, "d", N=3))]
-    [('low', True), ('high', True)]
-    """
-    from grazing_checker.sentence import EVENTS
-
-    name = str(table.attrs["parameter"])
-    for w in range(table.sizes["window"]):
-        row = table.isel(window=w)
-        N, ends = int(row["N"]), {side: float(row[side]) for side in ("low", "high")}
-        for side, other in (("low", "high"), ("high", "low")):
-            kind = str(row[f"{side}_type"].values)
-            if kind not in EVENTS:
-                why = f"a proof needs an edge of type {', '.join(EVENTS)}; this one is of type {kind}"
-                yield w, side, why
-                continue
-            yield w, side, _enclosed(model, name, N, kind, ends[side], ends[other] - ends[side])
-
-
-def _enclosed(model: Oscillator, name: str, N: int, kind: str, edge: float, across: float) -> Certificate | str:
-    """Return the proof of one edge, begun from an orbit inside the window, or why there is none."""
-    from grazing.proof.certify import Certificate
-    from grazing.proof.enclose import enclose
-
-    why = "no orbit was found beside it"
-    for part in INSIDE:
-        value = edge + part * across
-        for orbit in one_impact_orbits(model.replace(**{name: value}), N):
-            if not (orbit.admissible and orbit.stable):
-                continue
-            try:
-                proof = enclose(orbit, kind, name)
-            except GrazingError as error:
-                why = str(error)
-                continue
-            if isinstance(proof, Certificate) and proof.value is not None:
-                low, high = proof.value
-                if low - 1e-9 * abs(across) <= edge <= high + 1e-9 * abs(across):
-                    return proof
-                why = f"the proof is of another value, [{low!r}, {high!r}]"
-            else:
-                why = proof.reason
-    return why

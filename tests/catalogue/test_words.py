@@ -5,8 +5,9 @@ import math
 
 import pytest
 
+from grazing.catalogue import studies
+from grazing.catalogue.words import ROWS, share, words_of
 from grazing.cli import main
-from grazing.cli.found_words import ROWS, share, words_of
 
 GAP = ["--map", "gap", "--lam", "0.5", "--l", "0.1", "-q"]
 STUDIES = [
@@ -32,7 +33,7 @@ def test_every_study_prints_what_it_found_and_says_the_same_as_data(tokens, line
     assert 1 <= len(said) <= 12
     assert main([*tokens, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["found"]
-    assert words_of(tokens[0], found)[:-1] == said
+    assert words_of(studies()[tokens[0]], found)[:-1] == said
 
 
 RIG = ["--si", "m=0.8,c=2.4,k=3200,force=2.5,gap=1.2 mm,frequency=14", "--r", "0.7", "-q", "--units"]
@@ -89,7 +90,7 @@ def test_many_attractors_are_counted_not_listed():
         "ranges": [[0.1, 0.1]] * 9,
     }
     found = {"parameter": "d", "values": 9, "orbits": 900, "attractors": [row] * 50, "ambiguous": 2, "note": "box"}
-    said = words_of("diagram", found)
+    said = words_of(studies()["diagram"], found)
     assert said[ROWS + 1] == f"and {50 - ROWS} more; --json lists them" and len(said) <= 12
     assert all(len(line) < 120 for line in said) and "2 orbits are ambiguous" in said[-3]
 
@@ -97,4 +98,4 @@ def test_many_attractors_are_counted_not_listed():
 def test_what_is_not_a_number_is_said_without_one():
     row = {"word": "", "period": -2, "kind": "ended", "share": 1.0, "point": [math.nan, math.nan]}
     found = {"states": 9, "coordinates": ["u", "v"], "attractors": [row], "ambiguous": 0}
-    assert words_of("basins", found) == ["word         share  point (u, v)", "-     ended  100 %  -", ""]
+    assert words_of(studies()["basins"], found) == ["word         share  point (u, v)", "-     ended  100 %  -", ""]

@@ -1,11 +1,11 @@
-"""Tables of orbits and windows, and proofs of the edges of windows."""
+"""Tables of orbits and windows."""
 
 import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.config.orbits import edge_proofs, orbit_table, window_table
 from grazing.orbits.periodic import periodic_orbits
+from grazing.orbits.table import orbit_table, window_table
 
 
 def test_a_table_of_orbits_holds_them_all():
@@ -37,18 +37,3 @@ def test_derivatives_lie_beside_their_windows(law):
     assert table.moved.values.tolist() == expected.parameter.values.tolist()
     assert np.array_equal(table.derivative.values, expected.derivative.values, equal_nan=True)
     assert np.array_equal(table.low.values, gz.windows(model, "d", N=[2, 3]).low.values)
-
-
-@pytest.mark.parametrize(("alpha", "r", "V"), [(3.0, 0.8, 0.4), (2.0, 0.6, 0.5)])
-def test_every_edge_is_proven_or_says_why_not(alpha, r, V):
-    model = gz.pinball(alpha=alpha, r=r, V=V)
-    table = gz.windows(model, "d", N=[2, 3], span=(-0.2, 0.12))
-    assert table.sizes["window"]
-    for w, side, proof in edge_proofs(model, table):
-        kind, edge = str(table[f"{side}_type"].values[w]), float(table[side].values[w])
-        if kind == "end":
-            assert proof.startswith("a proof needs an edge of type")
-            continue
-        low, high = proof.value
-        assert low <= edge <= high and high - low < 1e-12
-        assert gz.check_certificate(proof.document) == proof.statement

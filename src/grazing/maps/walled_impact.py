@@ -1,0 +1,186 @@
+"""The impact map between walls, or at one that moves or is above the ball: from one impact to the next with any."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
+from math import copysign
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.maps.derivative import Derived
+from grazing.maps.hits import LATER, Struck
+from grazing.maps.map import Map
+from grazing.maps.of_oscillator import OfRig
+from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
+from grazing.oscillator.constants import forcing
+from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, placed
+from grazing.oscillator.frames import Frames, first_contact, frame_of, frames_kind, frames_of, frames_rows, plain_frames
+from grazing.oscillator.pointed import POINTED
+from grazing.oscillator.walled import Walled
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Law = tuple[Callable[..., float], Callable[..., float], Callable[..., Any]]
+
+
+def sign_of(b: bool, c: Frames) -> float:
+    """Return 1 for a wall below the ball, -1 for one above it."""
+    return -1.0 if b else c.side
+
+
+@lru_cache(maxsize=256)
+def return_of(first: Law, second: Law) -> Callable[..., Any]:
+    """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for the laws of two walls.
+
+    As over one wall, :func:`grazing.maps.impact.return_of`; the sign of a velocity says which wall was left, that of
+    a zero, too.
+    """
+    departs, departs_b = departure_of(*first), departure_of(*second)
+    slope, slope_b = first[1], second[1]
+
+    def tangent(state: Any, c: Any) -> Any:
+        tau, v = state
+        lost, T = (NAN, NAN, NAN, NAN, NAN), c.a.T
+        b = c.two and copysign(1.0, v) < 0.0
+        from_side = sign_of(b, c)
+        w = abs(v)
+        if not (w < INFINITY and abs(tau) < INFINITY) or (v != 0.0 and from_side * v < 0.0):
+            return (NAN, NAN), 0, (OK if v != v or tau != tau else BAD_LAW), lost
+        if T > MAX_SWINGS * c.a.piece:
+            return (NAN, NAN), 0, TOO_MANY_SWINGS, lost
+        start, left = tau - T * (tau // T), frame_of(b, c)
+        ball, doubt = placed(start, 0.0, w, 0), NO_DOUBT
+        strobes, outcome = 0, OK
+        # from rest the flight is smooth where the force lifts the ball at once
+        rests, lying, smooth = w == 0.0, False, w > 0.0 or forcing(start, left)[0] > 0.0
+        while strobes <= MAX_PERIODS:
+            hit = rests
+            if not rests:
+                hit, b, ball, flags, _near = first_contact(ball, b, c)
+                outcome |= flags
+            if hit:
+                arrived, here = ball.v, frame_of(b, c)
+                if b:
+                    kind, ball, flags = departs_b(ball, c.patience, here)
+                else:
+                    kind, ball, flags = departs(ball, c.patience, here)
+                outcome |= flags
+                if flags & (BAD_LAW | DIVERGED):
+                    return (NAN, NAN), strobes, outcome, lost
+                # a ball at rest that lifts off at once is a release only if it lay: else it is our own start
+                if kind != LIES and (not rests or lying or kind != FLIES):
+                    t, at = ball.t, strobes
+                    if t >= T:
+                        t, at = 0.0, strobes + 1
+                    side, J = sign_of(b, c), (0.0, 0.0, 0.0, 0.0, -INFINITY) if lying or kind != FLIES else lost
+                    if kind == FLIES and smooth and not outcome & (GRAZE | AMBIGUOUS):
+                        g, turn = slope_b(arrived, here.p) if b else slope(arrived, here.p), from_side * side
+                        J = derivative(start, w, ball.t + strobes * T, arrived, g, turn, left, here)
+                        J = J[0], from_side * J[1], side * J[2], turn * J[3], J[4]
+                    letter = at + LATER if b else at
+                    return (t, copysign(ball.v, side)), letter, outcome, J
+                smooth = smooth and kind == FLIES
+                lying = lying or kind == LIES
+                doubt = NO_DOUBT if kind == LIES else doubt
+                rests = False
+            if ball.t >= T:
+                strobes += 1
+                rests = ball.y == 0.0 and ball.v == 0.0
+                ball, doubt = next_period(ball, doubt, frame_of(b, c))
+        return (NAN, NAN), strobes, outcome | NO_IMPACT, lost
+
+    return tangent
+
+
+@lru_cache(maxsize=256)
+def return_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
+    """Return the step of the impact map with its Jacobian."""
+    derived = return_of(first, second)
+
+    def tangent(state: Any, c: Any) -> Any:
+        new, letter, outcome, J = derived(state, c)
+        return new, letter, outcome, (J[0], J[1], J[2], J[3])
+
+    return tangent
+
+
+@lru_cache(maxsize=256)
+def return_step_of(first: Law, second: Law) -> Callable[..., Any]:
+    """Return the step of the impact map."""
+    derived = return_of(first, second)
+
+    def step(state: Any, c: Any) -> Any:
+        new, letter, outcome, _J = derived(state, c)
+        return new, letter, outcome
+
+    return step
+
+
+class Returned(OfRig):
+    """The origin of an impact map of an oscillator between walls, or at one that moves or is above it."""
+
+    section = "impact"
+    sized = True
+    walled: Walled
+
+    def __init__(self, walled: Walled) -> None:
+        self.walled = walled
+        self.exact = all(wall.law.exact_slope for wall in walled.walls)
+
+    def replace(self, params: Mapping[str, float]) -> Map:
+        """Make the map at other values, from a model that checks their ranges."""
+        return walled_impact_map(self.walled.replace(**params))
+
+    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
+        """Return the derivative of the step with the laws by address: compiled once for all."""
+        source = np.ascontiguousarray(np.column_stack([rows, np.zeros(len(rows))]))
+        numbers, kept = frames_rows(self.walled, source, arithmetic)
+        H = self.walled.harmonics
+        return Derived(return_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, kept)
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a velocity into the only wall; of two walls its sign says which was hit."""
+        (wall, *others), v = self.walled.walls, float(state[1])
+        if not others and wall.sign * v < 0.0:
+            allowed = "v_plus >= 0" if wall.sign > 0.0 else "v_plus <= 0"
+            raise InputError(f"v_plus = {v:g} points into the wall; give the velocity after an impact, {allowed}")
+
+    def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
+        """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""
+        omega = rows[:, list(self.walled.params).index("omega"), None]
+        return last[:, 0] - first[:, 0] + (letters % LATER) * (2.0 * np.pi / omega)
+
+    def boxes(self, rows: Floats) -> Floats:
+        """Return the boxes at parameter values."""
+        return np.array([box_of(self.walled, row) for row in rows.tolist()]).reshape(-1, 2, 2)
+
+
+def walled_impact_map(model: Walled) -> Map:
+    """Return the impact map of an oscillator between walls; :func:`grazing.impact_map` calls this."""
+    laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
+    return Map(
+        return_step_of(laws[0], laws[-1]),
+        params=model.params,
+        coordinates=("tau", "v_plus"),
+        box=box_of(model, list(model.params.values())),
+        letters=Struck(model.names) if len(model.walls) > 1 else None,
+        prepare=partial(_plain, model),
+        tangent=return_tangent_of(laws[0], laws[-1]),
+        name="impact map",
+        origin=Returned(model),
+    )
+
+
+def _plain(model: Walled, p: Any) -> Frames:
+    return plain_frames(model, np.array([*p, 0.0], np.float64))
+
+
+def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where starts are drawn: any phase, and velocities after impacts with each wall."""
+    reach = model.reach_at(row)
+    after = [wall.sign * min(one.speed, one.after) for wall, one in zip(model.walls, reach, strict=True)]
+    return (0.0, reach[0].period), (min(0.0, *after), max(0.0, *after))
