@@ -22,6 +22,7 @@ COMMANDS, TABLE = Path(__file__).with_name("command-line.md"), ("<!-- studies --
 HEADINGS = {
     "oscillator": "Models and trajectories",
     "systems": "Systems of your own",
+    "billiard": "Pinball tables",
     "signals": "Signals",
     "maps": "Maps",
     "studies": "Studies",

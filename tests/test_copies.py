@@ -1,8 +1,11 @@
 """Whatever a session holds can be pickled, copied and sent to another process, and is the same there."""
 
 import copy
+import importlib
 import inspect
+import os
 import pickle
+import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -236,6 +239,58 @@ def test_a_map_from_a_file_of_ones_own_travels_whole(tmp_path):
     program = f"import pickle; print(pickle.load(open({str(tmp_path / 'a.pickle')!r}, 'rb')).iterate((8.0,), 3)[-1, 0])"
     done = python(program)
     assert (done.stdout, done.returncode) == ("1.0\n", 0), done.stderr
+
+
+LAW = "FACTOR = 0.9\ndef helper(v):\n    return 2.0 * v\ndef law(v, p):\n    return -0.5 * p.r * FACTOR * helper(v)\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [("-0.5", "-0.4"), ("0.9", "0.8"), ("2.0", "1.9"), ("-0.5 * p.r", "-p.r / 2")]
+)
+def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(tmp_path, monkeypatch, before, after):
+    """A law that was edited since, or the number or function that it names, was taken in silence."""
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "theirs.py").write_text(LAW)
+    theirs = importlib.import_module("theirs")
+    try:
+        packed = pickle.dumps([gz.reset(theirs.law, r=0.8), gz.Map(logistic, {"a": 3.2})])
+        exec(f"# moved\n\n{LAW}", vars(theirs))
+        assert pickle.loads(packed)[0] == gz.reset(theirs.law, r=0.8)
+        exec(LAW.replace(before, after), vars(theirs))
+        with pytest.raises(gz.InputError, match=r"theirs\.law is not the function that was pickled"):
+            pickle.loads(packed)
+        exec("law = float", vars(theirs))
+        with pytest.raises(gz.InputError, match="is not the function that was pickled"):
+            pickle.loads(packed)
+    finally:
+        del sys.modules["theirs"]
+
+
+def test_functions_of_a_program_travel_to_another_one(tmp_path):
+    """They were sought by name in whatever program opened the pickle."""
+    pytest.importorskip("cloudpickle")
+    (tmp_path / "one.py").write_text(
+        f"import pickle, grazing as gz\n{LAW}\npickle.dump(gz.reset(law, r=0.8), open('a.pickle', 'wb'))\n"
+    )
+    (tmp_path / "two.py").write_text(
+        "import pickle\nfrom types import SimpleNamespace\ndef law(v, p):\n    return 0.0\n"
+        "theirs = pickle.load(open('a.pickle', 'rb'))\nprint(theirs.law(-1.0, SimpleNamespace(r=1.0)))\n"
+    )
+    for name, said in (("one.py", ""), ("two.py", "0.9\n")):
+        done = subprocess.run([sys.executable, name], cwd=tmp_path, capture_output=True, text=True)
+        assert (done.returncode, done.stdout) == (0, said), done.stderr
+
+
+def test_a_set_of_texts_in_a_law_is_the_same_in_every_process():
+    """Its order is another one in each, and made of the same law another one."""
+    program = "from grazing.kernel.content import digest; print(digest(lambda x: x in {'a', 'b', 'c', 'd', 'e'}))"
+    made = [
+        subprocess.run(
+            [sys.executable, "-c", program], env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True
+        ).stdout
+        for seed in "12"
+    ]
+    assert made[0] == made[1] != ""
 
 
 def test_every_public_class_is_here():

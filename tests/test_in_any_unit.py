@@ -31,3 +31,67 @@ PLAIN = measured(1.0, 1.0)
 def test_studies_in_units_of_powers_of_two(a, b):
     for one, other in zip(PLAIN, measured(2.0**a, 2.0**b), strict=True):
         assert one.shape == other.shape and np.allclose(one, other, rtol=1e-9, atol=1e-9, equal_nan=True)
+
+
+#: Of alpha, k, omega, offset, sigma, r, V and trigger in units, with one force: what is followed, whence and where to.
+FOLLOWED = [
+    ((0.05, 1.0, 0.6, 0.0, 0.0, 0.8, 0.0, None), 3, "sigma", (-1.6, 1.6)),  # all periods graze at once
+    ((0.05, 1.0, 2.6, 0.1, 0.0, 0.8, 0.2, 0.3), 3, "offset", (-1.4, 1.6)),
+    ((0.3, 1.0, 2.8, 0.2, 0.0, 0.6, 0.0, None), 2, "k", (0.5, 1.5)),  # an orbit halves there
+]
+UNITS = {"sigma": (1, 0), "offset": (1, -2), "k": (0, -1)}
+
+
+def pushed(numbers, L, T):
+    alpha, k, omega, offset, sigma, r, V, trigger = numbers
+    law = gz.active(r, V * L / T) if trigger is None else gz.triggered(r, V * L / T, trigger * L / T)
+    push = gz.Forcing(omega / T, offset=offset * L / T**2, cos=(L / T**2,))
+    return gz.Oscillator(alpha / T, k / T, push, law, sigma * L)
+
+
+def special_points(numbers, N, name, bounds, L, T):
+    """What is found on branches of one-impact orbits, without units."""
+    unit = L ** UNITS[name][0] * T ** UNITS[name][1]
+    found = []
+    for orbit in gz.one_impact_orbits(pushed(numbers, L, T), N):
+        branch = gz.continuation(orbit.map, orbit, name, (bounds[0] * unit, bounds[1] * unit), limit=500, points=3000)
+        found += [
+            (s.type, s.orbit.word, s.converged, s.admissible, s.where, s.piece, s.to, s.value / unit, s.low / unit)
+            for s in branch.special
+        ]
+    return found
+
+
+@pytest.mark.parametrize("case", FOLLOWED, ids=["sigma", "offset", "k"])
+def test_special_points_of_branches(case):
+    # elimination chose its pivots, and a secant its end, by numbers with units; products of speeds were lost
+    plain = special_points(*case, 1.0, 1.0)
+    assert len(plain) > 5
+    for L, T in [(2.0**-20, 1.0), (2.0**-150, 1.0), (1.0, 2.0**20), (2.0**60, 2.0**-40)]:
+        assert special_points(*case, L, T) == plain
+    for L, T in [(1e-6, 1e-3), (7.0, 0.1)]:  # these round otherwise
+        other = special_points(*case, L, T)
+        assert [one[:-2] for one in other] == [one[:-2] for one in plain]
+        assert np.allclose([one[-2] for one in other], [one[-2] for one in plain], rtol=1e-9, atol=1e-12)
+
+
+def diagram_and_locus(L, T):
+    """The special points of a bifurcation diagram and of the first one's locus, without units."""
+    P = gz.stroboscopic_map(pushed((3.0, 1.0, 2.2, 0.1, 0.0, 0.8, 0.4, None), L, T))
+    F = L / T**2
+    result = gz.bifurcation_diagram(P, "offset", np.linspace(0.09, 0.12, 7) * F, starts=10)
+    kinds = *result.special_type.values, *result.window_word.values, *result.special_converged.values
+    orbit = gz.one_impact_orbits(P.model, 3)[0]
+    branch = gz.continuation(P, orbit, "offset", (0.09 * F, 0.13 * F))
+    curve = gz.locus(branch.special[0], ("offset", "V"), ((0.0, 0.14 * F), (0.2 * L / T, 0.6 * L / T)))
+    met = [(one.type, one.converged, one.values[0] / F, one.values[1] * T / L) for one in curve.meetings]
+    return kinds, [*(result.special_value.values / F), *(x for one in met for x in one[2:])], [one[:2] for one in met]
+
+
+def test_special_points_of_bifurcation_diagrams_and_loci():
+    kinds, values, met = diagram_and_locus(1.0, 1.0)
+    assert len(values) > 6
+    for L, T in [(2.0**-20, 1.0), (2.0**17, 2.0**-13)]:
+        assert diagram_and_locus(L, T) == (kinds, values, met)
+    one, other, third = diagram_and_locus(1e-6, 1e-3)
+    assert (one, third) == (kinds, met) and np.allclose(other, values, rtol=1e-9)

@@ -24,6 +24,7 @@ LAYERS = (
     ("copies", "pool"),
     ("systems",),
     ("oscillator",),
+    ("billiard",),
     ("maps", "signals"),
     ("orbits",),
     ("proof",),
@@ -64,7 +65,7 @@ OWNERS = {
 # The command line parses, calls and saves: no mathematics.
 FORBIDDEN = {"cli": {"numpy", "scipy"}}
 # What serves every system names none: it asks the origin of a map.
-SYSTEMS = ("grazing.oscillator", "grazing.systems")
+SYSTEMS = ("grazing.oscillator", "grazing.systems", "grazing.billiard")
 NAME_NO_SYSTEM = {
     "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
     "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
@@ -74,7 +75,7 @@ NAME_NO_SYSTEM = {
 STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}
 # Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
 # hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
-BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "maps"}
+BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "billiard", "maps"}
 
 
 def module_name(file: Path, source: Path) -> str:
@@ -222,8 +223,12 @@ def test_the_checker_of_certificates_knows_nothing_of_the_rest():
     assert found - set(sys.stdlib_module_names) == {"grazing_checker", "flint"}
 
 
-#: What handles every study names none: it reads the records.
-NAME_NO_STUDY = {"citation", "cli", "config", "export", "io", "sweep"}
+#: All parts read the records and name no study, but those that are studies, call their functions as such, list them for
+#: Python, or have dimensions of the same names.
+USE_STUDIES = {
+    "catalogue", "compare", "explorer", "grazing", "maps", "orbits", "paper", "plans", "plot", "prepare", "signals",
+    "studies", "testing",
+}  # fmt: skip
 #: Their commands have commands of their own.
 NAME_ONE_STUDY = {("grazing.cli.app", "orbit"), ("grazing.cli.orbits", "orbit")}
 
@@ -251,7 +256,7 @@ def test_what_handles_every_study_names_none():
     found = {
         (module, name)
         for module, file in files.items()
-        if part_of(module) in NAME_NO_STUDY
+        if part_of(module) not in USE_STUDIES
         for name in named_studies(file, module, known, set(files))
     }
     assert found == NAME_ONE_STUDY

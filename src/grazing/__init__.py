@@ -29,6 +29,11 @@ _PUBLIC = {
     "reset": "oscillator.reset",
     "triggered": "oscillator.reset",
     "wall": "oscillator.wall",
+    "arc": "billiard.objects",
+    "disc": "billiard.objects",
+    "drain": "billiard.objects",
+    "segment": "billiard.objects",
+    "table": "billiard.table",
     "Surface": "systems.contract",
     "System": "systems.contract",
     "trajectory": "oscillator.trajectory",
@@ -37,6 +42,9 @@ _PUBLIC = {
     "stroboscopic_map": "maps.stroboscopic",
     "impact_map": "maps.impact",
     "discontinuity_map": "maps.discontinuity",
+    "collision_map": "maps.collisions",
+    "launch_map": "maps.launches",
+    "launches": "maps.launches",
     "zdm": "maps.discontinuity",
     "zdm_points": "maps.discontinuity",
     "NormalForm": "maps.normal_form",
@@ -104,6 +112,11 @@ if TYPE_CHECKING:
     from grazing import sweep as sweep
     from grazing import testing as testing
     from grazing import theory as theory
+    from grazing.billiard.objects import arc as arc
+    from grazing.billiard.objects import disc as disc
+    from grazing.billiard.objects import drain as drain
+    from grazing.billiard.objects import segment as segment
+    from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
     from grazing.compare.ladder import ladder as ladder
@@ -114,11 +127,14 @@ if TYPE_CHECKING:
     from grazing.export import to_parquet as to_parquet
     from grazing.io import load as load
     from grazing.io import save as save
+    from grazing.maps.collisions import collision_map as collision_map
     from grazing.maps.discontinuity import discontinuity_map as discontinuity_map
     from grazing.maps.discontinuity import zdm as zdm
     from grazing.maps.discontinuity import zdm_points as zdm_points
     from grazing.maps.gap import gap_map as gap_map
     from grazing.maps.impact import impact_map as impact_map
+    from grazing.maps.launches import launch_map as launch_map
+    from grazing.maps.launches import launches as launches
     from grazing.maps.linearised import linearised_map as linearised_map
     from grazing.maps.map import Map as Map
     from grazing.maps.normal_form import NormalForm as NormalForm

@@ -10,12 +10,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import partial
 from importlib import import_module
+from importlib.util import MAGIC_NUMBER, find_spec
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import digest
+from grazing.kernel.content import digest, outline
 from grazing.outcome import InputError
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -74,8 +75,9 @@ def alike(a: Any, b: Any) -> bool:
 class Code:
     """A function on its way into a pickle; what comes out is the function itself, and a copy in memory shares it.
 
-    One that a module has at its top travels by name; one that has ``made_by``, a function and its arguments, is made
-    again. Any other, such as a lambda, travels whole if cloudpickle is there.
+    One that a module has at its top travels by name, with a hash of its code: what has that name elsewhere, or later,
+    may be another one. One that has ``made_by``, a function and its arguments, is made again. Any other, such as a
+    lambda, travels whole if cloudpickle is there, and so do those of a program, which others do not find by name.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -89,10 +91,12 @@ class Code:
         if made_by is not None:
             factory, args = made_by
             return factory, tuple(packed(arg) for arg in args)
+        module = str(getattr(self.function, "__module__", ""))
+        whole = module.startswith(OWN_MODULE) or (module == "__main__" and find_spec("cloudpickle") is not None)
         try:
-            if not str(getattr(self.function, "__module__", "")).startswith(OWN_MODULE):
+            if not whole:
                 pickle.dumps(self.function)
-                return plain, (self.function,)
+                return still, (self.function, _code(self.function))
         except Exception:  # whatever an object says that cannot be pickled
             pass
         try:
@@ -103,6 +107,30 @@ class Code:
                 f"{name} cannot be pickled, because no other process could find it by that name; "
                 "define it at the top of a module with def, or pip install cloudpickle, which takes it whole"
             ) from None
+
+
+def _code(function: Any) -> tuple[bytes, str] | None:
+    """Return a hash of the code of a function that is not ours, with the Python that compiled it."""
+    if isinstance(function, FunctionType) and not function.__module__.startswith("grazing."):
+        return MAGIC_NUMBER, outline(function)
+    return None
+
+
+def still(function: Callable[..., Any], code: tuple[bytes, str] | None) -> Callable[..., Any]:
+    """Return a function that a pickle found by its name, if it is the one that was pickled.
+
+    Raises
+    ------
+    InputError
+        If it is another one, or names other numbers or functions.
+    """
+    here = _code(function)
+    if code is None or (here is not None and (code[0] != here[0] or code == here)):  # other Pythons cannot be compared
+        return function
+    raise InputError(
+        f"{function.__module__}.{function.__qualname__} is not the function that was pickled: its code, or a number or "
+        "function that it names, is another one here; put that back, or make the object anew"
+    )
 
 
 def _whole(function: Any) -> bytes:

@@ -32,6 +32,7 @@ BAD_LAW: Final = 64
 TOO_MANY_IMPACTS: Final = 128
 INSIDE_WALL: Final = 256
 TOO_MANY_SWINGS: Final = 512
+ESCAPED: Final = 1024
 
 #: Bits after which a step has no next state: the orbit ends there.
 FATAL: Final = NO_IMPACT | DIVERGED | BAD_LAW | TOO_MANY_IMPACTS | INSIDE_WALL | TOO_MANY_SWINGS
@@ -58,6 +59,7 @@ class Outcome(IntFlag):
     too_many_impacts = TOO_MANY_IMPACTS
     inside_wall = INSIDE_WALL
     too_many_swings = TOO_MANY_SWINGS
+    escaped = ESCAPED
 
 
 class Trust(Enum):
@@ -94,14 +96,21 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more than 10,000 impacts in one period",
+        "more than 10,000 impacts in one period, or on a table bounces too low to be told apart",
         "choose r < 1 or a larger V; the law may need a declared contraction",
     ),
     Outcome.too_many_swings: (
         "more than 47,000 swings of the free ball in one period of the forcing",
         "the time scales are too far apart for exact work: raise omega or alpha, or lower k",
     ),
-    Outcome.inside_wall: ("the state lies inside the wall, u < sigma", "start with u >= sigma"),
+    Outcome.escaped: (
+        "the ball left through a drain, or for good without meeting anything",
+        "nothing to do: that is no error",
+    ),
+    Outcome.inside_wall: (
+        "the state lies inside the wall, u < sigma, or inside an object of a table",
+        "start with u >= sigma, or where the ball is free",
+    ),
 }
 
 
@@ -193,8 +202,22 @@ def abridged(word: str) -> str:
 
 def in_one_line(error: object) -> str:
     """Return the first line of what an error says."""
-    said = getattr(error, "strerror", None) or str(error)
+    said = getattr(error, "strerror", None) or _words(error)
     return str(said).splitlines()[0] if said else type(error).__name__
+
+
+def _words(error: object) -> str:
+    """Return what an error says; nothing of somebody's class that fails when it is asked."""
+    try:
+        return str(error)
+    except Exception:
+        return ""
+
+
+def raised(error: object) -> str:
+    """Return what was raised: its type, and what it says if it says anything."""
+    said = _words(error)
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
 def told(error: BaseException) -> str:
@@ -210,7 +233,7 @@ def told(error: BaseException) -> str:
     ZeroDivisionError: division by zero, in line ... of <doctest ...>: 1 / 0
     """
     frames = traceback.extract_tb(error.__traceback__)
-    said = f"{type(error).__name__}: {str(error)[:500]}"
+    said = raised(error)[:500]
     if not frames:
         return said
     line = f": {frames[-1].line}" if frames[-1].line else ""

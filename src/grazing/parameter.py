@@ -194,7 +194,9 @@ def checked_periods(N: Any) -> list[int]:
 def _is_number(value: Any) -> bool:
     """Whether a value may stand for one number: of arrays only those of no dimension."""
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
-    return not isinstance(value, (bool, str, bytes)) and getattr(value, "ndim", 0) == 0 and kind in ("f", "i", "u", "O")
+    if kind == "O" and getattr(value, "ndim", 1) == 0:  # an array around any object
+        return _is_number(value.item())
+    return not isinstance(value, (bool, str, bytes, bytearray)) and getattr(value, "ndim", 0) == 0 and kind in "fiu"
 
 
 def called_here(name: object, names: Iterable[str]) -> str:
@@ -215,16 +217,55 @@ def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     return InputError(f"unknown parameter {shown(name)} of {of}.{hint} Allowed are: {', '.join(known)}")
 
 
+def named_by(name: Any, names: Iterable[str]) -> list[str]:
+    """Return the parameters that a name stands for: that one, or with ``r`` the ``A.r`` and ``B.r`` of the walls' laws.
+
+    Places and motions of walls are each its own, and no name stands for several. Empty for a name of nothing.
+
+    Examples
+    --------
+    >>> from grazing.parameter import named_by
+    >>> known = ["alpha", "A.sigma", "A.r", "B.sigma", "B.r", "B.V"]
+    >>> named_by("alpha", known), named_by("r", known), named_by("V", known), named_by("sigma", known)
+    (['alpha'], ['A.r', 'B.r'], ['B.V'], [])
+    """
+    known = list(names)
+    if not isinstance(name, str):
+        return []
+    if name in known:
+        return [name]
+    own = name == "sigma" or (name[:3] in ("cos", "sin") and name[3:].isdigit())
+    return [] if own or "." in name else [one for one in known if one.endswith(f".{name}")]
+
+
+def value_of(name: str, params: Mapping[str, float]) -> float:
+    """Return the value of a parameter; raise InputError where a name stands for several with different values."""
+    found = {one: params[one] for one in named_by(name, params)}
+    if len({*found.values()}) > 1:
+        differ = " and ".join(f"{one} = {value:g}" for one, value in found.items())
+        raise InputError(f"{name} stands for {differ}; begin where they are equal, or name one of them")
+    return float(next(iter(found.values()), float("nan")))
+
+
 def checked_name(name: Any, names: Iterable[str], of: str) -> str:
-    """Return the name of a parameter, or raise InputError, whatever was given for it."""
-    if not isinstance(name, str) or name not in names:
-        raise unknown(name, names, of)
-    return name
+    """Return the name of a parameter, or of several, see :func:`named_by`; raise InputError for anything else."""
+    known = list(names)
+    if not named_by(name, known):
+        raise unknown(name, known, of)
+    return str(name)
+
+
+def spread(changes: Mapping[str, Any], names: Iterable[str], of: str) -> dict[str, Any]:
+    """Return changes by the names of parameters, refusing names that do not exist, and one that is changed twice."""
+    known, found = list(names), dict[str, Any]()
+    for name, value in changes.items():
+        for one in named_by(checked_name(name, known, of), known):
+            if one in found or (one != name and one in changes):
+                raise InputError(f"{name} stands for {one}, too, which is given beside it; give one of them")
+            found[one] = value
+    return found
 
 
 def updated(params: Mapping[str, float], changes: Mapping[str, Any], of: str) -> dict[str, Any]:
     """Return params with changes applied, refusing names that do not exist."""
-    for name in changes:
-        if name not in params:
-            raise unknown(name, params, of)
-    return {**params, **changes}
+    return {**params, **spread(changes, params, of)}

@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.billiard.check import check as check_flights
+from grazing.billiard.table import Table
+from grazing.maps.collisions import checked_table
 from grazing.maps.hits import Hits
 from grazing.maps.impact import impact_map
 from grazing.maps.map import CHATTER_LETTER, Map
@@ -167,6 +170,35 @@ def check_system(system: System, states: int = 8, seed: int = 0) -> None:
     if not isinstance(system, System):
         raise InputError(f"system is {shown(system)}; give a gz.System, models go to check_model and maps to check_map")
     check(system, whole(states, "states", 1), checked_seed(seed))
+
+
+def check_table(table: Table, states: int = 8, seed: int = 0) -> None:
+    """Check a pinball table: every impact is found, by exact algebra and a dense search, and does what its law says.
+
+    Parameters
+    ----------
+    table : Table
+        Of :func:`grazing.table`.
+    states : int
+        Random starts; forty flights of each are looked at.
+    seed : int
+
+    Raises
+    ------
+    AssertionError
+        For the first thing that is wrong, with the flight.
+    InputError
+        If a ball of its radius fits nowhere among the objects.
+    UserCodeError
+        If a law raises, or returns what it must not.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> discs = [gz.disc(name, (x, 0), 1.0, gz.newton(1.0)) for name, x in (("A", 0), ("B", 3))]
+    >>> gz.testing.check_table(gz.table(discs, rho=0.2), states=2)
+    """
+    check_flights(checked_table(table), whole(states, "states", 1), checked_seed(seed))
 
 
 def _starts(P: Map, n: int, seed: int) -> NDArray[np.float64]:

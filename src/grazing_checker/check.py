@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from grazing_checker.envelope import VERSION, opened
 from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
-from grazing_checker.orbit import check_orbit
-from grazing_checker.reading import Rejected, demand
+from grazing_checker.orbit import check_orbit, check_walled_orbit
+from grazing_checker.reading import Rejected, demand, quoted
 from grazing_checker.value import check_value
 
 #: All that is imported from the standard library.
@@ -26,6 +26,7 @@ TRUSTED_BASE = (
 )
 KRAWCZYK = "the theorems of Brouwer and Banach, as used by Krawczyk's test"
 FLIGHTS = "the Taylor series of a flight and the bound of its rest, as derived in grazing_checker/flight.py"
+SEEN = "that a wall that moves, or is above the ball, sees another force, as derived in grazing_checker/walls.py"
 MULTIPLIERS = "Jury's criterion, and that the multipliers of a map that is smooth at a fixed point decide its stability"
 BETWEEN = "the intermediate value theorem, on the curve of orbits that depends continuously on one coordinate"
 
@@ -42,6 +43,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
+    "periodic orbit with walls": Kind(check_walled_orbit, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS)),
     "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
     "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
     "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
@@ -74,7 +76,7 @@ def check(certificate: str | Path | Mapping[str, Any]) -> str:
     """
     document = opened(certificate)
     kind = document["kind"]
-    demand(kind in KINDS, f"its kind is {kind!r}; allowed are {', '.join(KINDS)}")
+    demand(kind in KINDS, f"its kind is {quoted(kind)}; allowed are {', '.join(KINDS)}")
     try:
         said = KINDS[kind].check(document["data"], document["inequalities"])
     except Rejected:

@@ -10,7 +10,7 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Any
 
-from grazing_checker.reading import Rejected
+from grazing_checker.reading import Rejected, listed, quoted
 
 FORMAT, VERSION = "grazing certificate", 2
 #: The fields of an envelope, all of them hashed but the last.
@@ -123,20 +123,21 @@ def _check_envelope(document: Any) -> None:
     """Raise Rejected if this is no certificate, or of another version, or was changed after it was sealed."""
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         got = document.get("format") if isinstance(document, dict) else type(document).__name__
-        raise Rejected(f"this is no certificate: its format is {got!r}; allowed is {FORMAT!r}")
+        raise Rejected(f"this is no certificate: its format is {quoted(got)}; allowed is {FORMAT!r}")
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise Rejected(
-            f"the certificate has version {version!r} of the format, this program reads {VERSION}; prove it again with "
-            "this version of grazing: gz.certify(orbit).save(file), or gz.enclose(orbit, kind, name).save(file)"
+            f"the certificate has version {quoted(version)} of the format, this program reads {VERSION}; prove it "
+            "again with this version of grazing: gz.certify(orbit).save(file), or "
+            "gz.enclose(orbit, kind, name).save(file)"
         )
     if set(document) != set(FIELDS):
         wrong = sorted(set(document) ^ set(FIELDS))
-        raise Rejected(f"the certificate lacks or adds fields: {', '.join(wrong)}; allowed are {', '.join(FIELDS)}")
+        raise Rejected(f"the certificate lacks or adds fields: {listed(wrong)}; allowed are {', '.join(FIELDS)}")
     types = {"kind": str, "statement": str, "trusted_base": list, "data": dict, "inequalities": list, "sha256": str}
     for name, kind in types.items():
         if not isinstance(document[name], kind):
-            raise Rejected(f"{name} of the certificate is {document[name]!r}; allowed is a {kind.__name__}")
+            raise Rejected(f"{name} of the certificate is {quoted(document[name])}; allowed is a {kind.__name__}")
     expected = digest_of({name: value for name, value in document.items() if name != "sha256"})
     if document["sha256"] != expected:
         raise Rejected(

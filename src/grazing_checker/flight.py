@@ -1,10 +1,12 @@
 """The free flight as the checker sees it: Taylor series of y'' = F - alpha y' - k^2 y, with a bound on what is cut off.
 
+In place of k^2 there may be a stiffness of either sign, and alpha may be < 0.
+
 Nothing here is shared with the finder, which uses matrix exponentials.
 
 The derivatives obey y^(n+2) = F^(n) - alpha y^(n+1) - k^2 y^(n). Let W be the highest frequency of F, A the sum of its
-amplitudes and rho = alpha + k + 2 W. If |y^(n)| <= C rho^n for n = K - 2 and n = K - 1 and
-A <= C (rho^2 - alpha rho - k^2), it holds for all later n, so that beyond K the series is at most
+amplitudes and rho = |alpha| + sqrt|k^2| + 2 W. If |y^(n)| <= C rho^n for n = K - 2 and n = K - 1 and
+A <= C (rho^2 - |alpha| rho - |k^2|), it holds for all later n, so that beyond K the series is at most
 C (rho h)^K/K! e^(rho h). The derivative by a parameter obeys the same equation with another forcing, bounded likewise.
 """
 
@@ -47,10 +49,10 @@ class Work:
 
 
 class Motion(NamedTuple):
-    """A model's parameters as balls, and the derivatives of all of them by the one that is unknown."""
+    """A model's parameters as balls, k2 the stiffness, and their derivatives by the one that is unknown."""
 
     alpha: Ball
-    k: Ball
+    k2: Ball
     omega: Ball
     t0: Ball
     offset: Ball
@@ -58,11 +60,6 @@ class Motion(NamedTuple):
     cos: list[Ball]
     sin: list[Ball]
     slopes: dict[str, Ball]
-
-    @property
-    def k2(self) -> Ball:
-        """The stiffness."""
-        return self.k * self.k
 
     @property
     def period(self) -> Ball:
@@ -75,7 +72,7 @@ class Motion(NamedTuple):
         return self.offset - self.k2 * self.sigma
 
     def slope(self, name: str) -> Ball:
-        """Return the derivative of a parameter by the unknown one: 1 or 0."""
+        """Return the derivative of a parameter by the unknown one."""
         return self.slopes.get(name, number(0))
 
     def period_slope(self) -> Ball:
@@ -126,8 +123,9 @@ class Checked:
         self.motion, self.sensitive, self.work = motion, sensitive, work or Work()
         count = max(len(motion.cos), 1)
         self.W = (count * motion.omega).upper()
-        self.rho = (motion.alpha + motion.k + 2 * self.W).upper()
-        self.room = (self.rho * self.rho - motion.alpha * self.rho - motion.k2).lower()
+        drag, stiffness = abs(motion.alpha).upper(), abs(motion.k2).upper()
+        self.rho = (drag + stiffness.sqrt() + 2 * self.W).upper()
+        self.room = (self.rho * self.rho - drag * self.rho - stiffness).lower()
         demand(self.room > 0, "the rates of the model cannot be bounded")
         self.A = (abs(motion.level) + sum((abs(x) for x in (*motion.cos, *motion.sin)), number(0))).upper()
         terms = 16
@@ -166,7 +164,7 @@ class Checked:
         It is dF/dp - (d alpha/dp) v - (d k^2/dp) y.
         """
         m, K = self.motion, self.K
-        dk2 = 2 * m.k * m.slope("k")
+        dk2 = m.slope("k2")
         level = m.slope("offset") - dk2 * m.sigma - m.k2 * m.slope("sigma")
         total, bound = [level, *([number(0)] * (K - 1))], abs(level)
         for j, cosine, sine in m.turns(t):
@@ -278,7 +276,7 @@ class Path:
             if flights.sensitive:
                 G, bound = flights.force_slopes(at, self._whole(piece))
                 m, C = flights.motion, self._size(piece)
-                bound += abs(m.slope("alpha")) * C * flights.rho + abs(2 * m.k * m.slope("k")) * C
+                bound += abs(m.slope("alpha")) * C * flights.rho + abs(m.slope("k2")) * C
                 _series, dy, dv = self._stepped(G, dy, dv, bound, E, free)
             self.pieces.append(piece)
         self.y, self.v, self.dy, self.dv = y, v, dy, dv

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from grazing_checker.balls import Ball, double, number
-from grazing_checker.reading import Rejected, demand, keys, text_of_double
+from grazing_checker.reading import Rejected, demand, keys, quoted, text_of_double
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 #: Names that mean something of the model, or of its law.
@@ -32,7 +32,7 @@ def check_law(law: Any) -> int:
     for name in names:
         demand(
             isinstance(name, str) and NAME.fullmatch(name) and not TAKEN.fullmatch(name),
-            f"{name!r} cannot be the name of a parameter of the law",
+            f"{quoted(name)} cannot be the name of a parameter of the law",
         )
     count = [0]
     _check_tree(law["after"], names, LEVELS, count)
@@ -50,11 +50,11 @@ def _check_tree(tree: Any, names: Mapping[str, Any], levels: int, count: list[in
     head, rest = tree[0], tree[1:]
     if head == "if":
         demand(len(rest) == 3 and isinstance(rest[0], list) and len(rest[0]) == 3, "the law has a strange if")
-        demand(rest[0][0] in COMPARISONS, f"the law compares by {rest[0][0]!r}")
+        demand(rest[0][0] in COMPARISONS, f"the law compares by {quoted(rest[0][0])}")
         rest = [*rest[0][1:], *rest[1:]]
     else:
         arity = {"+": (2,), "-": (1, 2), "*": (2,), "/": (2,), "^": (2,), "abs": (1,)}
-        demand(isinstance(head, str) and len(rest) in arity.get(head, ()), f"the law has a strange node {head!r}")
+        demand(isinstance(head, str) and len(rest) in arity.get(head, ()), f"the law has a strange node {quoted(head)}")
     for one in rest:
         _check_tree(one, names, levels - 1, count)
 

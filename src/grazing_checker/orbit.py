@@ -17,12 +17,11 @@ from grazing_checker.oscillator import (
     preconditioner,
     spread,
 )
-from grazing_checker.reading import Inequalities, decimal, demand, keys, numbers, within
+from grazing_checker.reading import Inequalities, decimal, demand, keys, numbers, quoted, within
 from grazing_checker.sentence import active_harmonics, orbit_sentence
+from grazing_checker.walls import mirrored
 
-KEYS = (
-    "model", "law", "impacts", "periods", "precision", "centre", "radius", "unique", "preconditioner", "cuts", "claims"
-)  # fmt: skip
+KEYS = ("model", "impacts", "periods", "precision", "centre", "radius", "unique", "preconditioner", "cuts", "claims")
 CLAIMS = ("box", "apart", "least_period", "incoming", "trace", "det", "multipliers", "stability")
 
 
@@ -39,16 +38,33 @@ def check_orbit(data: Mapping[str, Any], inequalities: list[Any]) -> str:
        smooth over the box.
     4. Its least period (:func:`_least_period`).
     """
-    keys(data, KEYS, "the data")
+    keys(data, (*KEYS, "law"), "the data")
     keys(data["claims"], CLAIMS, "the claims")
+    return _checked(data, inequalities)
+
+
+def check_walled_orbit(data: Mapping[str, Any], inequalities: list[Any]) -> str:
+    """Verify a certificate of a periodic orbit with walls of its own, one or two, which may move.
+
+    It is :func:`check_orbit` with a list of walls in place of one (:mod:`grazing_checker.walls`), and that the orbit
+    is its own mirror image, where that is claimed (:func:`_symmetric`).
+    """
+    keys(data, (*KEYS, "walls"), "the data")
+    keys(data["claims"], (*CLAIMS, "symmetric"), "the claims")
+    return _checked(data, inequalities)
+
+
+def _checked(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     with precision(precision_of(data)):
         problem = Problem(data)
         rows = Inequalities(inequalities)
         box = _existence(problem, data, rows)
         legs = problem.legs(box)
-        check_flights(problem, legs, data["cuts"], rows)
+        check_flights(problem, box, legs, data["cuts"], rows)
         _stability(problem, box, legs, data["claims"], rows)
         _least_period(problem, box, data, rows)
+        if "symmetric" in data["claims"]:
+            _symmetric(problem, box, data)
         rows.finish()
         _incoming(problem.n, legs, data["claims"])
     return orbit_sentence(data)
@@ -113,7 +129,7 @@ def _stability(
     within(det, claims["det"], "the determinant")
     _multipliers(trace, det, claims["multipliers"])
     claimed, found = claims["stability"], margins(trace, det)
-    demand(claimed in ("stable", "unstable", "undecided"), f"the stability claimed is {claimed!r}")
+    demand(claimed in ("stable", "unstable", "undecided"), f"the stability claimed is {quoted(claimed)}")
     if claimed == "stable":
         demand(problem.followed(box), "an impact leaves with w = 0, and the law may throw slow impacts back")
         for name, x in found.items():
@@ -152,27 +168,62 @@ def _multipliers(trace: Ball, det: Ball, claimed: Any) -> None:
 def _least_period(problem: Problem, box: list[Ball], data: Mapping[str, Any], rows: Inequalities) -> None:
     """Verify that the motion has no shorter period, as far as that is claimed.
 
-    The periods of a motion that is not at rest are the multiples of the least one. So if N T is not the least period, N
-    T/q is a period for a prime q. It shifts the impacts, all of which are known, by n/q places: q divides n, t_(i +
-    n/q) = t_i + N T/q and w_(i + n/q) = w_i for all i. For every prime q that divides n one of these 2n equations must
-    fail over all of the box. Whether q divides N is no matter, as the forcing may have a shorter period itself. With n
-    = 1 nothing is left to show.
+    The periods of a motion u(t) that is not at rest are the multiples of the least one. So if N T is not the least
+    period, N T/q is a period for a prime q. It shifts the impacts, all of which are known, by n/q places, each to one
+    at the same wall, as u' jumps up at one below the ball and down at one above it: q divides n, t_(i + n/q) = t_i + N
+    T/q and the velocity u' after both is the same, for all i. For every prime q that divides n one of these 2n
+    equations must fail over all of the box, or the walls differ. Whether q divides N is no matter, as the forcing may
+    have a shorter period itself. With n = 1 nothing is left to show.
 
-    Without impacts y'' + alpha y' + k^2 y = F has one solution of period N T, as D is regular. F has the least period
-    T/g (:func:`grazing_checker.sentence.active_harmonics`), so y, shifted by T/g, is the same solution. And F, made of
-    y and its derivatives, has every period that y has: T/g is the least one, whatever N is.
+    Without impacts u'' + alpha u' + k^2 u = f has one solution of period N T, as D is regular. f has the least period
+    T/g (:func:`grazing_checker.sentence.active_harmonics`), so u, shifted by T/g, is the same solution. And f, made of
+    u and its derivatives, has every period that u has: T/g is the least one, whatever N is.
     """
     claimed = data["claims"]["least_period"]
     demand(claimed is True or claimed is False, "it is not clear whether a least period is claimed")
     if not claimed:
         return
-    n, turn = problem.n, problem.N * problem.motion(box).period
+    n, frames = problem.n, problem.frames(box)
+    turn = problem.N * frames[0].motion.period
     if n == 0:
         demand(active_harmonics(data["model"]) > 0, "a constant force has no least period, nor has the rest it makes")
         return
+    seen = [frames[hit] for hit in problem.hits]
+    speeds = [one.at(t)[1] + one.sign * w for one, t, w in zip(seen, box[:n], box[n:], strict=True)]
     for q in (q for q in range(2, n + 1) if n % q == 0 and all(q % p for p in range(2, q))):
+        step = n // q
+        if problem.hits != [*problem.hits[step:], *problem.hits[:step]]:
+            continue
         gaps = [number(0)]
         for i in range(n):
-            laps, j = divmod(i + n // q, n)
-            gaps += [abs(box[j] + laps * turn - box[i] - turn / q).lower(), abs(box[n + j] - box[n + i]).lower()]
+            laps, j = divmod(i + step, n)
+            gaps += [abs(box[j] + laps * turn - box[i] - turn / q).lower(), abs(speeds[j] - speeds[i]).lower()]
         rows.more(f"least period, divisor {q}", max(gaps))
+
+
+def _symmetric(problem: Problem, box: list[Ball], data: Mapping[str, Any]) -> None:
+    """Verify that the orbit is its own mirror image half of its period later, where that is claimed.
+
+    The model is its own mirror image half a period T/2 later (:func:`grazing_checker.walls.mirrored`), and so it is N
+    T/2 later, as N is odd. So the image of the orbit is a motion, too, whose impacts are those of the orbit at the
+    other wall, N T/2 earlier or later, with the same velocities. If these, in the order that they then have, are at the
+    walls of the orbit's own impacts and in the box of uniqueness, the image is the orbit. Without impacts both solve
+    one linear equation, which has one solution of period N T, as D is regular.
+    """
+    claimed = data["claims"]["symmetric"]
+    demand(claimed is True or claimed is False, "it is not clear whether a symmetry is claimed")
+    if not claimed:
+        return
+    n, half = problem.n, problem.n // 2
+    demand(n % 2 == 0 and problem.N % 2 == 1, "no such orbit is its own mirror image")
+    demand(mirrored(data), "the model is not its own mirror image")
+    if n == 0:
+        return
+    demand(problem.hits[half:] == [1 - hit for hit in problem.hits[:half]], "the impacts are not at the other walls")
+    centre, u = (numbers(data[name], 2 * n, name) for name in ("centre", "unique"))
+    shift = problem.N * problem.motion(box).period / 2
+    for i in range(n):
+        j = (i + half) % n
+        late = shift if i < half else -shift
+        held = abs(box[j] - late - centre[i]) < u[i] and abs(box[n + j] - centre[n + i]) < u[n + i]
+        demand(held, "the mirror image is not proven to be the orbit itself")

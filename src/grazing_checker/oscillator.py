@@ -7,22 +7,27 @@ from typing import Any, NamedTuple
 
 from grazing_checker.balls import Ball, around, between_0_and, double, number
 from grazing_checker.flight import Checked, Matrix, Motion, Path, Work, exceeds, product, transition
-from grazing_checker.law import Jet, check_law, constant, evaluate
-from grazing_checker.reading import Inequalities, Rejected, demand, keys, numbers, text_of_double, whole
+from grazing_checker.law import Jet, constant, evaluate
+from grazing_checker.reading import Inequalities, Rejected, demand, numbers, text_of_double, whole
+from grazing_checker.walls import LARGEST, Frame, Wall, frame, read
 
 Point = list[Ball]
 Rows = list[list[Ball]]
+Start = tuple[int, int, Ball, Ball, Ball, Ball, Ball]
 
-SCALARS = ("alpha", "k", "omega", "t0", "offset", "sigma")
 #: Precisions of the finder; the checker works with the same.
 PRECISIONS = (256, 512, 1024)
-#: Most impacts and periods that a certificate may speak of, and most harmonics.
-LARGEST, HARMONICS = 10_000, 1000
 
 
 class Leg(NamedTuple):
-    """One flight of an orbit, over a box or a point, and the impact that ends it."""
+    """One flight of an orbit, over a box or a point, and the impact that ends it.
 
+    It leaves wall ``one`` at time t with velocity w and acceleration ``push``, as that wall sees them. All else is what
+    wall ``two`` sees, at which it ends; ``turn`` is -1 if the two look at each other.
+    """
+
+    one: int
+    two: int
     path: Path
     t: Ball
     end: Ball
@@ -35,24 +40,35 @@ class Leg(NamedTuple):
     push: Ball
     pull: Ball
     after: Jet
+    turn: int
+
+    @property
+    def by_start(self) -> tuple[Ball, Ball]:
+        """The derivative of height and velocity at the end by t: a later start moves the state there by -(w, push)."""
+        E = self.E
+        return -self.turn * (E[0] * self.w + E[1] * self.push), -self.turn * (E[2] * self.w + E[3] * self.push)
+
+    @property
+    def by_speed(self) -> tuple[Ball, Ball]:
+        """The derivative of height and velocity at the end by w."""
+        return self.turn * self.E[1], self.turn * self.E[3]
 
 
 class Problem:
     """The equations of a certificate, built from its data; the last coordinate of a point may be a parameter.
 
-    Parameters of the model and of the law are kept apart: ``unknown`` is a pair of ``"model"`` or ``"law"`` and a name.
+    Parameters of the model, of each wall and of each law are kept apart: ``unknown`` is a pair of such a group, as
+    :func:`grazing_checker.walls.read` calls it, and a name.
     """
 
     def __init__(self, data: Mapping[str, Any], unknown: tuple[str, str] | None = None) -> None:
-        self.n, self.N = whole(data["impacts"], 0, "impacts"), whole(data["periods"], 1, "periods")
-        demand(self.n <= LARGEST and self.N <= LARGEST, "the orbit has too many impacts or periods")
+        self.walls, texts, self.hits = read(data)
+        self.n, self.N = len(self.hits), whole(data["periods"], 1, "periods")
+        demand(self.N <= LARGEST, "the orbit has too many impacts or periods")
         self.size = 2 * self.n if self.n else 2
         self.unknown = unknown
         self.work = Work()
         self.work.spend(20 * self.size**2)  # for the products of matrices
-        self.nodes = check_law(data["law"])
-        self.after = data["law"]["after"]
-        texts = {"model": model_parameters(data["model"]), "law": dict(data["law"]["parameters"])}
         if unknown is not None:
             demand(unknown[1] in texts.get(unknown[0], {}), "the parameter that is unknown does not exist")
             demand(texts[unknown[0]].pop(unknown[1]) is None, "the parameter that is unknown has a value")
@@ -69,23 +85,31 @@ class Problem:
         """Return the parameters that have a derivative by the unknown one, which is 1."""
         return {self.unknown[1]: number(1)} if self.unknown is not None and self.unknown[0] == of else {}
 
-    def motion(self, x: Point) -> Motion:
-        """Return the forcing at the parameter of a point."""
-        p = self.parameters("model", x)
-        demand(p["alpha"] >= 0 and p["k"] >= 0 and p["omega"] > 0, "alpha, k or omega is out of range")
-        demand(all(value.is_finite() for value in p.values()), "a parameter is not finite")
-        js = range(1, sum(name.startswith("cos") for name in p) + 1)
-        return Motion(
-            p["alpha"], p["k"], p["omega"], p["t0"], p["offset"], p["sigma"],
-            cos=[p[f"cos{j}"] for j in js], sin=[p[f"sin{j}"] for j in js], slopes=self.slope("model"),
-        )  # fmt: skip
+    def frames(self, x: Point) -> list[Frame]:
+        """Return what each wall sees at the parameter of a point."""
+        found, p = [], self.parameters("model", x)
+        demand(p["omega"] > 0, "omega is out of range")
+        demand("k" not in p or p["k"] >= 0, "k is out of range")
+        demand(self.walls[0].name or p["alpha"] >= 0, "alpha is out of range")
+        slopes = self.slope("model")
+        if "k" in slopes:
+            slopes["k2"] = 2 * p["k"]
+        for wall in self.walls:
+            q = p if wall.place == "model" else self.parameters(wall.place, x)
+            demand(all(value.is_finite() for value in (*p.values(), *q.values())), "a parameter is not finite")
+            found.append(frame(wall, p, q, slopes))
+        return found
 
-    def impact(self, x: Point, v: Ball) -> Jet:
+    def motion(self, x: Point) -> Motion:
+        """Return the motion as the first wall sees it: rates and the period are those of all."""
+        return self.frames(x)[0].motion
+
+    def impact(self, x: Point, v: Ball, wall: Wall) -> Jet:
         """Return the velocity after an impact at v, with its derivatives."""
-        self.work.spend(10 * self.nodes)
-        known, slopes = self.parameters("law", x), self.slope("law")
+        self.work.spend(10 * wall.nodes)
+        known, slopes = self.parameters(wall.law, x), self.slope(wall.law)
         leaves = {name: Jet(value, number(0), slopes.get(name, number(0))) for name, value in known.items()}
-        after = evaluate(self.after, {**leaves, "v": Jet(v, number(1), number(0))})
+        after = evaluate(wall.after, {**leaves, "v": Jet(v, number(1), number(0))})
         demand(all(one.is_finite() for one in after), "the reset law is not finite over the box")
         return after
 
@@ -93,63 +117,70 @@ class Problem:
         """Return whether motions near that in a box are followed by its map from impact to impact.
 
         That map says what becomes of all of them, if every impact leaves with w > 0. Beside one that leaves with w = 0
-        there are motions that meet the wall there with any small velocity before the force lifts them off. The law
+        there are motions that meet the wall there with any small velocity before the force lifts them off. Its law
         must not throw these back, nor through the wall: it has to be smooth at small v <= 0, to make 0 of 0, and not to
         grow with v, so that it makes no velocity < 0.
         """
-        if all(w > 0 for w in x[self.n : 2 * self.n]):
-            return True
-        try:
-            slow = self.impact(x, between_0_and(number(-1, -1000)))
-        except Rejected:
-            return False
-        return bool(slow.by_v <= 0 and self.impact(x, number(0)).x.is_zero())
+        for wall in {self.hits[i - 1] for i in range(self.n) if not x[self.n + i] > 0}:
+            try:
+                slow = self.impact(x, between_0_and(number(-1, -1000)), self.walls[wall])
+            except Rejected:
+                return False
+            if not (slow.by_v <= 0 and self.impact(x, number(0), self.walls[wall]).x.is_zero()):
+                return False
+        return True
 
     def legs(self, x: Point, sensitive: bool = False) -> list[Leg]:
         """Return the flights of a point, or of a small box."""
-        motion = self.motion(x)
-        flights = Checked(motion, sensitive, self.work)
+        frames = self.frames(x)
+        flights = [Checked(one.motion, sensitive, self.work) for one in frames]
         made = []
-        for t, y, w, L, end in self._starts(x, motion):
-            path = Path(flights, t, y, w, L)
-            made.append(self._leg(x, motion, path, (t, end, w, y), path.y, path.v, transition(flights, L)))
+        for start in self._starts(x, frames):
+            one, two, t, y, w, L, _end = start
+            path = Path(flights[two], t, *frames[one].seen_by(frames[two], t, y, w), L)
+            made.append(self._leg(x, frames, path, start, path.y, path.v, transition(flights[two], L)))
         return made
 
     def wide_legs(self, centre: Point, x: Point) -> list[Leg]:
-        """Return the flights of a box about a centre, each as the centre's plus an unforced one."""
-        motion = self.motion(x)
-        flights = Checked(motion, work=self.work)
+        """Return the flights of a box about a centre, each as the centre's plus an unforced one.
+
+        The unforced one is what the flights differ by where they start, as the wall sees it that they leave.
+        """
+        frames = self.frames(x)
+        flights = [Checked(one.motion, work=self.work) for one in frames]
         made = []
-        for (tc, yc, wc, Lc, endc), (t, y, w, L, end) in zip(
-            self._starts(centre, motion), self._starts(x, motion), strict=True
-        ):
-            path = Path(flights, tc, yc, wc, Lc)
-            E = product(transition(flights, Lc), transition(flights, L - Lc))
-            first, last = path.pieces[0], flights.expanded(endc, path.y, path.v)
-            dy, dw = y - first(t - tc), w - first(t - tc, 1)
+        for mid, start in zip(self._starts(centre, frames), self._starts(x, frames), strict=True):
+            one, two, tc, yc, wc, Lc, endc = mid
+            t, y, w, L, end = start[2:]
+            path = Path(flights[two], tc, *frames[one].seen_by(frames[two], tc, yc, wc), Lc)
+            E = product(transition(flights[two], Lc), transition(flights[two], L - Lc))
+            first, last = flights[one].expanded(tc, yc, wc), flights[two].expanded(endc, path.y, path.v)
+            turn = frames[one].sign * frames[two].sign
+            dy, dw = turn * (y - first(t - tc)), turn * (w - first(t - tc, 1))
             late = end - endc
             y_end = last(late) + E[0] * dy + E[1] * dw
             v_end = last(late, 1) + E[2] * dy + E[3] * dw
-            made.append(self._leg(x, motion, path, (t, end, w, y), y_end, v_end, E))
+            made.append(self._leg(x, frames, path, start, y_end, v_end, E))
         return made
 
-    def _starts(self, x: Point, motion: Motion) -> list[tuple[Ball, Ball, Ball, Ball, Ball]]:
-        """Return time, height, velocity, length and end of every flight."""
-        n, turn = self.n, self.N * motion.period
+    def _starts(self, x: Point, frames: list[Frame]) -> list[Start]:
+        """Return the walls at both ends, time, height, velocity, length and end of every flight."""
+        n, turn = self.n, self.N * frames[0].motion.period
         if n == 0:
-            return [(number(0), x[0], x[1], turn, turn)]
+            return [(0, 0, number(0), x[0], x[1], turn, turn)]
         ends = [*x[1:n], x[0] + turn]
         demand(all(b > a for a, b in zip(x[:n], ends, strict=True)), "the impacts are not in the order of time")
-        return [(x[i], number(0), x[n + i], ends[i] - x[i], ends[i]) for i in range(n)]
+        to = [*self.hits[1:], self.hits[0]]
+        return [(self.hits[i], to[i], x[i], number(0), x[n + i], ends[i] - x[i], ends[i]) for i in range(n)]
 
-    def _leg(
-        self, x: Point, motion: Motion, path: Path, start: tuple[Ball, Ball, Ball, Ball], y: Ball, v: Ball, E: Matrix
-    ) -> Leg:
-        t, end, w, y0 = start
-        push = motion.force(t) - motion.alpha * w - motion.k2 * y0
-        pull = motion.force(end) - motion.alpha * v - motion.k2 * y
-        after = self.impact(x, v) if self.n else constant(v)
-        return Leg(path, t, end, w, y, v, path.dy, path.dv, E, push, pull, after)
+    def _leg(self, x: Point, frames: list[Frame], path: Path, start: Start, y: Ball, v: Ball, E: Matrix) -> Leg:
+        one, two, t, y0, w, _L, end = start
+        left, met = frames[one].motion, frames[two].motion
+        push = left.force(t) - left.alpha * w - left.k2 * y0
+        pull = met.force(end) - met.alpha * v - met.k2 * y
+        after = self.impact(x, v, self.walls[two]) if self.n else constant(v)
+        turn = frames[one].sign * frames[two].sign
+        return Leg(one, two, path, t, end, w, y, v, path.dy, path.dv, E, push, pull, after, turn)
 
     def defect(self, x: Point, legs: list[Leg]) -> Point:
         """Return what must vanish: heights at the impacts, and velocities after them less what the law gives."""
@@ -169,10 +200,8 @@ class Problem:
             if n == 0:
                 D = [[leg.E[0] - 1, leg.E[1], dy], [leg.E[2], leg.E[3] - 1, dv]]
                 return [row[: 2 + bool(self.unknown)] for row in D]
-            # a later start moves the state there by -(w, push)
-            y_t, v_t = -leg.E[0] * leg.w - leg.E[1] * leg.push, -leg.E[2] * leg.w - leg.E[3] * leg.push
             to, g = (i + 1) % n, leg.after.by_v
-            for column, y_x, v_x in ((i, y_t, v_t), (to, leg.v, leg.pull), (n + i, leg.E[1], leg.E[3])):
+            for column, (y_x, v_x) in ((i, leg.by_start), (to, (leg.v, leg.pull)), (n + i, leg.by_speed)):
                 D[i][column] += y_x
                 D[n + i][column] -= g * v_x
             D[n + i][n + to] += 1
@@ -193,24 +222,11 @@ class Problem:
         total = (number(1), number(0), number(0), number(1))
         det = (-motion.alpha * self.N * motion.period).exp()
         for i, leg in enumerate(legs):
-            y_t, v_t = -leg.E[0] * leg.w - leg.E[1] * leg.push, -leg.E[2] * leg.w - leg.E[3] * leg.push
-            a, b, g = -y_t / leg.v, -leg.E[1] / leg.v, leg.after.by_v
-            total = product((a, b, g * (v_t + leg.pull * a), g * (leg.E[3] + leg.pull * b)), total)
+            (y_t, v_t), (y_w, v_w) = leg.by_start, leg.by_speed
+            a, b, g = -y_t / leg.v, -y_w / leg.v, leg.after.by_v
+            total = product((a, b, g * (v_t + leg.pull * a), g * (v_w + leg.pull * b)), total)
             det *= g * legs[(i + 1) % self.n].w / leg.v
         return total[0] + total[3], det
-
-
-def model_parameters(model: Any) -> dict[str, Any]:
-    """Return the texts of the parameters of a model by their names; None for one that is unknown."""
-    keys(model, (*SCALARS, "cos", "sin", "offset_name"), "the model")
-    cos, sin = model["cos"], model["sin"]
-    demand(isinstance(cos, list) and isinstance(sin, list), "cos and sin are no lists")
-    demand(1 <= len(cos) == len(sin) <= HARMONICS, "cos and sin do not match")
-    demand(model["offset_name"] in ("offset", "d"), "the constant force has a strange name")
-    texts = {name: model[name] for name in SCALARS}
-    for j, (c, s) in enumerate(zip(cos, sin, strict=True), start=1):
-        texts |= {f"cos{j}": c, f"sin{j}": s}
-    return texts
 
 
 def precision_of(data: Any) -> int:
@@ -257,39 +273,72 @@ def margins(trace: Ball, det: Ball) -> dict[str, Ball]:
     return {"1 + trace + det": 1 + trace + det, "1 - trace + det": 1 - trace + det, "1 - det": 1 - det}
 
 
-def check_flights(problem: Problem, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Any = None) -> None:
+def check_flights(
+    problem: Problem, x: Point, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Any = None
+) -> None:  # fmt: skip
     """Verify that all solutions in a box are motions: what happens at impacts, and no contact between them.
 
-    An impact comes with v < 0 and leaves with w > 0, or with w = 0 exactly. Then flight i, from y = 0, back at y = 0
-    after a time L that is in a ball, is above the wall between if, with 0 < start < end < L for all of that ball,
+    An impact comes with v < 0 and leaves with w > 0, or with w = 0 exactly. Then flight i, which leaves one wall at y
+    = 0 and after a time L that is in a ball is at y = 0 of the other or of the same, is off all walls between if, with
+    0 < start, end < L for all of that ball, and start < end if the walls are the same,
 
-    - v > 0 on [0, start]; if it leaves with w = 0, y'' > 0 there, so that v > 0 on (0, start];
-    - y > 0 on [start, end], but for a dip in its inside;
-    - v < 0 on [end, L], so that y > y(L) = 0 before L.
+    - as the wall sees it that it leaves, v > 0 on [0, start]; if it leaves with w = 0, y'' > 0 there, so that v > 0 on
+      (0, start]; and y > 0 on [start, L];
+    - as the wall sees it that it meets, y > 0 on [0, end], and v < 0 on [end, L], so that y > y(L) = 0 before L. If
+      that is the same wall, y > 0 on [start, end] instead of both stretches, but for a dip in its inside;
+    - as any other wall sees it, y > 0 on [0, L].
 
-    Without impacts y > 0 must hold on the whole of [0, N T]. Every bound holds for all solutions in the box at once.
+    Without impacts y > 0 must hold on the whole of [0, N T] for each wall. Every bound holds for all solutions in the
+    box at once.
     """
-    n = problem.n
+    n, frames = problem.n, problem.frames(x)
     if n == 0:
         demand(cuts == [], "an orbit without impacts has no cuts")
-        _check_height(legs[0].path, "height of the orbit", number(0), legs[0].end - legs[0].t, rows, dip)
-        return
-    for i, leg in enumerate(legs):
+    for i, leg in enumerate(legs if n else ()):
         rows.less(f"velocity before impact {(i + 1) % n + 1}", leg.v)
         demand(leg.after.x > 0 or leg.after.x.is_zero(), "the reset law does not surely return a velocity >= 0")
     demand(isinstance(cuts, list) and len(cuts) == n, "there are not two cuts for every flight")
     for i, leg in enumerate(legs):
-        start, end = numbers(cuts[i], 2, f"cuts of flight {i + 1}")
-        L = leg.end - leg.t
-        demand(start > 0 and end > start and L > end, f"the cuts of flight {i + 1} are not in order")
-        resting = legs[i - 1].after.x.is_zero()
-        path = leg.path if not resting else Path(leg.path.flights, leg.t, number(0), number(0), L)
-        first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
-        shown = exceeds(path, number(0), start, 2 if resting else 1, rows.left(first, ">"))
-        demand(shown, f"{first} is not proven")
-        _check_height(path, f"height of flight {i + 1} between its cuts", start, end, rows, dip, i + 1)
-        last = f"velocity of flight {i + 1} after its last cut"
-        demand(exceeds(path, end, L.upper(), 1, -rows.left(last, "<"), sign=-1), f"{last} is not proven")
+        L, w = leg.end - leg.t, leg.w
+        start, end = numbers(cuts[i], 2, f"cuts of flight {i + 1}") if n else (number(0), L.upper())
+        if n:
+            ordered = end > start or leg.one != leg.two
+            demand(
+                start > 0 and end > 0 and ordered and L > start and L > end,
+                f"the cuts of flight {i + 1} are not in order",
+            )
+        resting = n > 0 and legs[i - 1].after.x.is_zero()
+        w = number(0) if resting else leg.w
+        y0 = number(0) if n else x[0]
+        paths = [_path(frames, leg, y0, w, L, to, resting) for to in range(len(frames))]
+        if n:
+            first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
+            shown = exceeds(paths[leg.one], number(0), start, 2 if resting else 1, rows.left(first, ">"))
+            demand(shown, f"{first} is not proven")
+        for j, path in enumerate(paths):
+            low, high = start if j == leg.one else number(0), end if j == leg.two else L.upper()
+            _check_height(path, _height(problem, i, j), low, high, rows, dip, i + 1)
+        if n:
+            last = f"velocity of flight {i + 1} after its last cut"
+            shown = exceeds(paths[leg.two], end, L.upper(), 1, -rows.left(last, "<"), sign=-1)
+            demand(shown, f"{last} is not proven")
+
+
+def _height(problem: Problem, i: int, j: int) -> str:
+    """Return what the height of a flight above a wall is called."""
+    name = problem.walls[j].name
+    flight = f"flight {i + 1}" if problem.n else "the orbit"
+    if name:
+        return f"distance of {flight} from wall {name}"
+    return f"height of {flight}{' between its cuts' if problem.n else ''}"
+
+
+def _path(frames: list[Frame], leg: Leg, y: Ball, w: Ball, L: Ball, to: int, anew: bool) -> Path:
+    """Return a flight as a wall sees it."""
+    if to == leg.two and not anew:
+        return leg.path
+    flights = Checked(frames[to].motion, work=leg.path.flights.work)
+    return Path(flights, leg.t, *frames[leg.one].seen_by(frames[to], leg.t, y, w), L)
 
 
 def _check_height(

@@ -18,8 +18,8 @@ DECIMAL = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60})?(E[+-]?[0-9]{1,4})?")
 BLUNT = -30
 
 
-#: Most characters of a message, and of a number in it.
-LONGEST, QUOTED = 10_000, 80
+#: Most characters of a message, of a list of names in it, and of a value.
+LONGEST, LIST, QUOTED = 10_000, 500, 80
 
 
 class Rejected(ValueError):
@@ -37,6 +37,12 @@ def quoted(text: Any) -> str:
     """Return what a certificate holds, for a message: the beginning if it is long."""
     said = repr(text)
     return said if len(said) <= QUOTED else f"{said[:QUOTED]}..."
+
+
+def listed(names: Sequence[Any]) -> str:
+    """Return names that a certificate holds, for a message: the first ones if there are many."""
+    said = ", ".join(map(str, names[:QUOTED]))
+    return said if len(said) <= LIST and len(names) <= QUOTED else f"{said[:LIST]}..."
 
 
 def demand(holds: object, said: str) -> None:
@@ -77,7 +83,7 @@ def keys(document: Any, names: Sequence[str], where: str) -> None:
     """Demand that a mapping has these keys and no others."""
     demand(isinstance(document, Mapping), f"{where} is no mapping")
     wrong = sorted(set(document) ^ set(names))
-    demand(not wrong, f"{where} lacks or adds {', '.join(map(str, wrong))}")
+    demand(not wrong, f"{where} lacks or adds {listed(wrong)}")
 
 
 def numbers(texts: Any, count: int, where: str) -> list[Ball]:
@@ -88,7 +94,7 @@ def numbers(texts: Any, count: int, where: str) -> list[Ball]:
 
 def whole(number: Any, low: int, where: str) -> int:
     """Return an int that is at least ``low``."""
-    demand(type(number) is int and number >= low, f"{where} is {number!r}, not a whole number >= {low}")
+    demand(type(number) is int and number >= low, f"{where} is {quoted(number)}, not a whole number >= {low}")
     return int(number)
 
 
@@ -122,11 +128,12 @@ class Inequalities:
         row = self.rows[self.at]
         self.at += 1
         keys(row, ("name", "left", "relation", "right"), f"inequality {self.at}")
-        demand(row["name"] == name, f"inequality {self.at} is {row['name']!r}; expected is {name!r}")
+        demand(row["name"] == name, f"inequality {self.at} is {quoted(row['name'])}; expected is {name!r}")
         demand(
-            row["relation"] == relation, f"the relation of {name!r} is {row['relation']!r}; expected is {relation!r}"
+            row["relation"] == relation,
+            f"the relation of {name!r} is {quoted(row['relation'])}; expected is {relation!r}",
         )
-        demand(row["right"] == right, f"the right side of {name!r} is {row['right']!r}; expected is {right!r}")
+        demand(row["right"] == right, f"the right side of {name!r} is {quoted(row['right'])}; expected is {right!r}")
         left = decimal(row["left"])
         limit = exact(right) if "x" in right else decimal(right)
         held = left >= limit if relation == ">" else left <= limit
@@ -143,4 +150,4 @@ class Inequalities:
 
     def finish(self) -> None:
         """Demand that there is no further inequality."""
-        demand(self.at == len(self.rows), f"the inequality {self.name!r} is not one of this proof")
+        demand(self.at == len(self.rows), f"the inequality {quoted(self.name)} is not one of this proof")

@@ -45,6 +45,49 @@ def model_text(data: Mapping[str, Any]) -> str:
     )
 
 
+def walled_text(data: Mapping[str, Any]) -> str:
+    """Return a model with walls of its own in words."""
+    model = data["model"]
+    spring = "stiffness" if "stiffness" in model else "k"
+    flat = {name: model[name] for name in ("alpha", spring, "omega", "t0", "offset")} | _amplitudes(model)
+    pull = "stiffness" if spring == "stiffness" else "k^2"
+    return (
+        f"the oscillator u'' + alpha u' + {pull} u = offset + {_series()}, with {_values(flat)} and T = 2 pi/omega, "
+        f"{', and '.join(_wall_text(one) for one in data['walls'])}"
+    )
+
+
+def _series(front: str = "") -> str:
+    return f"sum over j of {front}cos_j cos(j omega (t + t0)) + {front}sin_j sin(j omega (t + t0))"
+
+
+def _values(numbers: Mapping[str, str | None]) -> str:
+    return ", ".join(f"{name} = {float.fromhex(x)!r}" for name, x in numbers.items() if x is not None)
+
+
+def _amplitudes(part: Mapping[str, Any]) -> dict[str, Any]:
+    front = f"{part['name']}." if "name" in part else ""
+    found: dict[str, Any] = {}
+    for j, (c, s) in enumerate(zip(part["cos"], part["sin"], strict=True), start=1):
+        found |= {f"{front}cos_{j}": c, f"{front}sin_{j}": s}
+    return found
+
+
+def _wall_text(wall: Mapping[str, Any]) -> str:
+    """Return a wall in words: where it is, and what an impact does to the velocity relative to it, away from it."""
+    below, name = wall["side"] == "below", wall["name"]
+    law, front = wall["law"], f"{name}."
+    place = f"{front}sigma{f' + {_series(front)}' if wall['cos'] else ''}"
+    speed = f"u' - z_{name}'" if below else f"z_{name}' - u'"
+    numbers = _values({f"{front}sigma": wall["sigma"]} | _amplitudes(wall))
+    said = (
+        f'u {">" if below else "<"} z_{name} at the wall "{name}", z_{name} = {place} with {numbers}, where an impact '
+        f"with {speed} = v < 0 makes {speed} = {law_text(law['after'])}"
+    )
+    inside = _values({f"p.{key}": x for key, x in law["parameters"].items()})
+    return f"{said}{' with ' if inside else ''}{inside}"
+
+
 def parameter_text(data: Mapping[str, Any]) -> str:
     """Return the name of the parameter that is unknown, as the sentence calls it."""
     of, name = data["parameter"]["of"], data["parameter"]["name"]
@@ -60,16 +103,19 @@ def signature(n: int, N: int) -> str:
     return f"with {n or 'no'} {'impact' if n == 1 else 'impacts'} in {N} {'period' if N == 1 else 'periods'}"
 
 
-def coordinates(n: int) -> list[str]:
-    """Return the names of the coordinates of an orbit."""
+def coordinates(n: int, first: Mapping[str, Any] | None = None) -> list[str]:
+    """Return the names of the coordinates of an orbit; without impacts those that the first wall sees."""
+    if n == 0 and first is not None:
+        pairs = [(f"u{d}", f"z_{first['name']}{d}") for d in ("", "'")]
+        return [f"{a} - {b} at t = 0" if first["side"] == "below" else f"{b} - {a} at t = 0" for a, b in pairs]
     if n == 0:
         return ["u - sigma at t = 0", "u' at t = 0"]
     return [f"t_{i + 1}" for i in range(n)] + [f"w_{i + 1}" for i in range(n)]
 
 
-def box_text(n: int, box: list[list[str]]) -> str:
+def box_text(n: int, box: list[list[str]], first: Mapping[str, Any] | None = None) -> str:
     """Return a box in words."""
-    return ", ".join(f"{name} in [{lo}, {hi}]" for name, (lo, hi) in zip(coordinates(n), box, strict=True))
+    return ", ".join(f"{name} in [{lo}, {hi}]" for name, (lo, hi) in zip(coordinates(n, first), box, strict=True))
 
 
 def active_harmonics(model: Mapping[str, Any]) -> int:
@@ -94,15 +140,37 @@ def least_text(data: Mapping[str, Any]) -> str:
 
 def orbit_sentence(data: Mapping[str, Any]) -> str:
     """Return the sentence of a certificate of a periodic orbit."""
-    claims, n = data["claims"], data["impacts"]
-    names = "" if n == 0 else "; t_i are the times of its impacts and w_i the velocities after them"
-    met = "stays off the wall" if n == 0 else "meets the wall at no other time, and at each impact with a velocity < 0"
+    claims, walls = data["claims"], data.get("walls", ())
+    n = len(data["impacts"]) if walls else data["impacts"]
+    met, names, image = _meetings(data, n) if walls else _impacts(n)
+    box = box_text(n, claims["box"], walls[0] if walls else None)
     return (
-        f"For {model_text(data)}, {EXACTLY} there is a periodic orbit "
-        f"{signature(n, data['periods'])} T{least_text(data)} that {met}, with {box_text(n, claims['box'])}{names}; no "
+        f"For {walled_text(data) if walls else model_text(data)}, {EXACTLY} there is a periodic orbit "
+        f"{signature(n, data['periods'])} T{least_text(data)} that {met}, with {box}{names}{image}; no "
         f"other solution of the equations of such an orbit is within ({', '.join(claims['apart'])}) of it in these "
         f"coordinates; {STABILITY[claims['stability']]}."
     )
+
+
+def _impacts(n: int) -> tuple[str, str, str]:
+    """Return in words how an orbit meets its one wall, what the names of its coordinates mean, and no symmetry."""
+    if n == 0:
+        return "stays off the wall", "", ""
+    names = "; t_i are the times of its impacts and w_i the velocities after them"
+    return "meets the wall at no other time, and at each impact with a velocity < 0", names, ""
+
+
+def _meetings(data: Mapping[str, Any], n: int) -> tuple[str, str, str]:
+    """Return in words how an orbit meets its walls, what its coordinates mean, and its symmetry if that is claimed."""
+    middle = " + ".join(f"{one['name']}.sigma" for one in data["walls"])
+    image = f"; it is its own mirror image, u(t + {data['periods']} T/2) = {middle} - u(t)"
+    image = image if data["claims"]["symmetric"] else ""
+    if n == 0:
+        walls = " and ".join(f'"{one["name"]}"' for one in data["walls"])
+        return f"stays off the wall{'s' if len(data['walls']) > 1 else ''} {walls}", "", image
+    order = ", ".join(f'"{name}"' for name in data["impacts"])
+    names = "; t_i are the times of its impacts and w_i what the laws make of v at them"
+    return f"meets the walls {order}, in this order, and none at another time, each with v < 0", names, image
 
 
 def value_sentence(data: Mapping[str, Any]) -> str:

@@ -20,7 +20,7 @@ from grazing_checker.oscillator import (
     preconditioner,
     spread,
 )
-from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, numbers, whole, within
+from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, numbers, quoted, whole, within
 from grazing_checker.sentence import EVENTS, value_sentence
 
 KEYS = (
@@ -46,7 +46,9 @@ def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     """
     keys(data, KEYS, "the data")
     keys(data["claims"], CLAIMS, "the claims")
-    demand(isinstance(data["type"], str) and data["type"] in EVENTS, f"the type of bifurcation is {data['type']!r}")
+    demand(
+        isinstance(data["type"], str) and data["type"] in EVENTS, f"the type of bifurcation is {quoted(data['type'])}"
+    )
     keys(data["parameter"], ("of", "name"), "the parameter")
     unknown = data["parameter"]["of"], data["parameter"]["name"]
     demand(all(isinstance(one, str) for one in unknown), "no parameter is unknown")
@@ -56,7 +58,7 @@ def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         rows = Inequalities(inequalities)
         curve = Curve(problem, data, rows)
         dip = _dip(data, max(problem.n, 1))
-        check_flights(problem, curve.legs, data["cuts"], rows, dip)
+        check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
         ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
         _change_of_sign(problem, data, curve, ends, dip, rows)
         rows.finish()
@@ -199,4 +201,4 @@ def _claims(problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[
             "unstable": any(x < 0 for x in found),
             "undecided": True,
         }.get(claims["ends"][i], False)
-        demand(held, f"the orbit at end {i + 1} is not proven {claims['ends'][i]!r}")
+        demand(held, f"the orbit at end {i + 1} is not proven {quoted(claims['ends'][i])}")

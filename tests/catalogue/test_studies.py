@@ -34,9 +34,8 @@ def below(P, name, values, *, starts=100, seed=0, level=0.0, threads=None, progr
                 compute=compute, together=1, work=5 * starts)
 
 
-plan = below.plan
 STUDY = Study(
-    name="below", place=65, compute="grazing.catalogue.below:below", plan="grazing.catalogue.below:plan",
+    name="below", place=65, compute="grazing.catalogue.below:below",
     least=1, most=1, says="how many orbits end below a level", help="Count the orbits that end below a level.",
     example="mu=0:1:5", prints="the greatest share", figure="",
     options={"level": ("number", "where to cut")},
@@ -103,9 +102,9 @@ def test_it_is_in_the_table_of_the_documentation(asked):
 
 @pytest.mark.parametrize("study", studies().values(), ids=studies())
 def test_a_record_names_what_there_is(study):
-    from grazing import plot
+    from grazing import plans, plot
 
-    assert callable(named(study.compute)) and (not study.plan or callable(named(study.plan)))
+    assert callable(named(study.compute)) and study.plan in (None, getattr(plans, study.function, None))
     assert not study.drawn_by or callable(getattr(plot, study.drawn_by))
     assert (study.proves == "") == (study.prove is None)
     assert study.help.endswith(".") and study.least <= study.most

@@ -1,5 +1,6 @@
 """``grazing orbit``, ``branch``, ``windows``, ``bifurcations``: what they find, print, write, prove and refuse."""
 
+import copy
 import csv
 import json
 import os
@@ -7,9 +8,10 @@ import tomllib
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 import grazing as gz
-from grazing.cli import certificates, main
+from grazing.cli import certificates, main, orbit_study
 from grazing.config import checked, command_of, load_config, plan_of, recipe_of, result_of, toml_of
 
 BALL = ["--V", "0.4", "-q"]
@@ -22,6 +24,28 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     return tmp_path
+
+
+@pytest.fixture(autouse=True, scope="module")
+def once():
+    """Compute a study once that several command lines ask for, who say it, draw it or write it in different ways."""
+    known = {}
+
+    def remembering(function):
+        def asked(recipe, *rest, **named):
+            key = function.__name__, json.dumps(recipe)
+            if ".py:" in key[1]:  # a file of one's own may change
+                return function(recipe, *rest, **named)
+            if key not in known:
+                known[key] = function(recipe, *rest, **named)
+            return copy.deepcopy(known[key])
+
+        return asked
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("orbits_of", "result_of"):
+            patch.setattr(orbit_study, name, remembering(getattr(orbit_study, name)))
+        yield
 
 
 def said(capsys, code, *tokens):
@@ -57,7 +81,8 @@ def test_orbits_are_those_of_the_closed_form(alpha, V, d, capsys):
 
 
 def test_orbits_in_words_and_files(folder, capsys):
-    text = said(capsys, 0, "orbit", "--period", "1:4", "mu=0.5", *GAP, "--virtual", "-o", "a.nc", "-o", "a.csv")
+    files = ["-o", "a.nc", "-o", "a.csv", "-o", "a.parquet"]
+    text = said(capsys, 0, "orbit", "--period", "1:4", "mu=0.5", *GAP, "--virtual", *files)
     lines = text.splitlines()
     assert lines[0] == "periodic orbits of the gap map" and lines[2].split()[:2] == ["word", "period"]
     rows = {line.split()[0]: line.split()[1:5] for line in lines[3:7]}
@@ -71,6 +96,8 @@ def test_orbits_in_words_and_files(folder, capsys):
     point, image = table.x.values[2, :2]
     assert image == pytest.approx(0.8 * point + 0.5, abs=1e-14)
     assert next(csv.DictReader((folder / "a.csv").read_text().splitlines()))["word"] == "L"
+    assert list(dict.fromkeys(parquet.read_table("a.parquet")["word"].to_pylist())) == table.word.values.tolist()
+    assert "allowed are nc, csv, parquet, in small letters" in said(capsys, 2, "orbit", "--word", "L", "-o", "a.png")
     command = json.loads(said(capsys, 0, "info", "a.nc", "--json"))["command"]
     assert command == ("grazing orbit --map gap --lam 0.8 --mu 0.5 --l 1.0 --period 1,2,3,4 --virtual -o a.nc")
 
@@ -148,6 +175,16 @@ def test_a_law_of_ones_own_is_proven_and_verified_with_its_file(folder, capsys):
     assert "verified" in said(capsys, 0, "orbit", "check", "own.json", "--model", "mine.py:ball")
     (folder / "other.py").write_text((folder / "mine.py").read_text().replace("1.0 - p.c", "1.0 + p.c"))
     said(capsys, 1, "orbit", "check", "own.json", "--model", "other.py:ball")
+
+
+def test_orbits_between_walls_are_proven_by_the_same_calls(folder, capsys):
+    walls = ["--walls", "A=newton,B=newton", "A.sigma=-0.5", "A.r=0.8", "B.sigma=0.5", "B.r=0.6"]
+    model = ["--alpha", "0.1", "--k", "0.5", "--omega", "2", "--cos", "2", "-q"]
+    found = told(capsys, "orbit", "--word", "(AB)", *walls, *model, "--starts", "20", "--save", "proofs")
+    ((row,), (orbit,)) = found["proofs"], found["orbits"]
+    assert row["proven"] and 'meets the walls "A", "B", in this order' in row["statement"] and not orbit["stable"]
+    assert "unstable" in row["statement"] and row["file"].endswith("(AB)-period-1.json")
+    assert "verified" in said(capsys, 0, "orbit", "check", row["file"])
 
 
 # ---- branch

@@ -134,3 +134,58 @@ def test_a_study_in_gap_and_frequency_is_answered_in_them(capsys):
     assert "N  gap (mm) from" in said
     said = run(capsys, "response", "frequency=12:14:3", "--starts", "1", "--si", f"{SI},gap=1.2 mm", "--r", "0.7")
     assert "gr             12.92270452912 " in said and "special point  frequency (Hz)" in said
+
+
+def test_a_history_is_written_as_sound(capsys, tmp_path):
+    from scipy.io import wavfile
+
+    args = ["history", "u=0", "v=0", "--until", "2", "--si", f"{SI},gap=1.2 mm,frequency=14", "--r", "0.7"]
+    run(capsys, *args, "--units", "mm", "-o", f"{tmp_path}/rig.wav", "-o", f"{tmp_path}/rig.nc")
+    rate, played = wavfile.read(tmp_path / "rig.wav")
+    assert len(played) / rate == pytest.approx(2.0, abs=1e-4)  # seconds as they were, whatever the units of the rest
+    gz.to_wav(gz.trajectory(rig(), (0.0, 0.0), until=2.0), tmp_path / "python.wav")
+    assert (tmp_path / "python.wav").read_bytes() == (tmp_path / "rig.wav").read_bytes()
+    model = gz.pinball(d=0.12, V=0.4)
+    run(capsys, "history", "u=0.1", "v=0", "--until", "600", "--d", "0.12", "--V", "0.4", "-o", f"{tmp_path}/b.wav")
+    rate, played = wavfile.read(tmp_path / "b.wav")
+    assert len(played) / rate == pytest.approx(
+        600.0 / (440.0 * model.period), abs=1e-3
+    )  # the forcing is a tone of 440 Hz
+
+
+def test_a_motion_that_rests_has_no_sound(capsys, tmp_path):
+    rest = ["history", "u=0", "v=0", "--until", "600", "--d=-3", "--V", "0", "--r", "0.5", "-o", f"{tmp_path}/rest.wav"]
+    assert main([*rest, "-q"]) == 2
+    assert "the motion rests: its velocity does not change, and nothing sounds" in capsys.readouterr().err
+    assert main(["sample", "u=0", "v=0", "--until", "6", "-o", f"{tmp_path}/rest.wav", "-q"]) == 2
+    assert "allowed are png, pdf, svg, nc, csv, parquet, in small letters" in capsys.readouterr().err
+
+
+def test_a_response_says_what_the_sweeps_could_not_show(capsys):
+    """Where both begin inside the band they agree, and there are two stable orbits all the same."""
+    args = ["--starts", "1", "--si", f"{SI},gap=1.2 mm", "--r", "0.7"]
+    said = run(capsys, "response", "frequency=12:18:13", *args)
+    assert "up and down differ at frequency = 13.5 to 16.5 Hz (7 values)" in said
+    assert "two stable orbits at frequency = 12.9227 to 16.581 Hz" in said  # from the graze to the fold
+    said = run(capsys, "response", "frequency=13.5:14:3", *args)
+    assert "up and down agree at every value" in said and "two stable orbits at frequency = 13.5 to 14 Hz" in said
+    said = run(capsys, "response", "frequency=18:19:3", *args)
+    assert "up and down agree at every value" in said and "two stable" not in said
+
+
+def test_sweeps_without_a_period_are_not_said_to_agree():
+    P = gz.stroboscopic_map(gz.Oscillator(0.1, 1.0, gz.Forcing(omega=0.8), gz.newton(0.8), sigma=-2.0))
+    result = gz.response(P, "sigma", [-4.0, -3.0, -2.8], starts=1)
+    result["period"][0, :2] = -1
+    found_in = told(studies()["response"], result)
+    assert (found_in["compared"], found_in["values"]) == (2, 3)
+    words = studies()["response"].words(found_in, result, {"vary": {"sigma": ""}})
+    assert words[0] == "up and down agree at 2 of 3 values; the others have no period"
+
+
+def test_a_dry_run_says_what_curves_take(capsys):
+    assert "and its curves, in a figure, some 14 s" in run(
+        capsys, "chart", "omega=2:3:4", "V=0:0.4:4", "--curves", "2:3", "--starts", "1", "--dry-run"
+    )
+    plain = run(capsys, "chart", "mu=0:0.4:4", "l=0:1:4", "--map", "gap", "--lam", "0.9", "--curves", "3", "--dry-run")
+    assert "curves" not in plain

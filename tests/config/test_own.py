@@ -4,11 +4,13 @@ import copy
 import json
 import os
 import pickle
+import re
 import tomllib
 
 import pytest
 
 from grazing import InputError, UserCodeError
+from grazing.cli.app import main
 from grazing.config import checked, command_of, load_config, plan_of, result_of
 from grazing.config.own import Named, NotNamed, located, own_object
 
@@ -120,6 +122,37 @@ def test_a_file_that_fails_is_named(tmp_path):
         own_object(Named(f"{tmp_path}/bad.py:P"))
     with pytest.raises(InputError, match=r"map: there is no file"):
         checked({"study": "diagram", "map": f"{tmp_path}/none.py:P", "vary": {"d": "0:1:2"}}, code="trust")
+
+
+@pytest.mark.parametrize("line", ["import sys; sys.exit(0)", "exit()", "raise SystemExit('done')"])
+def test_a_file_that_ends_itself_is_named(tmp_path, capsys, line):
+    """A program without a guard around its end was run, nothing was computed, and the exit code was that: 0."""
+    (tmp_path / "program.py").write_text(f"{line}\n{FILE}")
+    assert main(["diagram", "--map", f"{tmp_path}/program.py:logistic", "r=2.5:3.5:3"]) == 2
+    assert re.fullmatch(r"error: --map: \S+program\.py cannot be run: SystemExit: .+\n", capsys.readouterr().err)
+
+
+RAISES = """
+class Odd(gz.Oscillator):
+    @property
+    def params(self):
+        raise KeyError("mine")
+
+odd = Odd(0.1, 1.0, gz.Forcing(2.8), gz.newton(0.8))
+"""
+ENDS = RAISES.replace('KeyError("mine")', "SystemExit")
+MUTE = "\nclass Mute(Exception):\n    def __str__(self):\n        raise ValueError\n\nraise Mute\n"
+
+
+@pytest.mark.parametrize(
+    ("lines", "code", "said"),
+    [(RAISES, 1, "line 26 of {file} raised KeyError: 'mine'"), (MUTE, 2, "--model: {file} cannot be run: Mute"),
+     (ENDS, 1, "code of your own, or of a package, called sys.exit(None); leave that away.")],
+)  # fmt: skip
+def test_what_a_class_of_ones_own_raises_is_no_defect_of_the_library(own, capsys, lines, code, said):
+    own.write_text(FILE + lines)
+    assert main(["diagram", "--model", f"{own}:odd", "alpha=0.1:0.2:2"]) == code
+    assert capsys.readouterr().err == f"error: {said.format(file=own)}\n"
 
 
 def test_what_a_file_names_is_text_and_runs_nothing(tmp_path, own):

@@ -169,11 +169,13 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
     np.testing.assert_allclose(load("a.nc").omega, [13.0, 14.0, 15.0], rtol=1e-14)
     assert main(["response", *small]) == 0
     out = capsys.readouterr().out
-    assert "units: " in out and "rad/s (" in out and "N s/kg (impulse" in out
-    assert "greatest amplitude (m) " in out and " rad/s (2 values)" in out
+    assert "units: " in out and "Hz (" in out and "N s/kg (impulse" in out
+    assert "greatest amplitude (m) " in out and "frequency = 14 to 15 Hz (2 values)" in out
+    assert main(["response", *small, "--units", "rad/s"]) == 0
+    assert "differ at omega = 87.9646 to 94.2478 rad/s (2 values)" in capsys.readouterr().out
     assert main(["response", *small, "--units", "Hz,mm"]) == 0
     out = capsys.readouterr().out
-    assert "up and down differ at omega = 14 to 15 Hz" in out and "greatest amplitude (mm)" in out
+    assert "up and down differ at frequency = 14 to 15 Hz" in out and "greatest amplitude (mm)" in out
     assert main(["diagram", "sigma=-2e-3:-1e-3:3", *small[1:], "-o", "b.nc"]) == 0
     assert "sigma (m) from" in capsys.readouterr().out
     assert main(["windows", "frequency=5:19", *small[1:5], "--N", "1", "--units", "Hz", "-q"]) == 0
@@ -197,7 +199,7 @@ def test_units_are_checked_before_anything_is_computed(capsys, folder):
     assert "'furlong^2' matches nothing that a result has" in capsys.readouterr().err
     assert main([*rig, "--units", "mm,N", "-o", "a.csv"]) == 0
     assert "--units: 'N' matches nothing in the result" in capsys.readouterr().err
-    assert "u (mm)" in (folder / "a.csv").read_text()
+    assert "u (mm positive down)" in (folder / "a.csv").read_text()
 
 
 @pytest.mark.parametrize(
@@ -255,7 +257,7 @@ parameters.r = 0.7
     assert "units" not in json.loads(made.attrs["grazing_recipe"])  # another look at it has its own
     assert recipe_of(made.attrs)["units"] == "Hz,mm"
     assert main([*small, "--units", "mm/s", "--json"]) == 0  # the shell overrides
-    assert {"mm/s", "m", "rad/s"} <= json.loads(capsys.readouterr().out)["units"].keys()
+    assert {"mm/s", "m", "Hz"} <= json.loads(capsys.readouterr().out)["units"].keys()
 
 
 @pytest.mark.parametrize(

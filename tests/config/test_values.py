@@ -8,11 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grazing import InputError
+from grazing.config import checked
 from grazing.config.settings import text_of
 from grazing.config.values import (
     bounds_of,
     by_name,
+    count,
     extremes,
+    number,
     numbers,
     other_range,
     pairs,
@@ -153,3 +156,24 @@ def test_a_seed_may_use_all_64_bits_and_counts_what_a_kernel_counts_to():
     for key, value in (("seed", 2**64), ("keep", 2**63)):
         with pytest.raises(InputError, match=f"{key} = {value}; allowed is a whole number from"):
             checked({**config, "settings": {key: value}})
+
+
+@pytest.mark.parametrize(
+    "value",
+    [np.array("0.3", object), np.array(True, object), bytearray(b"0.3"), np.array([0.3], object), np.void(b"a")],
+)
+def test_what_hides_a_text_or_a_truth_value_is_no_number(value):
+    """An array of no dimension around an object was taken for what its object can be turned into."""
+    with pytest.raises(InputError):
+        number(value, "x")
+    with pytest.raises(InputError):
+        count(value, "x", 0)
+    assert number(np.array(0.3, object), "x") == 0.3
+
+
+@pytest.mark.parametrize("study", ["density", "windows"])
+@pytest.mark.parametrize("value", [np.array([0.1, 0.2]), np.array([0.1]), np.void(b"ab"), np.array([["default"] * 2])])
+def test_what_varies_is_no_array(study, value):
+    """What is said of it was a ValueError about the truth of an array."""
+    with pytest.raises(InputError, match=r"vary\.d = "):
+        checked({"study": study, "vary": {"d": value}})

@@ -146,6 +146,21 @@ def test_an_interval_is_cut_to_what_a_parameter_may_be(shown, address):
     assert cut == [[0, 1], [0, 1], [0, 1], [0.002, 1], [-1, 1]]
 
 
+def test_a_link_of_any_length_is_read_at_once(shown, address):
+    """700,000 parts that cannot be read took a quarter of a minute, and were shown, each of them."""
+    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    said = shown.page.evaluate(
+        "async () => { const { fromFragment } = await import('./state.js');"
+        " const links = ['%&'.repeat(7e5), 'version=1&lam=' + '9'.repeat(2e6), 'version=1&' + 'a%&b=1&'.repeat(900)];"
+        " return links.map(link => fromFragment(link, {}).problems.join('; ')); }"
+    )
+    assert said[:2] == ["it has 1400000 characters, of 10000 at most", "it has 2000014 characters, of 10000 at most"]
+    assert said[2].endswith("; 893 more") and len(said[2]) < 300
+    shown.page.evaluate(f"location.hash = 'version=1&view=gap&columns=8&bins=8&lam={'9' * 20_000}'")
+    shown.until("() => !document.getElementById('problem').hidden")
+    assert shown.problem().startswith("Parts of the link could not be used: it has 20") and state(shown, "lam") == 0.8
+
+
 def test_the_law_takes_its_parameters_with_it(shown, address):
     shown.open(f"{address}#version=1&view=oscillator&columns=8&bins=8&reduced=no&vary=V&reach=0.1:0.5")
     law = shown.page.locator("label:has-text('reset law') + select")

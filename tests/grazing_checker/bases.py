@@ -8,6 +8,7 @@ from tests.grazing_checker.documents import documents
 
 KINDS = (
     "periodic orbit",
+    "periodic orbit with walls",
     "bifurcation value",
     "gap map orbit",
     "gap map edge",

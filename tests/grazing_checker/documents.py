@@ -12,8 +12,13 @@ from grazing_checker.sentence import orbit_sentence, value_sentence
 from tests.models import cubic
 from tests.proof.orbits import attractor, doubled, without_impacts
 
-NAMES = ("stable", "unstable", "free", "own", "pd", "gr", "lp", "ns")
-SENTENCES = {"periodic orbit": orbit_sentence, "bifurcation value": value_sentence}
+WALLED = ("pair", "rattle", "table", "inverted", "aloft", "doubled table")
+NAMES = ("stable", "unstable", "free", "own", "pd", "gr", "lp", "ns", *WALLED)
+SENTENCES = {
+    "periodic orbit": orbit_sentence,
+    "periodic orbit with walls": orbit_sentence,
+    "bifurcation value": value_sentence,
+}
 #: Numbers that only help to prove: not unique, and not part of the statement.
 WITNESSES = {("data", "preconditioner"), ("data", "ends")}
 
@@ -22,6 +27,61 @@ def own_model():
     return gz.Oscillator(
         alpha=1.5, k=1.2, forcing=gz.Forcing(omega=2.2, offset=0.05), sigma=0.02, reset=gz.reset(cubic, e=0.8, c=0.5)
     )
+
+
+def walled(alpha, spring, forcing, *walls):
+    return gz.Oscillator(alpha, **spring, forcing=forcing, walls=walls)
+
+
+def found_in(model, word, **wanted):
+    """The one orbit of a word that a model has, among those with these properties."""
+    period = wanted.get("period", 1)
+    sought = {"word": word} if period == 1 else {"period": period}  # that of a word is the shortest
+    orbits = gz.periodic_orbits(gz.stroboscopic_map(model), **sought, starts=60)
+    (orbit,) = (
+        one for one in orbits if all(getattr(one, name) == value for name, value in wanted.items()) and one.word == word
+    )
+    return orbit
+
+
+def impact_pair(r=0.5, gap=3.0):
+    """A ball without a spring in a box that shakes."""
+    shake, still = gz.Forcing(omega=1.0, sin=(1.0,), cos=()), gz.Forcing(omega=1.0, cos=())
+    sides = (gz.wall(side * gap / 2, gz.newton(r), motion=shake) for side in (-1, 1))
+    return walled(0.0, {"k": 0.0}, still, *sides)
+
+
+def vibrating_table(r, amplitude):
+    """A ball that falls on a table which moves up and down."""
+    shake, fall = gz.Forcing(omega=1.0, sin=(amplitude,), cos=()), gz.Forcing(omega=1.0, offset=-1.0, cos=())
+    return walled(0.0, {"k": 0.0}, fall, gz.wall(0.0, gz.newton(r), motion=shake))
+
+
+def rattle():
+    sides = gz.wall(-0.5, gz.newton(0.8)), gz.wall(0.5, gz.newton(0.6))
+    return walled(0.1, {"k": 0.5}, gz.Forcing(omega=2.0, cos=(2.0,)), *sides)
+
+
+def inverted():
+    sides = gz.wall(-0.4, gz.newton(0.6)), gz.wall(0.4, gz.newton(0.6))
+    return walled(0.3, {"stiffness": -1.0}, gz.Forcing(omega=2.0, cos=(1.5,)), *sides)
+
+
+def walled_orbits():
+    """Orbits between walls that are at rest or move, with springs of either sign and without, by name."""
+    nod = gz.Forcing(omega=4.0, cos=(0.1,), sin=(0.05,))
+    sides = gz.wall(-1.4, gz.newton(0.6), motion=nod), gz.wall(1.4, gz.reset(cubic, e=0.8, c=0.5), name="L")
+    aloft = walled(0.5, {"k": 1.0}, gz.Forcing(omega=2.0, cos=(0.5,)), *sides)
+    found = {
+        "pair": found_in(impact_pair(), "(BA)", stable=True),
+        "rattle": found_in(rattle(), "(BAB)", stable=False),
+        "table": found_in(vibrating_table(0.5, 1.4), "1", stable=True),
+        "inverted": found_in(inverted(), "A"),
+        "aloft": found_in(aloft, "0"),
+        "doubled table": found_in(vibrating_table(0.5, 1.6), "1", period=2),
+    }
+    assert tuple(found) == WALLED
+    return found
 
 
 @cache
@@ -38,6 +98,7 @@ def documents():
         "gr": enclose(orbit, "gr", "d"),
         "lp": enclose(fold, "lp", "d"),
         "ns": enclose(ns, "ns", "r"),
+        **{name: certify(orbit) for name, orbit in walled_orbits().items()},
     }
     assert tuple(found) == NAMES
     return {name: certificate.document for name, certificate in found.items()}

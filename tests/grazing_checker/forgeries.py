@@ -24,6 +24,7 @@ from grazing_checker.sentence import orbit_sentence, value_sentence
 
 SENTENCES = {
     "periodic orbit": orbit_sentence,
+    "periodic orbit with walls": orbit_sentence,
     "bifurcation value": value_sentence,
     "gap map orbit": gap.orbit_sentence,
     "gap map edge": gap.edge_sentence,
@@ -276,7 +277,7 @@ def of_a_neighbour(rng, data, others):
 def neighbours_proof(rng, data, others):
     """The whole proof of a neighbour about the model of this one."""
     other = rng.choice(others)
-    keep = {"lam", "mu", "l", "model", "law", "word", "low", "high"}
+    keep = {"lam", "mu", "l", "model", "law", "walls", "word", "low", "high"}
     for name in data:
         if name not in keep and name in other:
             data[name] = deepcopy(other[name])
@@ -315,15 +316,19 @@ def dropped(rng, data, _others):
 def parameter(rng, data, _others):
     """Another value of a parameter of the model."""
     if "model" in data:
-        model, law = data["model"], data["law"]["parameters"]
-        places = [(model, name) for name in ("alpha", "k", "omega", "t0", "offset", "sigma")]
-        places += [(model[row], j) for row in ("cos", "sin") for j in range(len(model[row]))]
-        places += [(law, name) for name in law]
+        parts = [data["model"], *data.get("walls", ())]
+        places = [(part, name) for part in parts for name, text in part.items() if text is None or is_double(text)]
+        places += [(part[row], j) for part in parts for row in ("cos", "sin") for j in range(len(part[row]))]
+        places += [(law["parameters"], name) for law in laws_in(data) for name in law["parameters"]]
     else:
         places = [(data, name) for name in ("lam", "mu", "l", "low", "high") if name in data]
     where, name = rng.choice(places)
     if where[name] is not None:
         where[name] = other_double(rng, where[name])
+
+
+def laws_in(data):
+    return [wall["law"] for wall in data["walls"]] if "walls" in data else [data["law"]]
 
 
 def wider(rng, data, _others):
@@ -347,7 +352,7 @@ def wider(rng, data, _others):
 def true_of_it(_rng, data, _others):
     """The strongest claims there are."""
     claims = data.get("claims", {})
-    for name, best in (("least_period", True), ("stable", True), ("stability", "stable")):
+    for name, best in (("least_period", True), ("stable", True), ("stability", "stable"), ("symmetric", True)):
         if name in claims:
             claims[name] = best
 
@@ -424,12 +429,37 @@ def signature(rng, data, _others):
         data["precision"] = rng.choice((512, 1024, 53, 0, -256, True, 257))
         return
     name = rng.choice(("impacts", "periods"))
+    if name == "impacts" and "walls" in data:
+        other_hits(rng, data)
+        return
     data[name] = rng.choice((data[name] + 1, data[name] * 2, data[name] - 1, 0, -1, 7, True))
+
+
+def other_hits(rng, data):
+    """Impacts at other walls, in another order, one more or less."""
+    hits = data["impacts"]
+    names = [*hits, *(wall["name"] for wall in data["walls"])]
+    i = rng.randrange(len(hits) + 1)
+    data["impacts"] = rng.choice(
+        (
+            [*hits[1:], *hits[:1]],
+            [*hits[:i], rng.choice(names), *hits[i:]],
+            [*hits[:i], *hits[i + 1 :]],
+            [*hits[:i], rng.choice(names), *hits[i + 1 :]],
+            [rng.choice(("Z", "a", "", 'A"; it is stable', 1, None, *names)) for _ in hits],
+            len(hits),
+        )
+    )
+
+
+def count_of(data):
+    """The number of impacts."""
+    return len(data["impacts"]) if "walls" in data else data["impacts"]
 
 
 def twice(rng, data, others):
     """The orbit gone round twice, or begun at another impact, said to be of that least period."""
-    n = data["impacts"]
+    n = count_of(data)
     if n == 0 or "unique" not in data:
         data["periods"] *= 2
         return
@@ -440,7 +470,7 @@ def twice(rng, data, others):
         with precision(256):
             later = [x if name != "centre" else text_of(exact(x) + turn) for x in t]
         data[name] = [*t, *later, *w, *w]
-    data["impacts"], data["periods"] = 2 * n, 2 * data["periods"]
+    data["impacts"], data["periods"] = 2 * data["impacts"], 2 * data["periods"]
     data["cuts"] = [*data["cuts"], *data["cuts"]]
     size = 4 * n
     claims = data["claims"]
@@ -456,7 +486,7 @@ def text_of(x):
 
 def law(rng, data, _others):
     """Another law: a node changed, or a parameter of another name."""
-    one = data["law"]
+    one = rng.choice(laws_in(data))
     paths = list(leaves(one["after"]))
     how = rng.randrange(4)
     if how == 0 and paths[0]:
@@ -470,7 +500,7 @@ def law(rng, data, _others):
     elif how == 2:
         names = ("alpha", "k", "cos1", "sigma", "offset", "e; so it is stable", "unused", "r")
         one["parameters"][rng.choice(names)] = (0.5).hex()
-    else:
+    elif "offset_name" in data["model"]:
         data["model"]["offset_name"] = rng.choice(("offset", "d", "k", "the offset, which is stable", ""))
 
 
@@ -517,13 +547,13 @@ def cuts(rng, data, _others):
     elif how == 1:
         one[rng.randrange(2)] = other_exact(rng, one[0])
     else:
-        n = data["impacts"]
+        n = count_of(data)
         data["centre"][:n] = rng.sample(data["centre"][:n], n)
 
 
 def later(rng, data, _others):
     """The orbit a period of the forcing later: true, or false by a bit."""
-    n = data["impacts"]
+    n = count_of(data)
     turn = (
         2 * 3.141592653589793 * rng.choice((1, data["periods"], 0.5)) / float.fromhex(data["model"]["omega"] or "0x1p0")
     )
@@ -570,7 +600,9 @@ def fitting_matrix(_rng, data, _others):
 def solved_again(rng, data, others):
     """A parameter is changed a little, and the equations are solved again: all fits, and may even be true."""
     if "model" in data:
-        places = [(data["model"], "alpha"), (data["model"], "offset"), *((data["law"]["parameters"], p) for p in "rV")]
+        places = [(data["model"], "alpha"), (data["model"], "offset")]
+        places += [(law["parameters"], p) for law in laws_in(data) for p in law["parameters"] if p in "rV"]
+        places += [(wall, "sigma") for wall in data.get("walls", ())]
     else:
         places = [(data, name) for name in ("lam", "mu", "l") if name in data]
     where, name = rng.choice(places)
@@ -578,14 +610,19 @@ def solved_again(rng, data, others):
         where[name] = (float.fromhex(where[name]) * (1 + rng.choice((1e-3, 1e-2, 0.1, 0.5)) * rng.uniform(-1, 1))).hex()
     pinned = data.get("pinned", -1)
     with precision(256):
-        for _ in range(6):
-            F, D = system(data)
-            Y = np.linalg.inv(floats(D))
-            step = Y @ np.array([float(x) for x in F])
-            free = [i for i in range(len(data["centre"])) if i != pinned]
-            for i, by in zip(free, step.tolist(), strict=True):
-                data["centre"][i] = text_of(exact(data["centre"][i]) - double(by))
+        newton(data, pinned)
     fitting_matrix(rng, data, others)
+
+
+def newton(data, pinned=-1):
+    """The centre is moved to a zero of the equations, if Newton's method finds one."""
+    for _ in range(6):
+        F, D = system(data)
+        Y = np.linalg.inv(floats(D))
+        step = Y @ np.array([float(x) for x in F])
+        free = [i for i in range(len(data["centre"])) if i != pinned]
+        for i, by in zip(free, step.tolist(), strict=True):
+            data["centre"][i] = text_of(exact(data["centre"][i]) - double(by))
 
 
 def elsewhere(rng, data, others):
@@ -654,11 +691,111 @@ def orthogonal(rng, data, _others):
             data[name] = [text] * len(data[name]) if isinstance(data[name], list) else text
 
 
+# What he does to walls
+
+
+def wall_renamed(rng, data, _others):
+    """Other names: exchanged, of both the same, no names at all; the impacts follow, or not."""
+    walls = data["walls"]
+    old = [wall["name"] for wall in walls]
+    new = rng.choice(
+        (
+            old[::-1],
+            [rng.choice("ABLRZ") for _ in old],
+            [old[0]] * len(old),
+            [rng.choice(("C", "S", "a", "AB", "", "A'", 'A" is stable; "', "A\n", "\u0391", 1)) for _ in old],
+        )
+    )
+    for wall, name in zip(walls, new, strict=True):
+        wall["name"] = name
+    if rng.random() < 0.7:
+        data["impacts"] = [new[old.index(name)] for name in data["impacts"]]
+
+
+def walls_exchanged(rng, data, _others):
+    """Walls, or what two of them have, in each other's place: motions, positions, laws, sides."""
+    one, two = data["walls"]
+    names = rng.choice((("cos", "sin"), ("sigma",), ("law",), ("side",), ("sigma", "cos", "sin"), ("sin",), ()))
+    for name in names:
+        one[name], two[name] = two[name], one[name]
+    if not names:
+        data["walls"].reverse()
+
+
+def wall_dropped(rng, data, _others):
+    """A wall is left out, or there is one more; its impacts go with it, or not."""
+    walls = data["walls"]
+    i = rng.randrange(len(walls))
+    if rng.random() < 0.2:
+        more = {**deepcopy(walls[i]), "name": rng.choice("DE"), "side": rng.choice(("above", "below"))}
+        if rng.random() < 0.7:
+            more["sigma"] = rng.choice((50.0, -50.0, 0.0, 2.0)).hex()
+        walls.insert(rng.choice((0, len(walls))), more)
+        return
+    gone = walls.pop(i)["name"]
+    how = rng.randrange(3)
+    if how == 0:
+        data["impacts"] = [name for name in data["impacts"] if name != gone]
+    elif how == 1 and walls:
+        data["impacts"] = [walls[0]["name"] for _ in data["impacts"]]
+
+
+def side_flipped(rng, data, _others):
+    """A wall is on the other side of the ball, and the whole may be seen upside down."""
+    if rng.random() < 0.5:
+        wall = rng.choice(data["walls"])
+        wall["side"] = {"below": "above", "above": "below"}[wall["side"]]
+        return
+
+    def turned(text):
+        return (-float.fromhex(text)).hex()
+
+    for part in (data["model"], *data["walls"]):
+        for name in ("cos", "sin"):
+            part[name] = [turned(x) for x in part[name]]
+    data["model"]["offset"] = turned(data["model"]["offset"])
+    for wall in data["walls"]:
+        wall["sigma"] = turned(wall["sigma"])
+        if rng.random() < 0.8:
+            wall["side"] = {"below": "above", "above": "below"}[wall["side"]]
+    if rng.random() < 0.8:
+        data["walls"].reverse()
+
+
+def wall_moved(rng, data, others):
+    """A wall stands a little elsewhere, or moves a little otherwise: less than the clearance, or more."""
+    wall = rng.choice(data["walls"])
+    by = rng.choice((1e-12, 1e-6, 1e-3, 0.05, 1.0)) * rng.uniform(-1, 1)
+    if rng.random() < 0.6:
+        wall["sigma"] = (float.fromhex(wall["sigma"]) + by).hex()
+    else:
+        wall["cos"], wall["sin"] = [*wall["cos"], by.hex()], [*wall["sin"], (0.0).hex()]
+    if rng.random() < 0.5:
+        with precision(256):
+            newton(data)
+        fitting_matrix(rng, data, others)
+
+
+def image(rng, data, others):
+    """The mirror image of the orbit, half a period later, said to be one of the same model."""
+    names = [wall["name"] for wall in data["walls"]]
+    data["impacts"] = [names[1 - names.index(name)] for name in data["impacts"]]
+    n = len(data["impacts"])
+    with precision(256):
+        half = pi() * data["periods"] / double(float.fromhex(data["model"]["omega"]))
+        data["centre"][:n] = [text_of(exact(x) + half * rng.choice((1, 1, -1))) for x in data["centre"][:n]]
+    if rng.random() < 0.5:
+        fitting_matrix(rng, data, others)
+    data["claims"]["symmetric"] = True
+
+
 COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
 SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
 OSCILLATOR = (*SOLVED, signature, law, cuts, later)
+WALLS = (wall_renamed, walls_exchanged, wall_dropped, side_flipped, wall_moved, image)
 WAYS = {
     "periodic orbit": (*OSCILLATOR, twice),
+    "periodic orbit with walls": (*OSCILLATOR, twice, *WALLS, *WALLS),
     "bifurcation value": (*OSCILLATOR, unknown, event),
     "gap map orbit": (*SOLVED, word, again),
     "gap map edge": (*SOLVED, word, edge, again),

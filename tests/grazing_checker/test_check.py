@@ -12,6 +12,7 @@ from grazing.proof.certify import certify
 from grazing_checker import Rejected, check
 from tests.grazing_checker.documents import (
     NAMES,
+    WALLED,
     WITNESSES,
     at,
     changed,
@@ -55,7 +56,8 @@ def other_value(value):
 
 
 # The rest of them in the long run; the generator of forgeries takes all of them in either.
-EVERY = [pytest.param(kind, marks=[] if kind in ("stable", "free", "pd") else pytest.mark.long) for kind in NAMES]
+QUICK = ("stable", "free", "pd", "pair", "aloft")
+EVERY = [pytest.param(kind, marks=[] if kind in QUICK else pytest.mark.long) for kind in NAMES]
 
 
 @pytest.mark.parametrize("kind", EVERY)
@@ -79,10 +81,14 @@ def test_every_field_that_changes_is_found_even_sealed_again(made, kind):
             continue
         if path == ("data", "claims", "least_period"):
             assert said == re.sub(r", of least period [^,]*,", "", document["statement"])  # less is claimed
-        elif path[:2] == ("data", "law"):
-            assert kind == "free"  # an orbit without impacts is one for every law
+        elif path == ("data", "claims", "symmetric"):
+            assert said == re.sub(r"; it is its own mirror image, [^;]*;", ";", document["statement"])  # likewise
+        elif path[:2] == ("data", "law") or (path[:2] == ("data", "walls") and path[3] == "law"):
+            assert kind in ("free", "aloft")  # an orbit without impacts is one for every law
+        elif path[:2] == ("data", "walls"):
+            assert kind == "aloft" and path[2] == 1  # and a wall that is off its way may be elsewhere
         else:  # another witness of the same theorem
-            assert path[:2] in WITNESSES
+            assert path[:2] in WITNESSES or (kind in WALLED and path[:2] == ("data", "cuts"))
             assert said == document["statement"]
 
 
@@ -103,7 +109,7 @@ def test_every_field_is_needed_and_none_may_be_added(made, kind):
         (),
         ("claims",),
         ("model",),
-        ("law",),
+        *(part for part in (("law",), ("walls", 0), ("walls", -1, "law")) if part[0] in document["data"]),
         *((("parameter",),) if "parameter" in document["data"] else ()),
     ):
         for key in list(at(document["data"], place)):
@@ -214,7 +220,7 @@ def test_what_is_no_certificate_is_refused(made, tmp_path):
     path.write_text(json.dumps(made["stable"])[:-5])
     with pytest.raises(Rejected, match="not the JSON"):
         check(path)
-    with pytest.raises(Rejected, match="its kind is 'theorem'; allowed are periodic orbit, bifurcation value"):
+    with pytest.raises(Rejected, match="its kind is 'theorem'; allowed are periodic orbit, periodic orbit with walls"):
         check(resealed({**made["stable"], "kind": "theorem"}))
     with pytest.raises(Rejected, match="lacks or adds"):
         check(resealed({**made["stable"], "kind": "bifurcation value"}))

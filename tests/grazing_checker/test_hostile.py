@@ -193,10 +193,24 @@ def test_a_message_about_a_certificate_is_one_line_whatever_it_quotes(name):
 
 def test_a_message_quotes_no_more_than_can_be_read():
     long = "x" * 10**6
-    for path in (("data", "word"), ("data", "lam"), ("inequalities", 0, "left"), ("kind",), ("statement",)):
+    row = [("inequalities", 0, key) for key in ("name", "left", "relation", "right")]
+    for path in (("data", "word"), ("data", "lam"), *row, ("kind",), ("statement",)):
         with pytest.raises(Rejected) as refusal:
             check(resealed(changed(bases()["R"], path, lambda _old: long)))
-        assert len(str(refusal.value)) < 20_000
+        assert len(str(refusal.value)) < 1000
+    more = {f"{long}{i}": i for i in range(9)} | {f"key {i}": i for i in range(10_000)}
+    orbit, at = bases()["stable"], ("data", "claims", "stability")
+    for forged in (
+        changed(bases()["R"], ("data",), lambda old: {**old, **more}),
+        changed(orbit, at, lambda _old: long),
+    ):
+        with pytest.raises(Rejected) as refusal:
+            check(resealed(forged))
+        assert len(str(refusal.value)) < 1000
+    for forged in ({**bases()["R"], **more}, {**bases()["R"], "version": long}, {"format": long}):
+        with pytest.raises(Rejected) as refusal:
+            check(forged)
+        assert len(str(refusal.value)) < 1000
 
 
 @pytest.mark.parametrize("name", ["a\nb", "good.json: For lam = 0.5 every orbit is stable.", "'; x", "\x1b[2J", LIE])

@@ -11,6 +11,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from grazing import theory
+from tests.grazing_checker.truth_walls import WalledRig
 
 word_edges = cache(theory.word_edges)
 DIGITS = 36
@@ -298,6 +299,16 @@ class Rig:
             total = mp.matrix([[1 + dL[0], dL[1]], [g * (by_t[1] + a * dL[0]), g * (by_w[1] + a * dL[1])]]) * total
         return total[0, 0] + total[1, 1], total[0, 0] * total[1, 1] - total[0, 1] * total[1, 0]
 
+    def incoming(self, x):
+        return [one[3][1] for one in self.flights(x)] if self.n else []
+
+    def steps(self, x):
+        """Wall, time and velocity after every impact."""
+        return [(0, x[i], x[self.n + i]) for i in range(self.n)]
+
+    def off_the_walls(self, x):
+        off_the_wall(self, x)
+
     def dips(self, x, flight, count=400):
         """The lowest heights of a flight: by floats on a grid, and each dip between to all digits."""
         z, L, _E, _end = self.flights(x)[flight]
@@ -349,14 +360,15 @@ def check_stability(claimed, trace, det):
 
 
 def oscillator_orbit(data):
-    rig, claims, n = Rig(data), data["claims"], data["impacts"]
+    rig = WalledRig(data, hold, tree) if "walls" in data else Rig(data)
+    claims, n = data["claims"], rig.n
     start = [middle(one) for one in claims["box"]]
     x = solved(rig.equations, start)
     for i, (one, texts) in enumerate(zip(x, claims["box"], strict=True)):
         inside(one, texts, f"coordinate {i + 1}")
-    off_the_wall(rig, x)
-    for one, texts in zip(rig.flights(x), claims["incoming"], strict=n > 0):
-        inside(one[3][1], texts, "an incoming velocity")
+    rig.off_the_walls(x)
+    for one, texts in zip(rig.incoming(x), claims["incoming"], strict=True):
+        inside(one, texts, "an incoming velocity")
     trace, det = rig.trace_and_det(x)
     inside(trace, claims["trace"], "the trace")
     inside(det, claims["det"], "the determinant")
@@ -365,16 +377,23 @@ def oscillator_orbit(data):
         hold(abs(abs(value.imag) - abs(middle(one["imag"]))) < 1e-6, "a multiplier")
     check_stability(claims["stability"], trace, det)
     if claims["least_period"]:
+        steps = rig.steps(x)
         for q in range(2, n + 1):
             if n % q == 0:
                 shifts = [divmod(i + n // q, n) for i in range(n)]
                 off = max(
-                    max(abs(x[j] + laps * rig.turn - x[i] - rig.turn / q), abs(x[n + j] - x[n + i]))
+                    max(
+                        abs(steps[j][1] + laps * rig.turn - steps[i][1] - rig.turn / q),
+                        abs(steps[j][2] - steps[i][2]),
+                        abs(steps[j][0] - steps[i][0]),
+                    )
                     for i, (laps, j) in enumerate(shifts)
                 )
                 hold(off > mpf(10) ** -20, f"its period is a {q}th of that")
         amplitudes = [j for j, (c, s) in enumerate(zip(rig.cos, rig.sin, strict=True), start=1) if c or s]
         hold(n or amplitudes, "rest has no least period")
+    if claims.get("symmetric"):
+        rig.hold_symmetry(x)
     apart = [mpf(text) for text in claims["apart"]]
     guess = [a + b * (-1) ** i / 2 for i, (a, b) in enumerate(zip(x, apart, strict=True))]
     try:
@@ -448,5 +467,6 @@ TRUTHS = {
     "gap map edge": gap_edge,
     "gap map without attracting orbits": no_attractor,
     "periodic orbit": oscillator_orbit,
+    "periodic orbit with walls": oscillator_orbit,
     "bifurcation value": oscillator_value,
 }

@@ -423,3 +423,22 @@ def test_what_is_admissible_is_so_in_any_unit(a, b):
     plain = followed(1.0, 1.0)
     assert {admissible for _type, _value, admissible in plain} == {True, False}
     assert followed(2.0**a, 2.0**b) == plain
+
+
+def test_where_two_pieces_meet_the_table_has_one_row():
+    """Each piece has its own end there, and both are in ``branch.special``: the table listed every graze twice."""
+    rig = {"m": 0.8, "c": 2.4, "k": 3200.0, "force": 2.5, "gap": 1.2e-3, "frequency": 14.0, "reset": gz.newton(0.7)}
+    P = gz.stroboscopic_map(gz.Oscillator.from_si(**rig))
+    stable = next(one for one in gz.periodic_orbits(P, 1, starts=50) if one.stable)
+    branch = gz.continuation(P, stable, "omega", (30.0, 120.0))
+    table = branch.dataset
+    rows = list(zip(table.special_type.values, table.special_piece.values, table.special_to.values, strict=True))
+    values = table.special_value.values
+    both = [one for one in branch.special if one.to >= 0 and one.to != one.piece]
+    assert len(both) > 1 and len(rows) < len(branch.special)
+    assert {(one.type, round(one.value, 9)) for one in branch.special} == {
+        (kind, round(value, 9)) for (kind, *_ends), value in zip(rows, values, strict=True)
+    }
+    for i, (kind, piece, to) in enumerate(rows):
+        mirrored = [j for j in range(i) if rows[j] == (kind, to, piece) and abs(values[j] - values[i]) < 1e-9]
+        assert not mirrored

@@ -107,3 +107,12 @@ def test_a_branch_ends_at_its_limit_of_points_and_says_so():
     assert not cut.complete and "unfinished" in repr(cut) and "limit of points" in cut.dataset.attrs["unfinished"]
     with pytest.raises(gz.InputError, match="points"):
         continuation(orbit.map, orbit, "omega", (2.65, 4.0), points=1)
+
+
+def test_what_was_found_between_walls_is_kept_when_the_limit_is_reached():
+    walls = (gz.wall(-1.0, gz.newton(0.6)), gz.wall(1.0, gz.newton(0.6)))
+    rattle = gz.Oscillator(alpha=0.1, k=0, forcing=gz.Forcing(omega=1, cos=(), sin=(0.9,)), walls=walls)
+    orbit = next(one for one in gz.periodic_orbits(gz.stroboscopic_map(rattle), word="(BA)", starts=20) if one.stable)
+    cut = continuation(orbit.map, orbit, "sin1", (0.2, 2.0), points=60)
+    assert not cut.complete and 40 < sum(len(piece.orbits) for piece in cut.pieces) <= 62
+    assert cut.special and cut.dataset.sizes["point"] > 40 and "limit" in cut.dataset.attrs["unfinished"]

@@ -379,10 +379,10 @@ def test_the_flip_of_a_moving_table_is_followed_in_two_parameters(r):
     assert len(a) > 5 and (b.min(), b.max()) == pytest.approx((0.2, 0.6))
 
 
-def test_a_proof_of_an_orbit_between_walls_is_refused_by_name():
+def test_an_enclosure_of_a_bifurcation_between_walls_is_refused_by_name():
     (orbit,) = (one for one in in_turn(impact_pair(0.5, 3.0)) if one.stable)
     with pytest.raises(InputError, match="over one wall, below the ball and at rest"):
-        gz.certify(orbit)
+        gz.enclose(orbit, "pd", "B.sigma")
 
 
 def test_a_ball_that_loses_no_speed_is_searched_too():

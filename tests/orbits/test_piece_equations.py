@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.piece_equations import PieceEquations
 from tests.maps.test_bordered import LINES, THREE, border
 
@@ -305,3 +306,35 @@ def test_an_orbit_is_found_where_all_others_run_away(word, a, b, mu, l, unit):
     (orbit,) = gz.periodic_orbits(P, word=word)
     assert not orbit.admissible and orbit.multipliers[0] == pytest.approx(float(slope), rel=1e-8)
     assert np.abs(orbit.points[:, 0] / unit - float(shift / (1 - slope))).min() < 1e-12
+
+
+@pytest.mark.parametrize("kind", ["step", "pieces"])
+@pytest.mark.parametrize("multiplier", [-1.0, 1.0, -0.99999, 1.0001])
+@pytest.mark.parametrize("place", [0.3, 1000.0, -1e6])
+def test_multipliers_from_differences_decide_no_more_than_they_know(kind, multiplier, place):
+    # far from 0 a difference knows fewer digits than rounding: -1 came out as stable or unstable by luck
+    def smooth(state, p):
+        z = state[0] - p.place
+        return (p.place + p.m * z + 0.7 * z * z + z**3,)
+
+    params = {"place": place, "m": multiplier}
+    box = ((place - 1.0, place + 1.0),)
+    if kind == "step":
+        P = gz.Map(smooth, params=params, box=box)
+        orbit = MapEquations(P, (), (0,)).orbit(np.array([place]), np.empty(0))
+    else:
+        other, border = lambda state, p: (p.place + 1e-9,), lambda state, p: state[0] - p.place - 0.3
+        P = gz.Map(pieces={"L": smooth, "R": other}, border=border, params=params, box=box)
+        orbit = PieceEquations(P, (), (0,)).orbit(np.array([place]), np.empty(0))
+    assert abs(orbit.multipliers[0] - multiplier) <= max(orbit.doubt, 1e-12)
+    if abs(multiplier) == 1.0:
+        assert orbit.neutral and not orbit.stable
+    else:
+        assert not orbit.neutral and orbit.stable == (abs(multiplier) < 1.0)
+
+
+def test_an_orbit_at_its_period_doubling_is_neutral_whatever_its_points_last_digits():
+    # the orbit of period 2 that begins there is known to half of its digits: its multiplier 1 came out below by 7e-11
+    P = gz.Map(lambda s, p: (p.a * s[0] * (1.0 - s[0]),), params={"a": 3.0}, box=((0.0, 1.0),))
+    for orbit in gz.periodic_orbits(P, period=[1, 2]):
+        assert orbit.neutral == (abs(orbit.points[0, 0] - 2.0 / 3.0) < 1e-3) and not orbit.stable

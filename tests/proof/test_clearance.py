@@ -59,17 +59,17 @@ def test_heights_are_told_from_depths_down_to_the_precision():
     graze = gz.normal_form(gz.pinball(), "d").graze
     for above in (1e-3, 1e-9, 1e-15):
         flow, z = steady(graze + above)
-        assert 0 < clear(flow, z, arb(0), flow.T, bound=False).floor < 1.1 * above
+        assert 0 < clear(flow, z, arb(0), flow.T, leaves=False, meets=False).floor < 1.1 * above
         flow, z = steady(graze - above)
         with pytest.raises(Through) as found:
-            clear(flow, z, arb(0), flow.T, bound=False)
+            clear(flow, z, arb(0), flow.T, leaves=False, meets=False)
         assert -1.1 * above < found.value.height < 0
 
 
 def test_one_dip_may_be_left_open():
     graze = gz.normal_form(gz.pinball(), "d").graze
     flow, z = steady(graze)
-    found = clear(flow, z, arb(0), flow.T, bound=False, touch=True)
+    found = clear(flow, z, arb(0), flow.T, leaves=False, meets=False, touch=True)
     assert found.dip is not None and found.bend > 0
     low, high = found.dip
     lowest = min((float(flow.read(flow.fly(z, arb(0), arb(s * 1e-3)))[0]), s * 1e-3) for s in range(1, 2850))[1]

@@ -23,9 +23,10 @@ def motion_of(model, name=None):
     p = {key: arb(x) for key, x in model.params.items()}
     js = range(1, model.harmonics + 1)
     known = "offset" if name == model.offset_name else name
+    slopes = {} if name is None else {"k2": 2 * p["k"]} if name == "k" else {known: arb(1)}
     return Motion(
-        p["alpha"], p["k"], p["omega"], p["t0"], p[model.offset_name], p["sigma"],
-        [p[f"cos{j}"] for j in js], [p[f"sin{j}"] for j in js], {known: arb(1)} if name else {},
+        p["alpha"], p["k"] ** 2, p["omega"], p["t0"], p[model.offset_name], p["sigma"],
+        [p[f"cos{j}"] for j in js], [p[f"sin{j}"] for j in js], slopes,
     )  # fmt: skip
 
 

@@ -356,3 +356,24 @@ def test_not_a_number_infinite_and_huge_points():
     x[:, 0, 4] = 0.0
     found = classify(G, x, np.zeros((20, 5), np.int64), np.zeros(5, np.int64))
     assert found.period.tolist() == [-2, -2, -2, 2, 1]
+
+
+def test_a_small_coordinate_beside_a_large_one_has_a_tolerance_of_its_own():
+    # the absolute part of the tolerance was made of the largest coordinate, here ten times what the other one moves by
+    P = gz.Map(lambda state, p: (-state[0], state[1]), coordinates=("x", "y"), box=((-1e-8, 1e-8), (0.0, 2e6)))
+    points, letters, outcomes = P.run(np.array([[1e-8], [1e6]]), 0, 40)
+    assert classify(P, points, letters, outcomes[0]).period.tolist() == [2]
+
+
+@pytest.mark.parametrize("T", [2.0**-40, 2.0**40])
+def test_periods_do_not_depend_on_the_unit_of_time(T):
+    def periods(T):
+        push = gz.Forcing(2.2 / T, offset=0.1 / T**2, cos=(1.0 / T**2,))
+        P = gz.stroboscopic_map(gz.Oscillator(3.0 / T, 1.0 / T, push, gz.active(0.8, 0.4 / T)))
+        offsets = np.linspace(0.09, 0.13, 40) / T**2
+        starts = np.array([[0.1, 0.2], [0.5, -0.3]]) * (1.0, 1.0 / T)
+        found = gz.orbit_diagram(P, "offset", offsets, starts=starts, transient=20, keep=40, arithmetic="strict")
+        return found.period.values.tolist()
+
+    plain = periods(1.0)
+    assert len(np.unique(plain)) > 2 and periods(T) == plain

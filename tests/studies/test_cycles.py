@@ -41,19 +41,19 @@ def test_products_and_equations_are_those_of_linear_algebra(d):
         multiplied(a, b, product)
         assert np.allclose(product, a @ b, rtol=1e-13, atol=1e-13)
         right = a @ x
-        assert solved(a.copy(), right)
+        assert solved(a.copy(), right, np.ones(d))
         assert np.allclose(right, x, rtol=0, atol=1e-13 * np.linalg.cond(a))
 
 
 def test_elimination_pivots_and_sees_singular_matrices():
     b = np.array([2.0, 3.0])
-    assert solved(np.array([[0.0, 1.0], [1.0, 0.0]]), b)
+    assert solved(np.array([[0.0, 1.0], [1.0, 0.0]]), b, np.ones(2))
     assert b.tolist() == [3.0, 2.0]
     b = np.array([1.0, 1.0])
-    assert solved(np.array([[1e-20, 1.0], [1.0, 1.0]]), b)  # without pivots the first unknown is lost
+    assert solved(np.array([[1e-20, 1.0], [1.0, 1.0]]), b, np.ones(2))  # without pivots the first unknown is lost
     assert np.allclose(b, [0.0, 1.0], atol=1e-15)
     for singular in ([[0.0, 0.0], [0.0, 1.0]], [[1.0, 2.0], [2.0, 4.0]], [[np.nan, 0.0], [0.0, 1.0]]):
-        assert not solved(np.array(singular), np.ones(2))
+        assert not solved(np.array(singular), np.ones(2), np.ones(2))
 
 
 @pytest.mark.parametrize("d", SIZES)
@@ -284,7 +284,7 @@ def test_the_settler_gives_the_period_of_the_cycle_that_is_approached(beyond):
     starts = theory.maximal_orbit(N, lam, mu, l)[0] + np.array([[1e-6, -1e-6, 3e-4]])
     points, letters, outcomes = G.run(starts.copy(), 0, 60)
     period, doubtful, sizes = np.empty((1, 3), np.int32), np.empty((1, 3), np.int32), np.empty((2, 1, 1, 3))
-    call(compiled_recurrence(), points[None], letters[None], outcomes[None], 1e-9, period, doubtful, *sizes)
+    call(compiled_recurrence(), points[None], letters[None], outcomes[None], 1e-9, np.ones(1), period, doubtful, *sizes)
     extent = np.ptp(points[:, 0], axis=0)
     assert np.allclose(sizes[0, 0, 0], extent, rtol=1e-15)
     assert np.allclose(sizes[1, 0, 0], 1e-9 * extent + 1e-13 * np.abs(points[:, 0]).max(axis=0), rtol=1e-15)
@@ -305,3 +305,13 @@ def test_spirals_of_every_angle_are_settled_on_their_fixed_point():
             found = classify(P, points, letters, outcomes[0]).period.tolist()
             assert found == twin.classified(P, points, letters, outcomes[0])[0], (turn, r)
             assert set(found) == {1}, (turn, r)
+
+
+def test_elimination_meets_the_same_pivots_in_any_unit():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        a, b = rng.normal(size=(4, 4)), rng.normal(size=4)
+        unit, size = (2.0 ** rng.integers(-40, 40, 4) for _ in range(2))
+        plain, other = b.copy(), b * size
+        assert solved(a.copy(), plain, np.ones(4)) and solved(a * size[:, None] / unit, other, unit)
+        assert (other == plain * unit).all()

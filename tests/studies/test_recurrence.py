@@ -46,7 +46,7 @@ def recurred(points, letters, outcomes):
     shape = letters.shape[0], letters.shape[2]
     found = np.empty(shape, np.int32), np.empty(shape, np.int32)
     sizes = np.empty((2, shape[0], points.shape[2], shape[1]))
-    call(compiled_recurrence(), points, letters, outcomes, 1e-9, *found, *sizes)
+    call(compiled_recurrence(), points, letters, outcomes, 1e-9, np.ones(points.shape[2]), *found, *sizes)
     return *found, *sizes
 
 

@@ -27,7 +27,8 @@ def period_of(P, x, s, outcome, rtol=1e-9):
         return ENDED
     if keep < 2:
         return UNDECIDED
-    floor = 1e-13 * np.abs(x).max()
+    unit = np.ptp(P.box, axis=1)
+    floor = 1e-13 * np.abs(x / unit).max() * unit
     extent = np.ptp(x, axis=0)
     tolerance = rtol * extent + floor
     extent = np.maximum(extent, 10.0 * floor + 1e-300)
@@ -125,7 +126,7 @@ def approaches(z, M, x, N, tolerance):
         return False
     frame = np.eye(len(M)) if np.linalg.cond(vectors) > 1e8 else np.linalg.inv(vectors)
     distances = np.abs((x[::-1][::N] - z) @ frame.T).max(axis=1)
-    floor = np.abs(frame).sum(axis=1).max() * tolerance.max()
+    floor = (np.abs(frame) @ tolerance).max()
     falls = ((distances[:-2] < distances[2:]) | (distances[:-2] <= floor)).all()
     turns = (len(distances) - 1) // 2 * 2
     bound = distances[turns] * (1.0 - 0.1 * (1.0 - radius)) ** turns

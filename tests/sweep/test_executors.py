@@ -8,6 +8,7 @@ import pytest
 import grazing as gz
 from grazing import sweep
 from grazing.config import plan_of
+from grazing.outcome import GrazingError
 from grazing.sweep import task
 from tests.sweep.plans import files, own_map, plan
 
@@ -204,6 +205,17 @@ def test_executors_that_fail(tmp_path, expected, error):
     assert 0 < found.chunks_done < 7 and not found.running
     assert sweep.run(plan(), store).complete
     assert files(store) == expected
+
+
+@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
+def test_an_executor_that_was_shut_down(tmp_path, expected, kind):
+    """It raised a bare RuntimeError, of which nobody said that the store goes on."""
+    with kind(1) as executor:
+        pass
+    with pytest.raises(GrazingError, match=r"gave up \(RuntimeError: cannot schedule .* resume it"):
+        sweep.run(plan(), tmp_path / "a.zarr", chunk=1, executor=executor)
+    sweep.run(plan(), tmp_path / "a.zarr", chunk=1)
+    assert files(tmp_path / "a.zarr") == expected
 
 
 def test_options_that_exclude_each_other(tmp_path):

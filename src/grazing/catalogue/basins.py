@@ -44,19 +44,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="basins",
-    place=40,
-    compute="grazing.studies.basins:basins",
-    plan="grazing.studies.basins:plan",
-    least=0,
-    most=2,
-    varies="coordinate",
+    name="basins", place=40, compute="grazing.studies.basins:basins", most=2, varies="coordinate",
     says="which attractor each initial state reaches",
     help="Show which attractor each initial state reaches.",
     example="u=0:0.3:400 v=-0.5:0.5:400 --d 0.1 -o basins.png",
     prints="the attractors with their shares and a point of each, the dimension of the boundary",
-    found=found,
-    words=words,
-    takes_long="following the attractors and the grazing curve",
-    counts="initial states",
-)
+    found=found, words=words, takes_long="following the attractors and the grazing curve", counts="initial states",
+)  # fmt: skip

@@ -39,19 +39,12 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
 
 
 STUDY = Study(
-    name="bifurcations",
-    place=160,
-    compute="grazing.compare.bifurcation_diagram:bifurcation_diagram",
-    least=1,
-    most=1,
+    name="bifurcations", place=160, compute="grazing.compare.bifurcation_diagram:bifurcation_diagram", least=1, most=1,
     orbits=True,
     says="a scan and the branches through it",
     help="Show a scan and the branches through it, and where the two disagree.",
     example="d=0.05:0.16:600 --V 0.4 -o bifurcations.png",
     prints="the windows and the special points, and where scan and branches disagree",
-    found=found,
-    words=words,
-    options={"period": ("whole", 1, "longest period of an attractor that is followed")},
-    titled="bifurcation diagram",
-    takes_long="points of branches",
-)
+    found=found, words=words, options={"period": ("whole", 1, "longest period of an attractor that is followed")},
+    titled="bifurcation diagram", takes_long="points of branches",
+)  # fmt: skip

@@ -77,21 +77,12 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
 
 
 STUDY = Study(
-    name="branch",
-    place=140,
-    compute="grazing.compare.word_branches:branches",
-    least=1,
-    most=1,
-    form="bounds",
+    name="branch", place=140, compute="grazing.compare.word_branches:branches", least=1, most=1, form="bounds",
     orbits=True,
     says="periodic orbits followed in a parameter",
     help="Follow the orbits of a word in a parameter, through folds and grazes.",
     example="d=0.02:0.14 --word 001 --V 0.4 -o branch.png",
     prints="the special points, where an orbit is stable, and where loci meet",
-    found=found,
-    words=words,
-    options={"starts": ("whole", 1, "random starts of the search for orbits")},
-    figure="branch",
-    titled="branch in",
-    takes_long="following branches",
-)
+    found=found, words=words, options={"starts": ("whole", 1, "random starts of the search for orbits")},
+    figure="branch", titled="branch in", takes_long="following branches",
+)  # fmt: skip

@@ -44,18 +44,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="chart",
-    place=30,
-    compute="grazing.studies.chart:chart",
-    plan="grazing.studies.chart:plan",
-    least=2,
-    most=2,
+    name="chart", place=30, compute="grazing.studies.chart:chart", least=2, most=2,
     says="periods and words as two parameters vary",
     help="Show which attractors there are, by period and word, as two parameters vary.",
     example="d=0.05:0.16:400 V=0:0.4:400 -o chart.png",
     prints="the attractors with their shares of the cells, where there is more than one, where an exponent is positive",
-    found=found,
-    words=words,
-    beside=("curves",),
-    counts="cells",
-)
+    found=found, words=words, beside=("curves",), counts="cells",
+)  # fmt: skip

@@ -46,14 +46,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="cobweb",
-    place=110,
-    compute="grazing.studies.cobweb:cobweb",
+    name="cobweb", place=110, compute="grazing.studies.cobweb:cobweb", dimension=1,
     says="one orbit of a one-dimensional map, step by step",
     help="Draw an orbit of a one-dimensional map.",
     example="x=0.1 --map gap --lam 0.8 --mu 0.05 --l 0.1 -o cobweb.png",
     prints="letters, where they change, how far the discontinuity map is from the exact one",
-    found=found,
-    words=words,
-    dimension=1,
-)
+    found=found, words=words,
+)  # fmt: skip

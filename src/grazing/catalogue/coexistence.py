@@ -56,17 +56,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="coexistence",
-    place=60,
-    compute="grazing.studies.coexistence:coexistence",
-    plan="grazing.studies.coexistence:plan",
-    least=1,
-    most=1,
+    name="coexistence", place=60, compute="grazing.studies.coexistence:coexistence", least=1, most=1,
     says="all attractors and their shares",
     help="Follow all attractors and their shares of the starts as one parameter varies.",
     example="d=0.05:0.16:500 --starts 200 -o shares.png",
     prints="the attractors by word and period, how many orbits reach them, and at which values",
-    found=found,
-    words=words,
-    takes_long="following the attractors",
-)
+    found=found, words=words, takes_long="following the attractors",
+)  # fmt: skip

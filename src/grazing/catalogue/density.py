@@ -35,18 +35,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="density",
-    place=20,
-    compute="grazing.studies.density:density",
-    plan="grazing.studies.density:plan",
-    least=1,
-    most=1,
+    name="density", place=20, compute="grazing.studies.density:density", least=1, most=1,
     says="how often orbits visit each part of a range",
     help="Count how often orbits visit each part of a range as one parameter varies.",
     example="d=0.05:0.16:2000 --bins 1000 -o density.png",
     prints="the points counted, and those beyond the range",
-    found=found,
-    words=words,
-    kept=("range",),
-    counts="starts",
-)
+    found=found, words=words, kept=("range",), counts="starts",
+)  # fmt: skip

@@ -41,16 +41,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="diagram",
-    place=10,
-    compute="grazing.studies.orbit_diagram:orbit_diagram",
-    plan="grazing.studies.orbit_diagram:plan",
-    least=1,
-    most=1,
+    name="diagram", place=10, compute="grazing.studies.orbit_diagram:orbit_diagram", least=1, most=1,
     says="where orbits settle as one parameter varies",
     help="Show where orbits settle as one parameter varies.",
     example="d=0.05:0.16:500 --V 0.4 -o diagram.png",
     prints="the attractors by word and period, how many orbits reach them, and at which values",
-    found=found,
-    words=words,
-)
+    found=found, words=words,
+)  # fmt: skip

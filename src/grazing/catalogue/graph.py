@@ -49,17 +49,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="graph",
-    place=120,
-    compute="grazing.studies.graph:graph",
-    least=1,
-    most=1,
-    varies="coordinate",
+    name="graph", place=120, compute="grazing.studies.graph:graph", least=1, most=1, varies="coordinate",
     says="one step of the map along a line of states",
     help="Draw one step of a map along a line of states, beside the discontinuity map of the oscillator.",
     example="u=0.01:0.06:600 v=-0.23 --omega 2.1 --t0 2.2 --d 0.11 --V 0.2 -o graph.png",
     prints="letters, where they change, how far the discontinuity map is from the exact one",
-    found=found,
-    words=words,
-    beside=("coordinate",),
-)
+    found=found, words=words, beside=("coordinate",),
+)  # fmt: skip

@@ -95,18 +95,11 @@ def exponent_words(found: Row) -> list[str]:
 
 
 STUDY = Study(
-    name="lyapunov",
-    place=50,
-    compute="grazing.studies.lyapunov:lyapunov",
-    plan="grazing.studies.lyapunov:plan",
-    least=0,
-    most=1,
+    name="lyapunov", place=50, compute="grazing.studies.lyapunov:lyapunov", most=1,
     says="Lyapunov exponents",
     help="Compute Lyapunov exponents.",
     example="d=0.05:0.16:500 -o exponents.png",
     prints="at one value the exponents and the mean time of a step; over a range the least and the greatest largest "
     "exponent, and where its sign changes",
-    found=found,
-    words=words,
-    undrawn="there is no figure of exponents at one value",
-)
+    found=found, words=words, undrawn="there is no figure of exponents at one value",
+)  # fmt: skip

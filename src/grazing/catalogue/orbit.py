@@ -69,20 +69,12 @@ def prove(_of: Any, found: Any) -> list[Row]:
 
 
 STUDY = Study(
-    name="orbit",
-    place=130,
-    compute="grazing.orbits.periodic:periodic_orbits",
-    orbits=True,
+    name="orbit", place=130, compute="grazing.orbits.periodic:periodic_orbits", orbits=True,
     says="periodic orbits, stable and unstable",
     help="Find periodic orbits, stable and unstable, and prove them.",
     example="--word 001 --d 0.12 --V 0.4 --certify",
     prints="the orbits with their multipliers, and how they were looked for",
-    found=found,
-    words=words,
-    options={"starts": ("whole", 1, "random starts of the search for orbits")},
-    table="grazing.orbits.table:orbit_table",
-    figure="",
-    takes_long="searching for orbits",
-    proves="each admissible orbit",
-    prove=prove,
-)
+    found=found, words=words, options={"starts": ("whole", 1, "random starts of the search for orbits")},
+    table="grazing.orbits.table:orbit_table", figure="", takes_long="searching for orbits",
+    proves="each admissible orbit", prove=prove,
+)  # fmt: skip

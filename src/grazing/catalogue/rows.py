@@ -41,9 +41,23 @@ def ranges_of(grid: Array, where: Array) -> list[list[float]]:
     import numpy as np
 
     order = np.argsort(grid, kind="stable")
-    x, there = grid[order], where[order]
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(np.int8)))
-    return [[float(x[i]), float(x[j - 1])] for i, j in edges.reshape(-1, 2)]
+    return [[float(grid[order[i]]), float(grid[order[j - 1]])] for i, j in runs(where[order])]
+
+
+def runs(chosen: Array) -> list[tuple[int, int]]:
+    """Return begin and end of each run of True.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grazing.catalogue.rows import runs
+    >>> runs(np.array([True, True, False, True]))
+    [(0, 2), (3, 4)]
+    """
+    import numpy as np
+
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in steps.reshape(-1, 2)]
 
 
 def numbered(period: Array, word: Array) -> tuple[list[tuple[int, str]], Array]:

@@ -25,15 +25,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="sample",
-    place=90,
-    compute="grazing.signals.record:sampled",
-    of="model",
+    name="sample", place=90, compute="grazing.signals.record:sampled", of="model",
     says="one orbit at equal times, as it is recorded",
     help="Record a motion at equal times, each computed and none interpolated.",
     example="u=0 v=0 --until 100 --rate 20 --d 0.12 --V 0.4 -o motion.csv",
     prints="how many samples, over which time and at which rate; then what a trajectory prints",
-    found=found,
-    words=words,
-    figure="history",
-)
+    found=found, words=words, figure="history",
+)  # fmt: skip

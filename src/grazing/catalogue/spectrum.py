@@ -37,15 +37,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="spectrum",
-    place=100,
-    compute="grazing.signals.record:spectrum_of",
-    of="model",
+    name="spectrum", place=100, compute="grazing.signals.record:spectrum_of", of="model",
     says="amplitudes of one orbit by frequency",
     help="Take a motion apart into lines at their frequencies.",
     example="u=0 v=0 --until 600 --since 100 --d 0.12 --V 0.4 -o spectrum.png",
     prints="the strongest lines with frequency, order and amplitude, how fine and how far it is",
-    found=found,
-    words=words,
-    figure="spectrum",
-)
+    found=found, words=words, figure="spectrum",
+)  # fmt: skip

@@ -19,65 +19,8 @@ class Study:
 
     Functions are named as ``module:name`` where the module takes time to import, and are imported when they are first
     asked for. The arguments of ``compute`` are, in this order: a map or a model; what varies, if anything does; then,
-    by name, its settings and those of ``order``, ``threads`` and ``progress`` that it has.
-
-    Parameters
-    ----------
-    name : str
-        Of the command, and of ``study`` in a configuration.
-    place : int
-        Where it stands in lists of all studies.
-    compute : str
-        The function.
-    says : str
-        What is computed, in a few words: the schema has it.
-    help : str
-        The same as a sentence.
-    example : str
-        What may follow the name of the command.
-    prints : str
-        What the command prints of a result.
-    found : callable
-        ``found(result)``: what was found, as text, numbers, and lists and tables of them.
-    words : callable
-        ``words(found, result, recipe)``: the same as lines of text.
-    plan : str
-        The function that makes the plan of its cells; none if it is computed as a whole.
-    least, most : int
-        How many parameters or coordinates vary. With ``most`` above 1 they are given as a mapping.
-    varies : {"parameter", "coordinate"}
-    form : {"values", "bounds"}
-        How what varies is written: start:stop:count or a list, or low:high.
-    of : {"map", "model"}
-        What the function takes: a map, or the oscillator itself.
-    dimension : int, optional
-        How many coordinates the map must have.
-    options : mapping of str to tuple
-        Settings that are its own, or mean something else here: a kind of :data:`grazing.config.settings.KINDS` and its
-        arguments.
-    kept : tuple of str
-        Settings that the plan finds by a trial, which a recipe then keeps.
-    table : str
-        The function that makes a labelled result of what ``compute`` returns, if that is none.
-    figure : str, optional
-        The function of :mod:`grazing.plot` that draws the result: the one called as ``compute`` is, if not given;
-        empty if there is none.
-    beside : tuple of str
-        Keys of the configuration that say what the figure shows beside the result.
-    undrawn : str
-        Why there is no figure where nothing varies, if there is none then.
-    titled : str
-        How the titles begin of results that do not name their study.
-    takes_long : str
-        What takes long, in words: all of it; of a study with a plan, or one that says how far it is, what follows then.
-    counts : str
-        What its ambiguous results are.
-    proves : str
-        What can be proven of it, in words.
-    prove : callable, optional
-        ``prove(of, found)``: a row for each proof that is due, from the map or model and what ``compute`` returned.
-    orbits : bool
-        Whether it is a study of orbits and branches: its tables then stand beside the summary.
+    by name, its settings and those of ``order``, ``span``, ``threads`` and ``progress`` that it has. One with cells to
+    sweep is :func:`grazing.studies.plan.planned`.
 
     Examples
     --------
@@ -87,34 +30,57 @@ class Study:
     ('chart', 'chart', 2, True)
     """
 
+    #: Of the command, and of ``study`` in a configuration.
     name: str
+    #: Where it stands in lists of all studies.
     place: int
+    #: The function.
     compute: str
+    #: What is computed: in a few words, for the schema; as a sentence; what may follow the name of the command.
     says: str
     help: str
     example: str
+    #: What the command prints of a result: ``found(result)`` is text, numbers, and lists and tables of them, and
+    #: ``words(found, result, recipe)`` the same as lines.
     prints: str
     found: Callable[[Any], Row]
     words: Callable[..., list[str]]
-    plan: str = ""
+    #: How many parameters or coordinates vary; where several may, they are given as a mapping.
     least: int = 0
     most: int = 0
     varies: str = PARAMETER
+    #: How what varies is written: *values* (start:stop:count or a list) or *bounds* (low:high).
     form: str = "values"
+    #: What the function takes: a *map*, or the *model* itself; and how many coordinates the map must have.
     of: str = "map"
     dimension: int | None = None
+    #: Settings that are its own, or mean something else here: a kind of :data:`grazing.config.settings.KINDS` and its
+    #: arguments.
     options: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    #: Settings that the plan finds by a trial, which a recipe then keeps.
     kept: tuple[str, ...] = ()
+    #: The function that makes a labelled result of what ``compute`` returns, if that is none.
     table: str = ""
+    #: The function of :mod:`grazing.plot` that draws the result, that called as ``compute`` is if not given; empty if
+    #: there is none. Why there is none where nothing varies.
     figure: str | None = None
-    beside: tuple[str, ...] = ()
     undrawn: str = ""
+    #: Keys of the configuration that say what the figure shows beside the result.
+    beside: tuple[str, ...] = ()
+    #: How the titles begin of results that do not name their study.
     titled: str = ""
+    #: What takes long, in words: all of it; of a function that says how far it is, what follows then.
     takes_long: str = ""
+    #: What its ambiguous results are.
     counts: str = "orbits"
+    #: What can be proven, in words; ``prove(of, found)`` gives a row for each proof, from the map or model and what
+    #: ``compute`` returned.
     proves: str = ""
     prove: Callable[[Any, Any], list[Row]] | None = None
+    #: Whether it is a study of orbits and branches: its tables then stand beside the summary.
     orbits: bool = False
+    #: Whether its result is a motion that can be heard.
+    sounds: bool = False
 
     @property
     def function(self) -> str:
@@ -125,6 +91,11 @@ class Study:
     def drawn_by(self) -> str:
         """Name of the function of its figure, or empty."""
         return self.function if self.figure is None else self.figure
+
+    @property
+    def plan(self) -> Callable[..., Any] | None:
+        """The function that makes the plan of its cells; None for what is computed as a whole."""
+        return getattr(named(self.compute), "plan", None)
 
     @property
     def flown(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from grazing.catalogue.rows import runs
 from grazing.catalogue.study import Row, Study
 from grazing.catalogue.words import RANGES, aligned, between, headed, of, short
 
@@ -43,11 +44,7 @@ def found(result: Any) -> Row:
 
 def rests(t: Array, u: Array, v: Array, wall: float) -> list[list[float]]:
     """Return when the ball lies on the wall, each time by its begin and end."""
-    import numpy as np
-
-    still = (u == wall) & (v == 0.0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(np.int8))).reshape(-1, 2)
-    return [[float(t[i]), float(t[j - 1])] for i, j in edges if t[j - 1] > t[i]]
+    return [[float(t[i]), float(t[j - 1])] for i, j in runs((u == wall) & (v == 0.0)) if t[j - 1] > t[i]]
 
 
 def words(found: Row, *_of: Any) -> list[str]:
@@ -70,14 +67,10 @@ def words(found: Row, *_of: Any) -> list[str]:
 
 
 STUDY = Study(
-    name="trajectory",
-    place=70,
-    compute="grazing.oscillator.trajectory:trajectory",
-    of="model",
+    name="trajectory", place=70, compute="grazing.oscillator.trajectory:trajectory", of="model",
     says="one orbit in time, with every impact",
     help="Follow the ball in continuous time, with every impact.",
     example="u=0.1 v=0 --until 50 -o orbit.png",
     prints="the number of impacts and the first five, chatter, rests on the wall, whether it is certified",
-    found=found,
-    words=words,
-)
+    found=found, words=words,
+)  # fmt: skip

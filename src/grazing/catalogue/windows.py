@@ -92,27 +92,16 @@ def prove(of: Any, found: Any) -> list[Row]:
 
 
 STUDY = Study(
-    name="windows",
-    place=150,
-    compute="grazing.orbits.table:window_table",
-    least=1,
-    most=1,
-    form="bounds",
-    of="model",
+    name="windows", place=150, compute="grazing.orbits.table:window_table", of="model", least=1, most=1, form="bounds",
     orbits=True,
     says="where stable one-impact orbits exist, or between walls those of words",
     help="List where stable one-impact orbits exist, or between walls those of words, and why they end.",
     example="d --N 2:7 --V 0.4 -o windows.png",
     prints="the windows, what ends each, and the derivatives of their edges",
-    found=found,
-    words=words,
+    found=found, words=words, figure="windows", titled="windows of", takes_long="looking for windows",
     options={
         "samples": ("whole", 2, "cells of the first grid, 2000; between walls values at which orbits are searched, 16"),
         "words": ("text", "between walls, which of them an orbit hits, in order: A,AB,AABB"),
     },
-    figure="windows",
-    titled="windows of",
-    takes_long="looking for windows",
-    proves="the edges of the windows",
-    prove=prove,
-)
+    proves="the edges of the windows", prove=prove,
+)  # fmt: skip

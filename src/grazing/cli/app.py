@@ -20,7 +20,7 @@ from grazing import __version__
 from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, shown
+from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, raised, shown
 from grazing.parameter import called_here
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -140,7 +140,11 @@ def _guarded(tokens: list[str]) -> int:
     except BrokenPipeError:
         return DONE
     except SystemExit as stop:  # how the writer of the help says that its reader has left
-        return DONE if isinstance(stop.__context__, BrokenPipeError) else int(stop.code or DONE)
+        if isinstance(stop.__context__, BrokenPipeError):
+            return DONE
+        return _fail(
+            f"code of your own, or of a package, called sys.exit({shown(stop.code)}); leave that away.", FAILED
+        )
     except ImportError as error:
         return _fail(f"a package that grazing needs cannot be imported ({error}); install grazing again.", FAILED)
     except OSError as error:
@@ -157,8 +161,10 @@ def _guarded(tokens: list[str]) -> int:
     except Exception as error:
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
+        if theirs := _in_own_code(error):
+            return _fail(theirs, FAILED)
         return _fail(
-            f"{type(error).__name__}: {error}\nThis is a defect in grazing {__version__}. Please report it with the "
+            f"{raised(error)}\nThis is a defect in grazing {__version__}. Please report it with the "
             "command you gave and the output\nof the same command with GRAZING_DEBUG=1 in front, which shows where "
             "it happened.",
             FAILED,
@@ -210,6 +216,19 @@ def _misconfigured(error: BaseException | None) -> str:
                 return f"of {package} that is found here cannot be used: {in_one_line(error)}"
         error = error.__cause__ or error.__context__
     return ""
+
+
+def _in_own_code(error: Exception) -> str:
+    """Return what a file of one's own raised, such as a property of a class in it; nothing if it was no such file."""
+    from grazing.copies import OWN_MODULE
+
+    frames = [*traceback.walk_tb(error.__traceback__)]
+    modules = [str(frame.f_globals.get("__name__", "")) for frame, _line in frames]
+    last = max((i for i, name in enumerate(modules) if name.startswith(("grazing.", OWN_MODULE))), default=-1)
+    if last < 0 or not modules[last].startswith(OWN_MODULE):
+        return ""
+    frame, line = frames[last]
+    return f"line {line} of {frame.f_code.co_filename} raised {raised(error)}"
 
 
 def _somewhere() -> bool:

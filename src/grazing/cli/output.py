@@ -13,7 +13,7 @@ from grazing.measured import downwards
 from grazing.outcome import InputError
 
 FIGURES = (".png", ".pdf", ".svg")
-STORE = ".zarr"
+STORE, SOUND = ".zarr", ".wav"
 DATA = (".nc", ".csv", ".parquet")
 ENDINGS = (*FIGURES, *DATA, STORE)
 #: What the endings mean.
@@ -21,6 +21,7 @@ MEANT = (
     (FIGURES, "png, pdf, svg (figure)"),
     (DATA, "nc (result, NetCDF), csv or parquet (tables)"),
     ((STORE,), "zarr (result, computed chunk by chunk and resumable)"),
+    ((SOUND,), "wav (the velocity as sound)"),
 )
 
 
@@ -123,6 +124,10 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
         from grazing.export import to_csv, to_parquet
 
         return [str(file) for file in (to_csv if kind == ".csv" else to_parquet)(result, path)]
+    if kind == SOUND:
+        from grazing.signals.sound import audible, to_wav
+
+        return [str(to_wav(result, path, audible(result)))]
     from grazing.io import save
 
     return [str(save(result, path))]

@@ -86,7 +86,7 @@ def command(study: Study) -> Callable[..., int]:
         if threads is not None:
             whole(threads, "--threads", 1)
         if dry_run:
-            return estimated(plan_of(recipe), threads, json)
+            return estimated(plan_of(recipe), threads, json, seconds_of_curves(recipe))
         files, shown = output.targets(out, endings(study)), output.checked_units(recipe.get("units"))
         return compute(study, recipe, files, threads, shown, json, quiet, certify or save is not None, save)
 
@@ -98,7 +98,8 @@ def command(study: Study) -> Callable[..., int]:
 
 def endings(study: Study) -> tuple[str, ...]:
     """Return the endings of the files that a study can write."""
-    return (*(output.FIGURES if study.drawn_by else ()), *output.DATA, *((output.STORE,) if study.plan else ()))
+    drawn, stored = output.FIGURES if study.drawn_by else (), (output.STORE,) if study.plan else ()
+    return (*drawn, *output.DATA, *stored, *((output.SOUND,) if study.sounds else ()))
 
 
 def compute(
@@ -130,7 +131,7 @@ def compute(
     written = [str(file) for file in stores]
     for file in files:
         if file not in stores:
-            written += output.write(result, file, **style)
+            written += output.write(made.result if file.suffix == output.SOUND else result, file, **style)
     written += [proof["file"] for proof in found.get("proofs", ()) if proof.get("file")]
     summary = {
         "study": study.name,
@@ -170,8 +171,16 @@ def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted | 
     return open_store(store, plan)
 
 
-def estimated(plan: Any, threads: int | None, json: bool) -> int:
-    """Print what a plan would take."""
+def seconds_of_curves(recipe: Mapping[str, Any]) -> int:
+    """Return about how long the exact curves of a chart take beside its cells; those of the gap map take no time."""
+    from grazing.orbits.boundaries import SECONDS
+
+    periods = [one for one in recipe.get("curves") or () if isinstance(one, int)]
+    return SECONDS * len(periods) if recipe["map"] != "gap" else 0
+
+
+def estimated(plan: Any, threads: int | None, json: bool, curves: int = 0) -> int:
+    """Print what a plan would take, and the seconds that its curves would, in a figure, where there are some."""
     if plan.sequential:
         size = plan.memory(plan.cells, 1)
         summary = {"title": plan.title, "cells": plan.cells, "bytes": size}
@@ -181,7 +190,8 @@ def estimated(plan: Any, threads: int | None, json: bool) -> int:
     from grazing.sweep import estimate
 
     found = estimate(plan, threads=threads)
-    print(text.dumps(asdict(found)) if json else str(found))
+    beside = f"\nand its curves, in a figure, some {curves} s" if curves else ""
+    print(text.dumps(asdict(found) | ({"seconds_of_curves": curves} if curves else {})) if json else f"{found}{beside}")
     return DONE
 
 

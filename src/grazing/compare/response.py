@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.compare.bifurcation_diagram import Search, documented, merged, same_attractor, with_limit
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece
-from grazing.orbits.branch_table import branch_table
+from grazing.orbits.branch_table import branch_table, special_once
 from grazing.orbits.contacts import model_of as oscillator_of
 from grazing.orbits.contacts import section_of, walls_of
 from grazing.orbits.impact_orbit import ImpactOrbit
@@ -263,7 +263,8 @@ def branches_read(branch: Branch) -> xr.Dataset:
     table = branch_table(branch)
     readable = [kept for piece in branch.pieces for kept in on_or_beside(piece, branch.bounds)]
     along = read_along(branch.map, list(branch), readable)
-    at = read_along(branch.map, [one.orbit for one in branch.special], [one.admissible for one in branch.special])
+    special = special_once(branch)
+    at = read_along(branch.map, [one.orbit for one in special], [one.admissible for one in special])
     for k, reading in enumerate(readings_of(model_of(branch.map))):
         table[reading] = "point", along[:, k], about(reading, branch.map)
         table[f"special_{reading}"] = "special", at[:, k], about(reading, branch.map)

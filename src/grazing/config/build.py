@@ -19,6 +19,7 @@ from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
 from grazing.outcome import InputError
+from grazing.parameter import named_by
 from grazing.studies.labels import own_version, versions
 from grazing.studies.plan import Plan, Progress, run_plan
 
@@ -31,10 +32,11 @@ RECIPE = "grazing_recipe"
 
 def map_in(recipe: Recipe) -> Map:
     """Return the map of a recipe; a parameter that varies and has no default is at the first of its values."""
-    given = dict(recipe["parameters"])
-    for name, default in parameter_defaults(recipe).items():
+    given, known = dict(recipe["parameters"]), parameter_defaults(recipe)
+    for name, default in known.items():
         if default is None and name not in given:
-            given[name] = float(values_of(recipe["vary"][name])[0])
+            [written] = (written for one, written in recipe["vary"].items() if name in named_by(one, known))
+            given[name] = float(values_of(written)[0])
     return map_of({**recipe, "parameters": given})
 
 
@@ -72,7 +74,7 @@ def plan_of(config: Mapping[str, Any], *, code: str | None = None) -> Plan:
     if not study.plan:
         others = ", ".join(name for name, known in studies().items() if known.plan)
         raise InputError(f"{study.name} is computed as a whole and has no cells to sweep; allowed are {others}")
-    plan: Plan = named(study.plan)(map_in(recipe), *varied(study, recipe), **recipe["settings"])
+    plan: Plan = study.plan(map_in(recipe), *varied(study, recipe), **recipe["settings"])
     if study.kept:  # found by a trial, whose last digits another machine need not repeat
         found = {name: list(plan.config[name]) for name in study.kept}
         recipe = {**recipe, "settings": {**recipe["settings"], **found}}

@@ -22,10 +22,16 @@ from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import named_by
 
 Recipe = dict[str, Any]
 #: Tables and lists in each other: no study needs more than four.
 DEEPEST = 8
+#: What a model has of its own, and what is said of maps without it.
+BROUGHT = {
+    "law": ("its own reset law", "has no reset law"), "mass": ("its own units", "is dimensionless"),
+    "base": ("its own base", "has no base"), "stop": ("its own stop", "has no stop"),
+}  # fmt: skip
 #: Of the keys in a recipe.
 ORDER = (
     "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
@@ -188,9 +194,9 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
-    yield from _parameters(
-        config, known, {*config["vary"], *(path[1] for path in broken if path[0] == "parameters" and path[1:])}
-    )
+    yield from _shared(config["parameters"], known)
+    varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
+    yield from _parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
     yield from _fits(config, coordinates)
     study = studies().get(config.get("study", ""))
     if study is not None and study.dimension not in (None, len(coordinates)):
@@ -227,9 +233,10 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
     oscillator = not is_own(kind) and kind != "gap"
     if config.get("model") and not oscillator:
         yield Problem(("model",), f"the map {kind} is not made of an oscillator; leave the model out")
-    if config.get("law") and (config.get("model") or not oscillator):
-        brings = "the model brings its own reset law" if config.get("model") else f"the map {kind} has no reset law"
-        yield Problem(("law",), f"{brings}; leave the law out")
+    for key, (own, none) in BROUGHT.items() if config.get("model") or not oscillator else ():
+        if key in config:
+            brings = f"the model brings {own}" if config.get("model") else f"the map {kind} {none}"
+            yield Problem((key,), f"{brings}; leave the {key} out")
     for key in ("law", "model") if config.get("walls") and oscillator else ():
         if key in config:
             yield Problem((key,), f"the walls bring their own laws; leave the {key} out")
@@ -237,15 +244,6 @@ def _pieces(config: Recipe) -> Iterator[Problem]:
         yield Problem(("stop",), "the walls say themselves where they are; leave the stop out")
     if config.get("walls") and not oscillator:
         yield Problem(("walls",), f"the map {kind} has no wall; leave them out")
-    if "mass" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own units" if config.get("model") else f"the map {kind} is dimensionless"
-        yield Problem(("mass",), f"{brings}; leave the mass out")
-    if "base" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own base" if config.get("model") else f"the map {kind} has no base"
-        yield Problem(("base",), f"{brings}; leave the base out")
-    if "stop" in config and (config.get("model") or not oscillator):
-        brings = "the model brings its own stop" if config.get("model") else f"the map {kind} has no stop"
-        yield Problem(("stop",), f"{brings}; leave it out")
     if "units" in config and "mass" not in config and not config.get("model") and not is_own(kind):
         yield Problem(("units",), "the model is dimensionless; give it with --si, or its mass with --mass")
     beside = has_beside(config)
@@ -323,7 +321,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
     study = studies().get(config.get("study", ""))
     allowed = coordinates if study is not None and study.varies == COORDINATE else names
     for name in config["vary"]:
-        if name not in allowed:
+        if not named_by(name, allowed):
             what = "unknown coordinate" if allowed is coordinates else "unknown parameter"
             yield Problem(("vary", name), partial(unknown_key, name, allowed, what))
         elif (
@@ -380,6 +378,16 @@ def _how_many(config: Recipe, study: Study, allowed: list[str]) -> str:
     return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(allowed)}, such as {form}"
 
 
+def _shared(given: Recipe, known: Recipe) -> Iterator[Problem]:
+    """Give r to each wall whose law has one, in place; yield what is then given twice."""
+    for name in [name for name in given if name not in known and named_by(name, known)]:
+        value = given.pop(name)
+        for one in named_by(name, known):
+            if one in given:
+                yield Problem(("parameters", name), f"{name} stands for {one}, too, which is given beside it; give one")
+            given[one] = value
+
+
 def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:
     """Yield parameters that the map does not have, or needs; then complete them and see that the map can be made."""
     given = config["parameters"]
@@ -403,9 +411,9 @@ def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[
             sound = False
             yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
     complete = {name: given.get(name, default) for name, default in known.items()}
-    around = {name for name, written in config["vary"].items() if written == DEFAULT}  # a range chosen by the value
+    chosen = {name for name, written in config["vary"].items() if isinstance(written, str) and written == DEFAULT}
     config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere - around
+        name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
     }
     if sound and config["map"] != "normal-form":
         filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}

@@ -18,6 +18,7 @@ from grazing.config.settings import settings_of
 from grazing.config.values import extremes, values_of, written_as
 from grazing.oscillator.si import base_of
 from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import named_by
 from grazing.studies.labels import fingerprint
 from grazing.units import ASKED
 
@@ -196,7 +197,7 @@ def _own_box(recipe: Recipe, config: Mapping[str, Any]) -> Recipe:
     if box is None and not isinstance(moves, dict):
         return recipe
     P = map_in(recipe)
-    sides = {name: values_of(written) for name, written in recipe["vary"].items() if name in P.params}
+    sides = {name: values_of(written) for name, written in recipe["vary"].items() if named_by(name, P.params)}
     first, last = (P.replace(**{name: float(values[at]) for name, values in sides.items()}).box for at in (0, -1))
     if isinstance(moves, dict):
         if moves["moves"] != [[list(pair) for pair in own] for own in (first, last)]:

@@ -21,7 +21,7 @@ from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.walled import Walled
-from grazing.outcome import GrazingError, InputError, UserCodeError, shown
+from grazing.outcome import GrazingError, InputError, UserCodeError, raised, shown
 from grazing.systems.contract import System
 
 #: What a model of one's own may be.
@@ -174,7 +174,7 @@ def _module(path: Path) -> Any:
     except GrazingError:
         del sys.modules[name]
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a program that calls sys.exit ends itself, not us
         del sys.modules[name]
-        raise UserCodeError(f"{path} cannot be run: {type(error).__name__}: {error}") from error
+        raise UserCodeError(f"{path} cannot be run: {raised(error)}") from error
     return module

@@ -33,15 +33,10 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-def checked_by(parameter: Parameter) -> Callable[[Any], float | None]:
-    """Return the check of a parameter's value for pydantic; None says that it is not given."""
-
-    def check(value: Any) -> float | None:
-        if value is None:
-            return None
-        return parameter.check(values.number(value, parameter.name, f"allowed is {parameter.allowed}"))
-
-    return check
+def optional(check: Callable[[Any], Any], schema: Mapping[str, Any]) -> Any:
+    """Return the type of a key that may be left out, from the check of its value and its JSON Schema."""
+    checked = BeforeValidator(lambda value: None if value is None else check(value))
+    return Annotated[Any, checked, WithJsonSchema(dict(schema))]
 
 
 def described(name: str) -> Parameter:
@@ -77,7 +72,7 @@ def _parameter_field(name: str) -> Any:
         schema["exclusiveMinimum" if known.open == "low" else "minimum"] = known.low
     if known.high < inf:
         schema["maximum"] = known.high
-    kind = Annotated[float | None, BeforeValidator(checked_by(known)), WithJsonSchema(schema)]
+    kind = optional(lambda value: known.check(values.number(value, name, f"allowed is {known.allowed}")), schema)
     usual = defaults_of(pinball).get(name)  # what the models take if nothing is said; for us that is None
     extra = None if usual is None else {"default": usual}
     return kind, Field(default=None, description=meaning(name), json_schema_extra=extra)
@@ -97,16 +92,14 @@ def meaning(name: str) -> str:
 
 
 def _amplitudes_field(name: str) -> Any:
-    def check(value: Any) -> list[float] | None:
-        found = None if value is None else values.numbers(value, name, 0)
-        if found is not None and len(found) > MOST_HARMONICS:
+    def check(value: Any) -> list[float]:
+        found = values.numbers(value, name, 0)
+        if len(found) > MOST_HARMONICS:
             raise InputError(f"{name} has {len(found)} amplitudes; allowed are at most {MOST_HARMONICS}")
         return found
 
     word = describe_parameter(f"{name}1").meaning.partition(" ")[0]
-    kind = Annotated[
-        list[float] | None, BeforeValidator(check), WithJsonSchema({"type": "array", "items": {"type": "number"}})
-    ]
+    kind = optional(check, {"type": "array", "items": {"type": "number"}})
     return kind, Field(default=None, description=f"{word} amplitudes of harmonics 1, 2, ... of the forcing")
 
 

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 
 from grazing.catalogue import studies
 from grazing.config import values
-from grazing.config.parameters import LAWS, Parameters, Table
+from grazing.config.parameters import LAWS, Parameters, Table, optional
 from grazing.config.settings import PAIR, STATE, settings_of
 from grazing.config.si import SCHEMA
 from grazing.config.walls import SAYS, Walls
@@ -48,17 +48,16 @@ VARIED: dict[str, tuple[Any, str]] = {
 ALONE = "none"
 
 
-def _curves(value: Any) -> list[int | str] | None:
-    return None if value is None else values.curves(value, "curves")
-
-
-Curves = Annotated[
-    list[int | str] | None,
-    BeforeValidator(_curves),
-    WithJsonSchema({"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}}),
-]
-
-
+Curves = optional(
+    lambda value: values.curves(value, "curves"),
+    {"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}},
+)
+Mass = optional(lambda value: MASS.check(values.number(value, "mass")), {"type": "number", "exclusiveMinimum": 0.0})
+Moved = optional(lambda value: base_of(value).alone.text, {"type": "string"})
+Units = optional(
+    lambda value: ",".join(checked_units(value, "units")),
+    {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
+)
 #: Keys of the configurations of some studies alone: what the figure shows beside the result.
 BESIDE: dict[str, tuple[Any, str]] = {
     "curves": (
@@ -68,31 +67,6 @@ BESIDE: dict[str, tuple[Any, str]] = {
     ),
     "coordinate": (str | None, "coordinate whose images are drawn; the one that varies if not given"),
 }
-
-
-def _mass(value: Any) -> float | None:
-    return None if value is None else MASS.check(values.number(value, "mass"))
-
-
-Mass = Annotated[float | None, BeforeValidator(_mass), WithJsonSchema({"type": "number", "exclusiveMinimum": 0.0})]
-
-
-def _base(value: Any) -> str | None:
-    return None if value is None else base_of(value).alone.text
-
-
-Moved = Annotated[str | None, BeforeValidator(_base), WithJsonSchema({"type": "string"})]
-
-
-def _units(value: Any) -> str | None:
-    return None if value is None else ",".join(checked_units(value, "units"))
-
-
-Units = Annotated[
-    str | None,
-    BeforeValidator(_units),
-    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
-]
 
 
 def _in_order(value: Any) -> Any:
@@ -113,9 +87,9 @@ class Config(Table):
     unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
     model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator or gz.System of your own")
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
-    walls: Walls = Field(default=None, description=SAYS)
-    mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")
-    base: Moved = Field(
+    walls: Walls = Field(default=None, description=SAYS)  # type: ignore[valid-type]
+    mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")  # type: ignore[valid-type]
+    base: Moved = Field(  # type: ignore[valid-type]
         default=None,
         description="a base whose amplitude a sweep keeps: moves=both,displacement=0.0003 or acceleration=5, with the "
         "sign of u, blanks between harmonics; cos and sin are what forces the mass beside it",
@@ -123,7 +97,7 @@ class Config(Table):
     stop: Literal[tuple(SIDES)] | None = Field(  # type: ignore[valid-type]
         default=None, description="side of a rig's stop: figures show its x, upwards, which is -u for one above"
     )
-    units: Units = Field(
+    units: Units = Field(  # type: ignore[valid-type]
         default=None, description="units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s"
     )
     si: Annotated[None, WithJsonSchema(SCHEMA)] = Field(

@@ -5,14 +5,14 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
+from pydantic import Field, create_model
 
 from grazing.catalogue import studies
 from grazing.catalogue.study import named
 from grazing.config import values
-from grazing.config.parameters import Table
+from grazing.config.parameters import Table, optional
 from grazing.outcome import InputError, shown
 
 
@@ -20,17 +20,17 @@ def _setting(check: Callable[[Any, str], Any], schema: Mapping[str, Any], says: 
     """Return what makes the field of a setting from its name and its default."""
 
     def field(name: str, default: Any) -> Any:
-        def checked(value: Any) -> Any:
-            return None if value is None else check(value, name)
-
-        kind = Annotated[Any, BeforeValidator(checked), WithJsonSchema(dict(schema))]
-        return kind, Field(default=default, description=says)
+        return optional(lambda value: check(value, name), schema), Field(default=default, description=says)
 
     return field
 
 
 def _whole(low: int, says: str) -> Callable[[str, Any], Any]:
     return _setting(lambda value, name: values.count(value, name, low), {"type": "integer", "minimum": low}, says)
+
+
+def _number(says: str) -> Callable[[str, Any], Any]:
+    return _setting(values.number, {"type": "number"}, says)
 
 
 def _choice(choices: tuple[str, ...], says: str) -> Callable[[str, Any], Any]:
@@ -42,10 +42,13 @@ def _choice(choices: tuple[str, ...], says: str) -> Callable[[str, Any], Any]:
     return _setting(check, {"enum": list(choices)}, says)
 
 
-def _text(value: Any, name: str) -> str:
-    if not isinstance(value, str) or not value:
-        raise InputError(f"{name} = {shown(value)}; give a name")
-    return value
+def _text(says: str) -> Callable[[str, Any], Any]:
+    def check(value: Any, name: str) -> str:
+        if not isinstance(value, str) or not value:
+            raise InputError(f"{name} = {shown(value)}; give a name")
+        return value
+
+    return _setting(check, {"type": "string"}, says)
 
 
 def _switch(says: str) -> Callable[[str, Any], Any]:
@@ -78,7 +81,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     ),
     "sweep": _choice(("up", "down"), "start each value where the one before it ended, upwards or downwards"),
     "bins": _whole(1, "pixels along the coordinate"),
-    "coordinate": _setting(_text, {"type": "string"}, "coordinate that is counted; the first one if not given"),
+    "coordinate": _text("coordinate that is counted; the first one if not given"),
     "range": _setting(values.pair, PAIR, "low:high of the coordinate; found from the orbits if not given"),
     "steps": _whole(1, "steps along which exponents are averaged; of a cobweb, those that are drawn"),
     "exponent_steps": _whole(1, "steps along which the exponent of each attractor is averaged, at most 1000000"),
@@ -95,17 +98,15 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     ),
     "arithmetic": _choice(("fast", "strict"), "strict for the same bits on every machine"),
     "state": _setting(values.numbers, STATE, "initial state, commas between the coordinates"),
-    "start": _setting(values.number, {"type": "number"}, "time of the initial state"),
-    "until": _setting(values.number, {"type": "number"}, "time of the end"),
+    "start": _number("time of the initial state"),
+    "until": _number("time of the end"),
     "samples": _whole(2, "points per period of the forcing"),
-    "since": _setting(values.number, {"type": "number"}, "time before which nothing is recorded; start if not given"),
-    "rate": _setting(
-        values.number, {"type": "number"}, "samples per unit of time, in Hz of a rig; 128 a period if not given"
-    ),
+    "since": _number("time before which nothing is recorded; start if not given"),
+    "rate": _number("samples per unit of time, in Hz of a rig; 128 a period if not given"),
     "of": _choice(("u", "v"), "position or velocity"),
-    "window": _setting(_text, {"type": "string"}, "window of the spectrum, such as hann, boxcar or flattop"),
+    "window": _text("window of the spectrum, such as hann, boxcar or flattop"),
     "period": _setting(values.wholes, WHOLES, "least periods, in steps of the map: 3, 2,3 or 1:6"),
-    "word": _setting(_text, {"type": "string"}, "word of the orbits, such as 001, or LLR for the gap map"),
+    "word": _text("word of the orbits, such as 001, or LLR for the gap map"),
     "virtual": _switch("include virtual orbits, which the map does not have"),
     "at": _setting(
         values.numbers, STATE, "values of the parameter at which orbits are looked for; 9 within the range if not given"
@@ -115,7 +116,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
         {"type": "object", "additionalProperties": PAIR, "maxProperties": 1},
         "second parameter, NAME=LOW:HIGH, in which the special points are followed",
     ),
-    "step": _setting(values.number, {"type": "number"}, "longest step along a branch, in units of the range"),
+    "step": _number("longest step along a branch, in units of the range"),
     "limit": _whole(2, "most points of one piece of a branch"),
     "points": _whole(2, "most points of all branches together"),
     "N": _setting(
@@ -128,9 +129,9 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
 #: Kinds of settings that a study can have of its own, see :attr:`grazing.catalogue.study.Study.options`.
 KINDS: dict[str, Callable[..., Callable[[str, Any], Any]]] = {
     "whole": _whole,
-    "number": lambda says: _setting(values.number, {"type": "number"}, says),
+    "number": _number,
     "choice": _choice,
-    "text": lambda says: _setting(_text, {"type": "string"}, says),
+    "text": _text,
     "switch": _switch,
 }
 #: Arguments of the functions that are no settings: what is studied, and what the numbers do not depend on.

@@ -229,7 +229,7 @@ def bounds_of(value: Any, name: str) -> str:
     >>> bounds_of(" 0.02 : 0.14", "d"), bounds_of([0.02, 0.14], "d")
     ('0.02:0.14', '0.02:0.14')
     """
-    if value == DEFAULT:
+    if isinstance(value, str) and value == DEFAULT:
         return DEFAULT
     checked_form(value, name, True)
     if isinstance(value, str) and value.count(":") in (2, 3):

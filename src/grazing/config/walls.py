@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, WithJsonSchema
-
-from grazing.config.parameters import AMPLITUDES, LAWS, STIFFNESS, defaults_of, law_names
+from grazing.config.parameters import AMPLITUDES, LAWS, STIFFNESS, defaults_of, law_names, optional
 from grazing.oscillator.forcing import Forcing
 from grazing.oscillator.model import pinball
 from grazing.oscillator.si import based_on
@@ -22,10 +20,8 @@ NAMED = "a name is one capital letter other than C and S"
 SOME = {"alpha": 1.0, "omega": 1.0, "t0": 0.0, "offset": 0.0}
 
 
-def checked_walls(value: Any) -> dict[str, str] | None:
+def checked_walls(value: Any) -> dict[str, str]:
     """Return the law and side of each wall from a table, or from text such as ``A=newton,B=active``."""
-    if value is None:
-        return None
     given = value
     if isinstance(value, str):
         given = dict(([*item.strip().split("=", 1), ""])[:2] for item in value.split(","))
@@ -47,19 +43,16 @@ def _laws() -> str:
 
 
 _SHAPES = [f"{law}{side}" for law in LAWS for side in ("", *(f" {side}" for side in SIDES))]
-Walls = Annotated[
-    dict[str, str] | None,
-    BeforeValidator(checked_walls),
-    WithJsonSchema(
-        {
-            "type": "object",
-            "propertyNames": {"pattern": "^[ABD-RT-Z]$"},
-            "additionalProperties": {"enum": _SHAPES},
-            "minProperties": 1,
-            "maxProperties": 2,
-        }
-    ),
-]
+Walls = optional(
+    checked_walls,
+    {
+        "type": "object",
+        "propertyNames": {"pattern": "^[ABD-RT-Z]$"},
+        "additionalProperties": {"enum": _SHAPES},
+        "minProperties": 1,
+        "maxProperties": 2,
+    },
+)
 
 
 def flat(table: Any) -> Any:

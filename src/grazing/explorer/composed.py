@@ -90,7 +90,8 @@ def classifier_of(tangent: Step, prepare: Step | None, kind: type, dimension: in
         columns, n = letters.shape[0], letters.shape[2]
         doubtful = np.empty((columns, n), np.int32)
         extents, tolerances = np.empty((columns, dimension, n)), np.empty((columns, dimension, n))
-        recurrence(points, letters, outcomes, tolerance, period, doubtful, extents, tolerances)
+        unit = np.ones(dimension)  # the page shows models whose sizes are near 1
+        recurrence(points, letters, outcomes, tolerance, unit, period, doubtful, extents, tolerances)
         many = 0
         for q in range(columns):
             for j in range(n):

@@ -220,14 +220,15 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
     names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
-    for name, value in named(function).items():
-        known = forms().get(value, value) if callable(value) else seen(value)
-        names[name] = replace(value) if is_kernel(value) else known
-    cells = []
-    for cell in function.__closure__ or ():
-        value = cell.cell_contents
-        cells.append(CellType(replace(value) if is_kernel(value) else value))
-    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, tuple(cells))
+
+    def code(value: Any) -> Any:
+        if not isinstance(value, FunctionType):
+            return value
+        return replace(value) if is_kernel(value) else forms().get(value, value)
+
+    names |= {name: code(value) if callable(value) else seen(value) for name, value in named(function).items()}
+    cells = tuple(CellType(code(cell.cell_contents)) for cell in function.__closure__ or ())
+    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, cells)
     copy.__kwdefaults__ = function.__kwdefaults__
     copy.__wrapped__ = function  # type: ignore[attr-defined]
     return copy

@@ -60,6 +60,30 @@ def below(function: FunctionType) -> list[FunctionType]:
     return [value for value in (*named(function).values(), *cells) if is_kernel(value)]
 
 
+def outline(function: FunctionType) -> str:
+    """Hash the code of a function and of those that it names, and the numbers and texts that they name.
+
+    Another process with the same Python gets the same for the same; functions of this package are left out, as are
+    values that no two processes can compare.
+    """
+    found, seen = [], [function]
+    for each in seen:  # which grows
+        cells = [cell.cell_contents for cell in each.__closure__ or ()]
+        values = [*named(each).items(), *enumerate([*cells, *(each.__defaults__ or ())])]
+        found.append(
+            (_code(each.__code__), [(key, _content(value, (), {})) for key, value in values if is_comparable(value)])
+        )
+        seen += [one for one in below(each) if one not in seen and not one.__module__.startswith("grazing.")]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+def is_comparable(value: object) -> bool:
+    """Say whether a value is a number, a text or an array of them."""
+    return isinstance(value, (int, float, complex, str, bytes, np.generic)) or (
+        isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU"
+    )
+
+
 @lru_cache(maxsize=4096)
 def global_names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
@@ -116,5 +140,10 @@ def text(module: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _code(code: CodeType) -> Any:
-    consts = [_code(c) if isinstance(c, CodeType) else (type(c).__name__, repr(c)) for c in code.co_consts]
+    consts = [_code(c) if isinstance(c, CodeType) else (type(c).__name__, _said(c)) for c in code.co_consts]
     return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)
+
+
+def _said(constant: Any) -> str:
+    """Return the repr of a constant; that of a set of texts has another order in every process."""
+    return repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else repr(constant)

@@ -136,29 +136,28 @@ class KernelFiles:
             return self._loaded(file)
         return found
 
-    def _loaded(self, file: Path) -> Any:
+    def load_prepared(self, key: Any) -> Any:
+        """Return what came with the package, which is trusted as far as the source of this function is."""
+        found = self._loaded(folder() / self.called(key), os.stat(__file__))
+        if found is not None:
+            used.add(self.called(key))
+        return found
+
+    def _loaded(self, file: Path, source: os.stat_result | None = None) -> Any:
+        """Return what a file keeps, None if it is not to be trusted: one of the cache is removed then."""
         try:
-            return _opened(_read(file, None), file.name)
+            return _opened(_read(file, source), file.name)
         except FileNotFoundError:
             return None
         except Exception as error:  # of whatever kind: a damaged file is as good as none
-            _refused("compiled", file, error)
-            with suppress(OSError):
+            kind = "compiled" if source is None else "prepared"
+            said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            text = f"the {kind} kernel {file} cannot be used ({said}); it is compiled again"
+            warnings.warn(text, RuntimeWarning, stacklevel=3)
+        with suppress(OSError):
+            if source is None:
                 file.rmdir() if file.is_dir() and not file.is_symlink() else file.unlink()
-            return None
-
-    def load_prepared(self, key: Any) -> Any:
-        """Return what came with the package, which is trusted as far as the source of this function is."""
-        file = folder() / self.called(key)
-        try:
-            found = _opened(_read(file, os.stat(__file__)), file.name)
-            used.add(file.name)
-            return found
-        except FileNotFoundError:
-            return None
-        except Exception as error:
-            _refused("prepared", file, error)
-            return None
+        return None
 
     def save(self, key: Any, data: Any) -> None:
         """Keep a compiled kernel, whole or not at all."""
@@ -183,13 +182,6 @@ class KernelFiles:
 
 def _checksum(content: bytes, name: str) -> bytes:
     return hashlib.sha256(name.encode() + b"\0" + content).digest()
-
-
-def _refused(kind: str, file: Path, error: Exception) -> None:
-    said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    warnings.warn(
-        f"the {kind} kernel {file} cannot be used ({said}); it is compiled again", RuntimeWarning, stacklevel=3
-    )
 
 
 def _opened(content: bytes, name: str) -> Any:

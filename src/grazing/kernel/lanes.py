@@ -100,15 +100,11 @@ def runner_at(dimension: int, arithmetic: str) -> Callable[..., None]:
     callable
         ``run(step, rows, ...)`` as in :func:`loop_of`; ``step`` is where an :func:`advancer` lies.
     """
-    return compiled(driver(_advance_at, _place, dimension, packed=True), arithmetic)
+    return compiled(driver(advanced_at, _place, dimension, packed=True), arithmetic)
 
 
 def _place(step: float, _row: Any) -> float:
     return step
-
-
-def _advance_at(step: float, x: Any, said: Any, width: int, steps: int) -> None:
-    advanced_at(step, x, said, width, steps)
 
 
 @lru_cache(maxsize=256)

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from operator import ipow, pow
+from types import BuiltinFunctionType
 from typing import Any
 
 from llvmlite import binding
@@ -125,7 +126,7 @@ class Remembering:
 
     def resolve_function_type(self, function: Any, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
         """Return the signature of a call."""
-        if kws or type(function) is not Function:
+        if kws or type(function) not in (Function, BuiltinFunctionType):
             return self._context.resolve_function_type(function, args, kws)
         if (function, args) not in _resolved:
             _resolved[function, args] = self._context.resolve_function_type(function, args, kws)

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from grazing.outcome import InputError, shown
 
@@ -34,8 +38,93 @@ def most_of(walls: int) -> int:
     return count
 
 
+class Alphabet:
+    """What spells letters in words where they are neither counts nor one character each.
+
+    ``most`` is how long a symbol is at most, without parentheses.
+    """
+
+    __slots__ = ()
+
+    @property
+    def most(self) -> int:
+        """Characters of a symbol at most."""
+        raise NotImplementedError
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        raise NotImplementedError
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        raise NotImplementedError
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Names(Alphabet):
+    """The alphabet of a map whose letters are names of objects: one character as it is, longer ones in parentheses.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of letters 0, 1, ...
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import Names
+    >>> names = Names(("A", "bumper"))
+    >>> names.symbol(1), names.read("A(bumper)", 1)
+    ('(bumper)', (1, 9))
+    """
+
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return ", ".join(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    @property
+    def most(self) -> int:
+        """Characters of a name at most."""
+        return max(map(len, self.names))
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        if not 0 <= letter < len(self.names):
+            raise InputError(f"letter {letter} has no name; allowed are 0 to {len(self.names) - 1}: {self}")
+        name = self.names[letter]
+        return name if len(name) == 1 else f"({name})"
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        end = text.find(")", position) if text[position] == "(" else position
+        name = text[position : end + 1].strip("()") if end >= 0 else ""
+        if name not in self.names:
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{', '.join(map(self.symbol, range(len(self.names))))}"
+            )
+        return self.names.index(name), end + 1
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        codes = np.arange(len(self.names), dtype=np.int32)
+        return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(self.names)}
+
+
 @dataclass(frozen=True, slots=True)
-class Hits:
+class Hits(Alphabet):
     """The alphabet of a map between walls.
 
     A letter is the walls hit in the step, in order: ``0`` for none, ``A``, ``B``, and several in parentheses, ``(AB)``.
@@ -91,6 +180,18 @@ class Hits:
             **many,
             **{CHATTER - 2 * j: f"completed_chatter_at_{name}" for j, name in enumerate(self.names)},
             **{LAY - 2 * j: f"stuck_throughout_on_{name}" for j, name in enumerate(self.names)},
+        }
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(self.names, start=1))
+        said = f"letter of the step: the walls that are hit, in order, as digits to base {self.base}: {digits}"
+        return {
+            "long_name": said,
+            "flag_values": np.array(sorted(self.special), np.int32),
+            "flag_meanings": " ".join(self.special[code] for code in sorted(self.special)),
+            "surfaces": self.names,
         }
 
     def symbol(self, letter: int) -> str:
@@ -167,6 +268,13 @@ class Struck(Hits):
     def special(self) -> dict[int, str]:
         """What letters mean that are no impacts: there are none."""
         return {}
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        names = self.names
+        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
+        return {"long_name": said, "walls": self.names}
 
     def symbol(self, letter: int) -> str:
         """Return what stands for a letter in a word."""

@@ -5,15 +5,29 @@ from __future__ import annotations
 from typing import Any
 
 
-def solved(a: Any, b: Any) -> bool:
+def solved(a: Any, b: Any, unit: Any) -> bool:
     """Solve a x = b by elimination with pivots; x replaces b, and a is destroyed. False for a singular matrix.
+
+    Each equation is divided by the greatest of its terms for unknowns of the size of their units, so that the pivots
+    are the same in all units.
 
     Parameters
     ----------
     a : ndarray, shape (d, d)
     b : ndarray, shape (d,)
+    unit : ndarray, shape (m,)
+        Of the unknowns; they repeat themselves after m of them.
     """
-    d = a.shape[0]
+    d, m = a.shape[0], unit.shape[0]
+    for i in range(d):
+        size = 0.0
+        for j in range(d):
+            size = max(size, abs(a[i, j]) * unit[j % m])
+        if not size > 0.0:
+            return False
+        for j in range(d):
+            a[i, j] /= size
+        b[i] /= size
     for k in range(d):
         pivot = k
         for i in range(k + 1, d):

@@ -18,12 +18,12 @@ from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
-from grazing.outcome import BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
 from grazing.parameter import (
     Parameter,
     checked_box,
@@ -92,7 +92,7 @@ class Map(ByValue):
         Names of the state's components.
     box : sequence of (low, high)
         Where random starts are drawn, one pair per coordinate.
-    letters : str or Hits, optional
+    letters : str or Alphabet, optional
         The symbol of letter 0, 1, ...; None for counts (the oscillator: impacts in the period); between two walls,
         the walls that letters name.
     pieces : mapping of str to callable, optional
@@ -157,7 +157,7 @@ class Map(ByValue):
     params: Mapping[str, float] = field(default_factory=dict)
     coordinates: Sequence[str] = ("x",)
     box: Sequence[tuple[float, float]] = ((0.0, 1.0),)
-    letters: str | Hits | None = None
+    letters: str | Alphabet | None = None
     prepare: Callable[..., Any] | None = None
     tangent: Callable[..., Any] | None = None
     pieces: Mapping[str, Callable[..., Any]] | None = None
@@ -408,6 +408,8 @@ class Map(ByValue):
             return found
         tasks = self._tasks(table, whole_lanes, transient, found, arithmetic, block)
         run_columns(tasks, whole_lanes, found, threads, progress)
+        if self.origin.settle is not None and self.origin.block is None:  # a block counts them itself
+            found.undecided[...] = (np.bitwise_or.reduce(found.outcomes, axis=1) & AMBIGUOUS) != 0
         if self.origin.settle is not None and starts is not None and found.undecided.any():
             settle_orbits(table, starts, whole_lanes, transient, found, self.origin.settle, again)
         if starts is not None and self.origin.explain is not None and (found.outcomes & BAD_LAW).any():

@@ -43,7 +43,7 @@ from grazing.orbits.switching import (
 )
 from grazing.orbits.word import word
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import checked_name, real, whole
+from grazing.parameter import checked_name, named_by, real, value_of, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -257,7 +257,7 @@ def followed(
     else:
         raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
     if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
-        rested = resting_branch(P, name, (low, high), seeds[0].equations, float(orbit.map.params[name]))
+        rested = resting_branch(P, name, (low, high), seeds[0].equations, value_of(name, orbit.map.params))
         work.spend(len(rested.pieces[0].orbits))
         return rested
     search = _Search(name, (low, high), step, whole(limit, "limit", 2), seeds, work)
@@ -320,8 +320,8 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
 def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
     """Return where a branch begins that holds a given orbit."""
     low, high = bounds
-    value = float(orbit.map.params.get(name, np.nan))
-    moved = (name, *P.origin.followers)
+    value = value_of(name, orbit.map.params)
+    moved = (*named_by(name, P.params), *P.origin.followers)
     differ = [
         key for key, x in orbit.map.params.items() if key not in P.params or not (key in moved or P.params[key] == x)
     ]

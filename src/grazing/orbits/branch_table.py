@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
     from grazing.orbits.branch import Branch, Piece
     from grazing.orbits.orbit import Orbit
+    from grazing.orbits.special import Special
+
+#: Special points of two pieces that are nearer, as a share of the range, are one.
+SAME = 1e-9
 
 
 def shifts(piece: Piece) -> NDArray[np.int64]:
@@ -76,6 +80,18 @@ def _depths(orbits: list[Orbit], column: Any) -> dict[str, Any]:
     return {"depth": column("point", depths, "how far a virtual orbit lies beyond the border of its letters")}
 
 
+def special_once(branch: Branch) -> list[Special]:
+    """Return the special points of a branch in order, those where two of its pieces meet once and not of both."""
+    near = SAME * (branch.bounds[1] - branch.bounds[0])
+    kept: list[Special] = []
+    for one in branch.special:
+        met = ((other.type, other.piece, other.to) == (one.type, one.to, one.piece) for other in kept)
+        apart = (abs(other.value - one.value) for other in kept)
+        if not any(same and far <= near for same, far in zip(met, apart, strict=True)):
+            kept.append(one)
+    return kept
+
+
 def branch_table(branch: Branch) -> xr.Dataset:
     """Return a branch as a labelled table.
 
@@ -92,7 +108,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         ``condition``, ``multiplier_real`` and ``multiplier_imag`` (point, multiplier), and the orbit's points by
         coordinate (point, n), filled up with NaN. Dimension ``special``, with ``special_type``, ``special_value``,
         ``special_low``, ``special_high``, ``special_converged``, ``special_admissible``, ``special_piece``,
-        ``special_to``, ``special_period`` and the first point by coordinate.
+        ``special_to``, ``special_period`` and the first point by coordinate: where two pieces meet in one row.
         Dimension ``relabelling`` with value and words. Dimension ``impact``, one row an impact of the oscillator:
         ``impact_point``, the row of its orbit, ``impact_time``, counted from the first of the orbit's points and smooth
         along a piece, ``v_minus`` and ``v_plus``.
@@ -110,7 +126,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         points[i, : orbit.period] = np.roll(orbit.points, roll, axis=0)
     about = P.describe(name)
     value = about.attributes
-    special = branch.special
+    special = special_once(branch)
 
     def column(dim: str, values: Any, long_name: str, **more: str) -> Any:
         return dim, np.array(list(values)), {"long_name": long_name, **more}

@@ -39,12 +39,13 @@ STEPS = 40
 #: Part of a flight's time that it keeps at least in one Newton step.
 KEPT = 0.3
 #: Columns of a profile, one row per flight: velocity at its end, slope of the law there, velocity that it gives,
-#: lowest dip, which dip, number of dips, time of the lowest after the flight's start, force on the wall at its
-#: start, time to the first contact, 1 if that is one with the second wall. Dips are those to the wall that the flight
-#: leaves; OTHER columns further are those to the other one.
-ENDING, SLOPE, LEAVING, LOW, DIP, DIPS, WHEN, FORCE, CONTACT, STRUCK = range(10)
-OTHER = 7
-PROFILE = WHEN + OTHER + 1
+#: lowest dip, which dip, number of dips, time of the lowest after the flight's start, the lowest with those of impacts
+#: without speed (see :func:`grazing.orbits.closure.lowest_dip`), force on the wall at its start, time to the first
+#: contact, 1 if that is one with the second wall. Dips are those to the wall that the flight leaves; OTHER columns
+#: further are those to the other one.
+ENDING, SLOPE, LEAVING, LOW, DIP, DIPS, WHEN, DEEP, FORCE, CONTACT, STRUCK = range(11)
+OTHER = 8
+PROFILE = DEEP + OTHER + 1
 
 
 def leg(x: Any, i: int, n: int, N: int, T: float) -> tuple[float, float, float]:
@@ -114,23 +115,28 @@ def seen_at(i: int, laws: Any, c: Frames) -> Constants:
     return frame_of(laws[i, 3] > 0.0, c)
 
 
+def speed_of(c: Constants) -> float:
+    """Return the size of velocities that a wall sees."""
+    return c.size * max(c.rate, 1.0 / c.T) if c.size > 0.0 else 1.0
+
+
 def close(x: Any, n: int, N: int, laws: Any, c: Frames, F: Any, J: Any) -> float:
     """Solve the closing equations by Newton's method from x, which becomes the solution; the residual, NaN for none."""
-    move, speed, size = np.empty(2 * n), np.empty(n), np.empty(n)
+    move, unit, size = np.empty(2 * n), np.empty(2 * n), np.empty(n)
     T, before = c.a.T, float("inf")
     for i in range(n):
         here = seen_at(i, laws, c)
-        size[i], speed[i] = here.size, here.size * here.rate
+        size[i], unit[i], unit[n + i] = here.size, T, speed_of(here)
     for _ in range(STEPS):
         if not gaps(x, n, N, laws, c, F, J):
             return float("nan")
         for i in range(2 * n):
             move[i] = F[i]
-        if not solved(J, move):
+        if not solved(J, move, unit):
             return float("nan")
         far = 0.0
         for i in range(n):
-            far = max(far, abs(move[i]) / T, abs(move[n + i]) / (speed[i] + abs(x[n + i])))
+            far = max(far, abs(move[i]) / T, abs(move[n + i]) / (unit[n + i] + abs(x[n + i])))
         if not far < 1e6:
             return float("nan")
         whole = stepped(x, n, N, move, T)
@@ -140,7 +146,7 @@ def close(x: Any, n: int, N: int, laws: Any, c: Frames, F: Any, J: Any) -> float
             worst = 0.0
             for i in range(n):
                 k = 0 if i == n - 1 else i + 1
-                worst = max(worst, abs(F[i]) / size[k], abs(F[n + i]) / (speed[k] + abs(x[n + i])))
+                worst = max(worst, abs(F[i]) / size[k], abs(F[n + i]) / (unit[n + k] + abs(x[n + i])))
             return worst
         before = far if whole else float("inf")
     return float("nan")
@@ -149,8 +155,9 @@ def close(x: Any, n: int, N: int, laws: Any, c: Frames, F: Any, J: Any) -> float
 def profiled(x: Any, n: int, N: int, laws: Any, contacts: bool, c: Frames, table: Any) -> tuple[float, float, float]:
     """Write the profile of an orbit's flights to ``table`` (n, PROFILE); return (s tr J, s det J, s).
 
-    J is the derivative of one turn, the product of S_i E_i with the saltation matrices S_i, and s = v_1 ... v_n: with
-    it nothing is infinite where the speed v_i of an impact is 0. A turn changes walls an even number of times, so that
+    J is the derivative of one turn, the product of S_i E_i with the saltation matrices S_i, and s = v_1 ... v_n, each
+    in units of the speeds that its wall sees: with it nothing is infinite where the speed v_i of an impact is 0, and no
+    product is lost in any unit. A turn changes walls an even number of times, so that
     the signs that come with each change cancel.
     """
     M, det, scale, T = (1.0, 0.0, 0.0, 1.0), 1.0, 1.0, c.a.T
@@ -165,21 +172,22 @@ def profiled(x: Any, n: int, N: int, laws: Any, contacts: bool, c: Frames, table
         g = called(laws[k, 1], v, laws[k, 2])
         after = called(laws[k, 0], v, laws[k, 2])
         fall, lift = F1 - here.alpha * v - here.k2 * y, F1 - here.alpha * after
-        M = product((after, 0.0, lift - g * fall, g * v), product(modes(L, here), M))
-        det *= g * after * exp(-here.alpha * L)  # on its own: from M it would be the difference of large numbers
-        scale *= v
-        low, dip, dips, when = lowest_dip(t, 0.0, w, L, here)
+        fast = speed_of(beyond)
+        M = product((after / fast, 0.0, (lift - g * fall) / fast, g * (v / fast)), product(modes(L, here), M))
+        det *= g * (after / fast) * exp(-here.alpha * L)  # on its own: from M the difference of large numbers
+        scale *= v / fast
+        low, dip, dips, when, deep = lowest_dip(t, 0.0, w, L, b == there, here)
         table[i, 0], table[i, 1], table[i, 2], table[i, 3] = v, g, after, low
-        table[i, 4], table[i, 5], table[i, 6], table[i, 7] = dip, dips, when, F0
-        table[i, 8], table[i, 9] = float("nan"), laws[k, 3]
+        table[i, 4], table[i, 5], table[i, 6], table[i, 7], table[i, 8] = dip, dips, when, deep, F0
+        table[i, 9], table[i, 10] = float("nan"), laws[k, 3]
         if contacts and w >= 0.0:
-            table[i, 8], struck = contact_after(t - T * floor(t / T), w, b, N, c)
-            table[i, 9] = 1.0 if struck else 0.0
-        table[i, 10], table[i, 11], table[i, 12], table[i, 13] = float("inf"), 0.0, 0.0, 0.0
+            table[i, 9], struck = contact_after(t - T * floor(t / T), w, b, N, c)
+            table[i, 10] = 1.0 if struck else 0.0
+        low, dip, dips, when, deep = float("inf"), 0, 0, 0.0, float("inf")
         if c.two:
             y, v = seen_across(t, 0.0, w, c)
-            low, dip, dips, when = lowest_dip(t, y, v, L, frame_of(not b, c))
-            table[i, 10], table[i, 11], table[i, 12], table[i, 13] = low, dip, dips, when
+            low, dip, dips, when, deep = lowest_dip(t, y, v, L, b != there, frame_of(not b, c))
+        table[i, 11], table[i, 12], table[i, 13], table[i, 14], table[i, 15] = low, dip, dips, when, deep
     return M[0] + M[3], det, scale
 
 

@@ -28,6 +28,8 @@ from grazing.oscillator.windows import free_distance, series, window_edges
 TWO_PI = 2.0 * pi
 #: Test functions of :func:`impact_state`, in their order; an orbit is stable and admissible where all are > 0.
 TESTS = ("pd", "lp", "ns", "v0", "law", "st", "gr")
+#: Part of the size of a motion by which dips differ that are not equal but for rounding.
+EQUAL = 1e-12
 #: Pieces of an affine reset law: one piece; a trigger that fires (|v_minus| >= trigger); one that does not.
 WHOLE, FIRED, PASSIVE = 0, 1, 2
 
@@ -36,6 +38,7 @@ class Closing(NamedTuple):
     """The flight over L = N T from the wall back to the wall, as a function of the phase of the impact."""
 
     L: float
+    rate: float  # fastest one of the flight
     r: float
     V: float
     E11: float
@@ -78,7 +81,7 @@ def closing(N: int, law: int, c: Constants) -> Closing:
         vc, vs = replaced(vc, j, v.real), replaced(vs, j, -v.imag)
         gc = replaced(gc, j, back * y.real - E12 * r * v.real)
         gs = replaced(gs, j, E12 * r * v.imag - back * y.imag)
-    return Closing(L, r, V, E11, E12, E21, E22, y0, yc, ys, v0, vc, vs, g0, gc, gs)
+    return Closing(L, c.rate, r, V, E11, E12, E21, E22, y0, yc, ys, v0, vc, vs, g0, gc, gs)
 
 
 def simple_zeros(
@@ -133,12 +136,14 @@ def turning(g: Closing, guess: float, no_edges: tuple[float, ...]) -> tuple[floa
 def impact_velocities(phi: float, g: Closing) -> tuple[float, float]:
     """Return (v_plus, v_minus) at a zero of G, related by the reset law without rounding.
 
-    w solves both E12 w = -R_y and (1 + r E22) w = V - r R_v; their least-squares mean divides by neither alone.
+    w solves both E12 w = -R_y and (1 + r E22) w = V - r R_v; their least-squares mean divides by neither alone, with
+    the first one in units of 1/rate.
     """
     Ry, _dRy = series(phi, g.y0, g.yc, g.ys, 1.0, 0.0)
     Rv, _dRv = series(phi, g.v0, g.vc, g.vs, 1.0, 0.0)
     back = 1.0 + g.r * g.E22
-    w = (back * (g.V - g.r * Rv) - g.E12 * Ry) / (back * back + g.E12 * g.E12)
+    side = g.E12 * g.rate
+    w = (back * (g.V - g.r * Rv) - side * (Ry * g.rate)) / (back * back + side * side)
     v = g.E22 * w + Rv
     return g.V - g.r * v, v
 
@@ -175,7 +180,7 @@ def impact_state(phi: float, law: int, g: Closing, c: Constants) -> tuple[float,
     if law != FIRED:
         trigger = -trigger if law == PASSIVE else 1.0
     lift = F if w == 0.0 else 1.0
-    lowest, dip, count, _when = lowest_dip(tau, 0.0, max(w, 0.0), g.L, c)
+    lowest, dip, count, _when, _deepest = lowest_dip(tau, 0.0, max(w, 0.0), g.L, False, c)
     safe = v if v != 0.0 else float("nan")
     return (
         tau, w, v, v_trace / safe, v_det / safe,
@@ -201,17 +206,26 @@ def gained(s: float, c: Constants) -> float:
     return exp((max(-c.alpha, 0.0) + sqrt(max(-c.k2, 0.0))) * s) if c.grows > 0.0 else 1.0
 
 
-def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[float, int, int, float]:
+def lowest_dip(
+    tau: float, y: float, v: float, L: float, lands: bool, c: Constants
+) -> tuple[float, int, int, float, float]:
     """Return the lowest local minimum of y in a flight of time L from (tau, y, v), which it is, their number, its time.
 
     The dip is counted from the end (1 is the last), its time from the start; without any dip y is infinite and the
-    other numbers are 0. No dip is missed: over the next step y''' is bounded by the energy
+    other numbers are 0. Of dips that are equal but for rounding, as those of a steady response in each period, it is
+    the first. A flight that leaves into the wall, from y = 0 with v < 0, while it is lifted dips at once, and one that
+    ``lands`` with v > 0 has just done so: these are the impacts, which have lost their speed. They count only for the
+    last number, the lowest of all.
+
+    No dip is missed: over the next step y''' is bounded by the energy
     e^2 = y''''^2 + |k^2| y'''^2, where e' <= |F'''| at most, and e' <= |F'''| + (|alpha| + |k|) e for a negative
     alpha and a negative k^2; so every step is proved either free of zeros of v or to have one only.
     """
     anchor = anchored(tau, y, v, c)
     low, at, count, when = float("inf"), 0, 0, 0.0
-    s, reach = 0.0, c.T / 64.0
+    others, other_at, other_when = low, at, when  # without the last one
+    s, reach, turned, deepest = 0.0, c.T / 64.0, False, low
+    into = y == 0.0 and v < 0.0 and forcing(tau, c)[0] - c.alpha * v > 0.0
     while s < L:
         F, dF = forcing(tau + s, c)
         ddF, third = bend_of_forcing(tau + s, c)
@@ -224,13 +238,22 @@ def lowest_dip(tau: float, y: float, v: float, L: float, c: Constants) -> tuple[
         end = min(L, s + min(step, reach))
         reach = min(4.0 * step, 0.25 * c.T)
         y_end, v_end = flight(end, anchor, c)
-        if (v < 0.0 or (v == 0.0 and acc < 0.0)) and v_end >= 0.0 and end < L:
-            count += 1
+        turned = (v < 0.0 or (v == 0.0 and acc < 0.0)) and v_end >= 0.0
+        bottom, then = float("inf"), 0.0
+        if turned and end < L:
             then, bottom = minimum(s, end, anchor, c)
-            if bottom < low:
-                low, at, when = bottom, count, then
+            deepest = min(deepest, bottom)
+        if bottom < float("inf") and not into:
+            count += 1
+            others, other_at, other_when = low, at, when
+            if bottom < low - EQUAL * c.size:
+                at, when = count, then
+            low = min(low, bottom)
+        into = into and not turned
         s, y, v = end, y_end, v_end
-    return low, (count + 1 - at if count > 0 else 0), count, when
+    if lands and v > 0.0 and count > 0 and not turned and forcing(tau + L, c)[0] - c.alpha * v - c.k2 * y > 0.0:
+        count, low, at, when = count - 1, others, other_at, other_when
+    return low, (count + 1 - at if count > 0 else 0), count, when, deepest
 
 
 def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> tuple[float, float]:

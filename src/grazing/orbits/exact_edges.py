@@ -102,7 +102,7 @@ class Closed:
 
         c: Any = constants_of(self.family.harmonics)(self.family.kind(*(float(x) for x in self.p.values())))
         tau, w = impact_time(float(self.phi), c), max(float(self.w), 0.0)
-        _low, _dip, count, when = lowest_dip(tau, 0.0, w, self.family.N * c.T, c)
+        _low, _dip, count, when, _deepest = lowest_dip(tau, 0.0, w, self.family.N * c.T, False, c)
         if count == 0:
             return arb(1)
         s, free = arb(when), arb_mat([[0, 1], [-self.k2, -self.alpha]])

@@ -12,7 +12,7 @@ from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD
 from grazing.oscillator.frames import Frames, frame_of
 from grazing.oscillator.walled import Walled
-from grazing.parameter import unknown
+from grazing.parameter import checked_name, named_by
 
 Floats = NDArray[np.float64]
 
@@ -33,23 +33,23 @@ class FlightEquations(Equations):
     def __init__(self, model: Model, names: tuple[str, ...], spans: Any = None) -> None:
         params = model.params
         for name in names:
-            if name not in params:
-                raise unknown(name, params, "the model")
+            checked_name(name, params, "the model")
         model.refuse_made(names)
         self.model, self.names = model, names
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
-        self._index = np.array([list(params).index(name) for name in names], np.intp)
+        self._places = [[list(params).index(one) for one in named_by(name, params)] for name in names]
         self._base = np.array(list(params.values()))
 
     @property
     def own(self) -> Floats:
         """The values that the model itself has for the parameters that vary."""
-        return np.asarray(self._base[self._index])
+        return self._base[[first for first, *_others in self._places]]
 
     def values(self, p: Floats) -> Floats:
         """Return all parameters of the model, in their order."""
         values: Floats = self._base.copy()
-        values[self._index] = p
+        for places, value in zip(self._places, p, strict=True):
+            values[places] = value
         return self.model.made_from_base(values)
 
     def row(self, values: Floats) -> Floats:

@@ -145,7 +145,7 @@ def turner(harmonics: int, walled: bool) -> Callable[..., None]:
             y, v = flight(i * c.T / INSTANTS, anchor, c)
             if v > fastest:
                 begin, fastest, height = i * c.T / INSTANTS, v, y
-        low, _dip, _dips, when = lowest_dip(begin, height, fastest, c.T, c)
+        low, _dip, _dips, when, _deepest = lowest_dip(begin, height, fastest, c.T, False, c)
         return low, begin + when - (c.T if begin + when >= c.T else 0.0)
 
     def turn(row: Any, x: Any, out: Any) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call
 from grazing.maps.period import product, saltation
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.closing import CONTACT, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
+from grazing.orbits.closing import CONTACT, DEEP, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
 from grazing.orbits.closure import FIRED, WHOLE
 from grazing.orbits.contacts import (
     Model,
@@ -133,7 +133,7 @@ class ImpactEquations(FlightEquations):
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips.
 
-        Speeds, forces and heights are in units of their size.
+        All are in units of their size.
         """
         table, trace, det, scale = self.profile(x, p)
         sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
@@ -151,8 +151,7 @@ class ImpactEquations(FlightEquations):
                 trigger = law["trigger"]
                 over = speed - trigger if piece_of(self.pieces[k]) == FIRED else trigger - speed
                 found.append(Test("law", over / fast if law["V"] != 0.0 else 1.0, k))  # without a kick both are one law
-            # a flight that leaves into the wall dips at once: that is the impact before it, which has lost its speed
-            low = float(table[i, LOW]) if x[self.n + i] >= 0.0 else abs(float(table[i, LOW]))
+            low = float(table[i, LOW])
             lows = [low] if len(laws) == 1 else [low, float(table[i, LOW + OTHER])]
             walls = (self.walls[i], 1 - self.walls[i])
             found += [
@@ -252,7 +251,7 @@ class ImpactEquations(FlightEquations):
             times=times,
             incoming=incoming,
             outgoing=outgoing,
-            clearance=float(table[:, [LOW, LOW + OTHER]].min()),
+            clearance=float(table[:, [DEEP, DEEP + OTHER]].min()),
             walls="".join(str(walls_of(model)[wall].name) for wall in self.walls),
         )
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
 from grazing.orbits.manifold_saddle import Saddle, checked_saddle, short_pieces
@@ -260,7 +260,7 @@ def _box(orbit: Orbit, box: Any) -> Floats:
 
 def _word(letters: NDArray[np.int32], P: Map) -> str:
     """Return letters as text, as :func:`grazing.orbits.word.word` writes them, but neither rotated nor shortened."""
-    if isinstance(P.letters, Hits):
+    if isinstance(P.letters, Alphabet):
         return "".join(P.letters.symbol(int(k)) for k in letters)
     if P.letters is not None:
         return "".join(P.letters[k] for k in letters)

@@ -45,6 +45,14 @@ def product(steps: Floats) -> Floats:
     return J
 
 
+def product_error(steps: Floats, error: Floats) -> Floats:
+    """Return by how much the derivative of all steps may be off, given by how much each one may."""
+    J, off = np.eye(steps.shape[-1]), np.zeros(steps.shape[1:])
+    for step, e in zip(steps, error, strict=True):
+        J, off = step @ J, np.abs(step) @ off + e @ (np.abs(J) + off)
+    return off
+
+
 def tests_of(J: Floats) -> list[float]:
     """Return pd, lp and, from two coordinates on, ns of the derivative of one turn."""
     if not np.isfinite(J).all():
@@ -226,6 +234,11 @@ class MapEquations(PointEquations):
         """Return the derivative of N steps at the first point."""
         return product(self.stepped(x, p).J)
 
+    def turn_error(self, x: Floats, p: Floats) -> Floats:
+        """Return by how much that may be off."""
+        _images, J, error, _letters = self.stepped(x, p)
+        return product_error(J, error)
+
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and ns of the turn, with the error that the differences leave."""
         _images, J, error, _letters = self.stepped(x, p)
@@ -241,8 +254,8 @@ class MapEquations(PointEquations):
 
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit; it is one of the map itself, so admissible as long as its letters are those of its word."""
-        images, steps, _error, letters = self.stepped(x, p)
-        J = product(steps)
+        images, _steps, _error, letters = self.stepped(x, p)
+        J = self.turn(x, p)
         roots = np.linalg.eigvals(J).astype(np.complex128) if np.isfinite(J).all() else np.full(len(J), np.nan + 0j)
         return Orbit(
             map=self.map_at(p),
@@ -253,4 +266,5 @@ class MapEquations(PointEquations):
             admissible=letters == self.letters,
             condition=condition_of(J),
             residual=float(np.abs(np.roll(images, 1, axis=0).ravel() - x).max()),
+            doubt=self.doubt(x, p, roots),
         )

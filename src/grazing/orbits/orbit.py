@@ -39,6 +39,9 @@ class Orbit(ByValue):
         (I - J)^-1. Infinite at a fold, where two orbits meet; NaN where J is undefined.
     residual : float
         Largest defect of the equations that define the orbit, in their own units.
+    doubt : float
+        By how much the multipliers may be off beyond rounding, where they rest on differences or on points that are
+        known to few digits only, as near a fold.
 
     Examples
     --------
@@ -57,6 +60,7 @@ class Orbit(ByValue):
     admissible: bool
     condition: float
     residual: float
+    doubt: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("points", "multipliers"):
@@ -66,16 +70,16 @@ class Orbit(ByValue):
 
     @property
     def stable(self) -> bool:
-        """Whether nearby orbits come back to it: every multiplier is inside the unit circle, by more than rounding."""
-        return bool((np.abs(self.multipliers) < 1.0 - ROUNDING).all())
+        """Whether nearby orbits come back to it: every multiplier is surely inside the unit circle."""
+        return bool((np.abs(self.multipliers) < 1.0 - max(ROUNDING, self.doubt)).all())
 
     @property
     def neutral(self) -> bool:
-        """Whether the multipliers do not decide: the largest modulus is 1, to rounding.
+        """Whether the multipliers do not decide: the largest modulus is 1, as far as it is known.
 
         So it is at a bifurcation, on an orbit of a family, and without dissipation.
         """
-        return bool(abs(np.abs(self.multipliers).max(initial=0.0) - 1.0) <= ROUNDING)
+        return bool(abs(np.abs(self.multipliers).max(initial=0.0) - 1.0) <= max(ROUNDING, self.doubt))
 
     @property
     def degenerate(self) -> bool:
@@ -95,6 +99,21 @@ def multipliers_of(P: Map, points: NDArray[np.float64]) -> NDArray[np.complex128
         J = P.jacobian(point) @ J
     found = np.linalg.eigvals(J) if np.isfinite(J).all() else np.full(P.dimension, np.nan)
     return found.astype(np.complex128)
+
+
+def doubt_of(J: NDArray[np.float64], error: NDArray[np.float64]) -> float:
+    """Return by how much the eigenvalues of J (dim, dim) may be off, given by how much its numbers may.
+
+    The smaller of the bounds of Bauer and Fike (1960) and of Elsner (1985); the second one holds where eigenvectors
+    are nearly one.
+    """
+    if not (np.isfinite(J).all() and np.isfinite(error).all()):
+        return float("nan")
+    off, size, n = float(np.linalg.norm(error)), float(np.linalg.norm(J)), len(J)
+    if n == 1 or off == 0.0:
+        return off
+    bound = float((2.0 * size + off) ** (1.0 - 1.0 / n) * off ** (1.0 / n))
+    return min(bound, off * float(np.linalg.cond(np.linalg.eig(J)[1])))
 
 
 def condition_of(J: NDArray[np.float64]) -> float:

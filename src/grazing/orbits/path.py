@@ -50,6 +50,8 @@ LOOKS = 16
 #: Place of a period doubling at which an orbit becomes one of half its period, and of a branch point at which it
 #: becomes its own mirror image.
 HALVES, MIRRORS = -2, -3
+#: Events that are no farther apart, in scaled coordinates, happen at one place.
+AT_ONCE = 1e-9
 #: An orbit and its mirror image that differ by less, in scaled unknowns, are one: symmetric.
 ALIKE = 1e-7
 
@@ -123,8 +125,9 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
         F, J = equations.defects(x, p)
         if not (np.isfinite(F).all() and np.isfinite(J).all()):
             return None
+        F, J = weighed(F, J * equations.scale)
         try:
-            move = np.linalg.solve(J, F)
+            move = np.linalg.solve(J, F) * equations.scale
         except np.linalg.LinAlgError:
             return None
         size = float(np.abs(move / equations.scale).max()) if len(move) else 0.0
@@ -147,12 +150,22 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
 
 
 def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
-    """Return the defects and their derivative (n, n + 1) in scaled coordinates."""
+    """Return the defects and their derivative (n, n + 1) in scaled coordinates, see :func:`weighed`."""
     x, p = unscaled(equations, z)
     F, J = equations.defects(x, p)
     wide = np.empty((len(F), len(z)))
     wide[:, : len(x)], wide[:, len(x) :] = J * equations.scale, equations.slopes(x, p) * equations.spans
-    return F, wide
+    return weighed(F, wide)
+
+
+def weighed(F: Floats, wide: Floats) -> tuple[Floats, Floats]:
+    """Return equations with derivatives in scaled coordinates, each divided by the size of its derivatives.
+
+    Positions and velocities then weigh alike, and elimination meets the same pivots in any unit.
+    """
+    size = np.abs(wide).max(axis=1)
+    size = np.where(size > 0.0, size, 1.0)
+    return F / size, wide / size[:, None]
 
 
 def tangent_of(wide: Floats, along: Floats) -> Floats:
@@ -189,10 +202,7 @@ def corrected(
         F, wide = linearised(equations, z)
         if not (np.isfinite(F).all() and np.isfinite(wide).all()):
             return None
-        weight = rowwise(wide)
-        rows = np.vstack([wide / weight, across])
-        right = np.append(F / weight[:, 0], across @ (z - plane))
-        move = solved_or_least(rows, right)
+        move = solved_or_least(np.vstack([wide, across]), np.append(F, across @ (z - plane)))
         size = float(np.abs(move).max())
         if not size < 1e3:
             return None
@@ -228,12 +238,6 @@ def closes(equations: Equations, z: Floats) -> bool:
     F, J = equations.defects(x, p)
     rounding = 8.0 * EPS * (np.abs(J) @ np.abs(x))
     return bool((np.abs(F) <= CLOSED * equations.scale * (1.0 + np.abs(z[: len(F)])) + rounding).all())
-
-
-def rowwise(wide: Floats) -> Floats:
-    """Return the size of each row, shape (n, 1), so that equations of different units weigh alike."""
-    size = np.abs(wide).max(axis=1, keepdims=True)
-    return np.where(size > 0.0, size, 1.0)
 
 
 def point_at(equations: Equations, z: Floats, along: Floats, known: Floats | None = None) -> Point | None:
@@ -309,9 +313,12 @@ def follow(
         leaves = not inside or (there.z[-1] in (low, high) and here.z[-1] != there.z[-1])
         if not inside:
             edge = at_value(equations, here, there, min(max(float(there.z[-1]), low), high))
-            if edge is None:
-                path.ended = "lost"
-                return path
+            if edge is None or np.linalg.norm(edge.z - here.z) > 2.0 * h:  # Newton's method went elsewhere
+                if h <= SHORTEST:
+                    path.ended = "lost"
+                    return path
+                h = max(0.4 * h, SHORTEST)
+                continue
             there = edge
             if np.array_equal(there.z, here.z):
                 path.ended = "bounds"
@@ -523,7 +530,19 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
             type = "bp"
         one = located(equations, a, along, length, type, before.where, partial(height_of, i))
         found.append(one if one is None else shown(equations, one, before, after, i, float(b.z[-1] - a.z[-1])))
-    return [event for _share, event in sorted((one for one in found if one is not None), key=lambda one: one[0])]
+    return ordered([one for one in found if one is not None])
+
+
+def ordered(found: list[tuple[float, Event]]) -> list[Event]:
+    """Return events in order along the path; what is at one place but for rounding in the order of test functions."""
+    along = sorted(range(len(found)), key=lambda i: found[i][0])
+    groups: list[list[int]] = []
+    for i in along:
+        if groups and found[i][0] - found[groups[-1][-1]][0] <= AT_ONCE:
+            groups[-1].append(i)
+        else:
+            groups.append([i])
+    return [found[i][1] for group in groups for i in sorted(group)]
 
 
 def shown(
@@ -578,7 +597,7 @@ def located(
 
     good = False
     try:
-        if at(0.0) * at(length) <= 0.0:
+        if (at(0.0) > 0.0) != (at(length) > 0.0) or at(length) == 0.0:
             brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
             good = True
     except (ArithmeticError, RuntimeError):

@@ -327,7 +327,8 @@ def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tupl
 def _order(orbit: Orbit) -> tuple[Any, ...]:
     """Return what orbits are sorted by: period, word, admissible ones first, points."""
     letters = letters_of(orbit.word, orbit.map.letters)
-    return orbit.period, letters, not orbit.admissible, tuple(np.round(orbit.points, 9).ravel())
+    points = orbit.points / [high - low for low, high in orbit.map.box]
+    return orbit.period, letters, not orbit.admissible, tuple(np.round(points, 9).ravel())
 
 
 def _counted(n: int, what: str) -> str:

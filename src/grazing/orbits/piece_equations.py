@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grazing.maps.bordered import Images
 from grazing.maps.map import Map
 from grazing.orbits.equations import Ending, Test
-from grazing.orbits.map_equations import MapEquations, product
+from grazing.orbits.map_equations import MapEquations, product, product_error
 from grazing.orbits.one_sided import EPS, FINER, FIRST, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.piece_end import JUMP, POWER, TURN
@@ -288,6 +288,12 @@ class PieceEquations(PointEquations):
         with np.errstate(divide="ignore", invalid="ignore"):
             return product(steps / twice[:, None, None])
 
+    def turn_error(self, x: Floats, p: Floats) -> Floats:
+        """Return by how much that may be off."""
+        steps, twice, error = self.steps(x, p)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return product_error(*(one / np.abs(twice)[:, None, None] for one in (steps, error)))
+
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and ns without the poles that they have where a root is 0, and the distances from borders."""
         steps, twice, error = self.steps(x, p)
@@ -417,6 +423,7 @@ class PieceEquations(PointEquations):
             residual=float(np.abs(at.images[self.before] - points).max()),
             letters=self.letters,
             margins=margins,
+            doubt=self.doubt(x, p, roots),
         )
 
     def across(self, x: Floats, p: Floats, where: int) -> Across | None:

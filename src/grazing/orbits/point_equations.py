@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Self
 
 import numpy as np
@@ -9,8 +10,16 @@ from numpy.typing import NDArray
 
 from grazing.maps.map import Map
 from grazing.orbits.equations import Equations
+from grazing.orbits.one_sided import EPS
+from grazing.orbits.orbit import doubt_of
 
 Floats = NDArray[np.float64]
+
+
+#: Multipliers farther from the unit circle are not doubted on account of the points' digits.
+NEAR = 1e-5
+#: How far points are moved at most, in scaled unknowns, to see how much multipliers depend on their digits.
+MOVED = 1e-6
 
 
 class PointEquations(Equations):
@@ -18,6 +27,35 @@ class PointEquations(Equations):
 
     P: Map
     letters: tuple[int, ...]
+    size: Floats
+
+    @abstractmethod
+    def turn(self, x: Floats, p: Floats) -> Floats:
+        """Return the derivative (dim, dim) of N steps at the first point."""
+
+    @abstractmethod
+    def turn_error(self, x: Floats, p: Floats) -> Floats:
+        """Return by how much each number of that may be off."""
+
+    def doubt(self, x: Floats, p: Floats, multipliers: NDArray[np.complex128]) -> float:
+        """Return by how much multipliers may be off: by the derivative's errors, and by those of the points near 1.
+
+        Where the derivative of the equations is nearly singular, rounding moves the points along its null vector.
+        """
+        unit = self.size / self.size[:, None]
+        J = self.turn(x, p) * unit
+        found = doubt_of(J, self.turn_error(x, p) * unit)
+        if np.isfinite(J).all() and np.abs(np.abs(multipliers) - 1.0).min() < NEAR:
+            F, wide = self.defects(x, p)
+            least, along = (one[-1] for one in np.linalg.svd(wide * self.scale / self.scale[:, None])[1:])
+            rounding = EPS * float(np.abs(wide * x / self.scale[:, None]).sum(axis=1).max()) + float(
+                np.abs(F / self.scale).max()
+            )
+            far = MOVED if rounding >= MOVED * least else rounding / float(least)
+            for side in (far, -far):
+                moved = self.turn(x + side * along * self.scale, p) * unit
+                found = max(found, doubt_of(J, np.abs(moved - J))) if np.isfinite(moved).all() else found
+        return found if np.isfinite(found) else 0.0
 
     def like(self, letters: tuple[int, ...]) -> Self:
         """Return the equations of other letters in the same parameters."""

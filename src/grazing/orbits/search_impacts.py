@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.random import uniform
-from grazing.orbits.closing import DIPS, ENDING, LOW, OTHER, WHEN
+from grazing.orbits.closing import DEEP, DIPS, ENDING, OTHER, WHEN
 from grazing.orbits.closure import FIRED, PASSIVE
 from grazing.orbits.contacts import PIECES, Model, contacts_of, piece_of, pieces_of, wall_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
+from grazing.orbits.path import weighed
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.walled import Walled
@@ -115,7 +116,7 @@ class Solutions:
                 continue
             seen = np.concatenate([seen, at[None]])
             new.append(i)
-        return ordered(x[new], equations.pieces, equations.N * self.T, self.T)
+        return ordered(x[new], equations)
 
     def prints(self, x: Floats, equations: ImpactEquations) -> Floats:
         """Return numbers (k, 6) that do not depend on which impact comes first, nor in which period."""
@@ -233,11 +234,12 @@ class Solutions:
             guesses = []
             for x in found[:NEIGHBOURS]:
                 twice = np.concatenate([x[:n], x[:n] + periods * self.T, x[n:], x[n:]])
-                _F, J = equations.defects(twice, NOTHING)
+                F, J = equations.defects(twice, NOTHING)
                 if not np.isfinite(J).all():
                     continue
+                _F, wide = weighed(F, J * equations.scale)
                 flip = np.kron(np.eye(2), np.vstack([np.eye(n), -np.eye(n)])) / np.sqrt(2.0)  # opposite in the turns
-                away = flip @ np.linalg.svd(J * equations.scale @ flip)[2][-1]
+                away = flip @ np.linalg.svd(wide @ flip)[2][-1]
                 guesses += [twice + size * away * equations.scale for size in APART]
             if guesses:
                 self.add(N, pieces * 2, np.array(guesses))
@@ -257,7 +259,7 @@ class Solutions:
         size = speed * self.T
         table = equations.profile(x, NOTHING).table
         return bool(
-            (x[n:] < -speed).any() or (table[:, ENDING] > speed).any() or (table[:, [LOW, LOW + OTHER]] < -size).any()
+            (x[n:] < -speed).any() or (table[:, ENDING] > speed).any() or (table[:, [DEEP, DEEP + OTHER]] < -size).any()
         )
 
 
@@ -273,17 +275,17 @@ def flights(x: Floats, turn: float) -> Floats:
     return np.diff(x[:, :n], axis=1, append=x[:, :1] + turn)
 
 
-def ordered(x: Floats, pieces: Pieces, turn: float, T: float) -> Floats:
+def ordered(x: Floats, equations: ImpactEquations) -> Floats:
     """Return solutions begun at the impact whose phase is least, the first time in [0, T): the same for every guess.
 
     Of the impacts those count from which the same contacts follow.
     """
-    n = x.shape[1] // 2
+    n, pieces, T, speed = equations.n, equations.pieces, equations.scale[0], equations.scale[equations.n]
     starts = [k for k in range(n) if pieces[k:] + pieces[:k] == pieces]
     out = np.empty_like(x)
     for i, one in enumerate(x):
-        phase, w = np.round(np.mod(one[:n] / T, 1.0), 7) % 1.0, np.round(one[n:], 7)
+        phase, w = np.round(np.mod(one[:n] / T, 1.0), 7) % 1.0, np.round(one[n:] / speed, 7)
         k = min(starts, key=lambda j: (phase[j], w[j]))
-        out[i] = turned(one[None], k, turn)[0]
+        out[i] = turned(one[None], k, equations.N * T)[0]
         out[i, :n] -= T * np.floor(out[i, 0] / T)
     return out

@@ -68,7 +68,7 @@ def closer(
     def close(x: Any, size: Any, c: Any, F: Any, J: Any) -> float:
         N, before = x.shape[0], float("inf")
         for _ in range(STEPS):
-            if not defects(x, c, F, J) or not solved(J, F):
+            if not defects(x, c, F, J) or not solved(J, F, size):
                 return float("nan")
             longest = 0.0
             for j in range(N):
@@ -132,7 +132,7 @@ class Cycles:
             if N % n == 0:
                 x = x[(np.abs((np.roll(x, n, axis=1) - x) / self.size) >= SAME).any(axis=(1, 2))]
         known = self.found.get(N, none)
-        new = self._distinct(begun_at_least(x), known)
+        new = self._distinct(begun_at_least(x, self.size), known)
         self.found[N] = np.concatenate([known, new])
         return new
 
@@ -168,10 +168,10 @@ class Cycles:
         return orbits
 
 
-def begun_at_least(x: Floats) -> Floats:
-    """Return orbits (k, N, dim) begun at their first point in the order of the coordinates."""
+def begun_at_least(x: Floats, size: Floats) -> Floats:
+    """Return orbits (k, N, dim) begun at their first point in the order of the coordinates, in these units."""
     out = np.empty_like(x)
     for i, one in enumerate(x):
-        rough = [tuple(np.round(point, 9)) for point in one]
+        rough = [tuple(np.round(point / size, 9)) for point in one]
         out[i] = np.roll(one, -min(range(len(one)), key=rough.__getitem__), axis=0)
     return out

@@ -114,7 +114,7 @@ def solved_at_once(equations: PieceEquations, x: Floats) -> Floats:
                 shift[i] = MOVED * scale[i]
                 J[:, :, i] = (missed(x + shift) - missed(x - shift)) / (2.0 * shift[i])
             good = np.asarray(np.isfinite(F).all(axis=1) & np.isfinite(J).all(axis=(1, 2)))
-            good[good] = np.linalg.matrix_rank(J[good] * scale) == n
+            good[good] = np.linalg.matrix_rank(J[good] * scale / scale[:, None]) == n
             x, F, J, before = x[good], F[good], J[good], before[good]
             move = np.linalg.solve(J, F[..., None])[..., 0]
             size = np.abs(move / scale).max(axis=1)

@@ -16,7 +16,7 @@ from grazing.orbits.equations import Equations, Test
 from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
-from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of
+from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.piece_equations import PieceEquations
 from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.signature import equations_of
@@ -36,6 +36,8 @@ MOST = 12
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
 REPEATED = 1e-5
+#: Last step of a secant, in units of the range of the parameter: the next one would be of the size of rounding.
+VANISHED = 1e-9
 #: A test function that begins at its zero is put on the side that the path goes to.
 BARELY = 1e-300
 
@@ -146,8 +148,9 @@ def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
         F, J = even.defects(half, p)
         if not np.isfinite(J).all():
             return None
+        F, J = weighed(F, J * even.scale)
         move = np.linalg.lstsq(J, F)[0]
-        size, half = float(np.abs(move / even.scale).max()), half - move
+        size, half = float(np.abs(move).max()), half - move * even.scale
         if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
             return even.whole(half, p)
         before = size
@@ -159,14 +162,16 @@ def vanishing(
 ) -> tuple[Floats, Floats, bool]:
     """Return the solution and parameter nearby at which a test function, by its number, is zero; and whether it is."""
 
-    def height(value: float) -> float:
-        found = solve(equations, x, np.array([value]))
-        return float("nan") if found is None else equations.tests(found, np.array([value]))[test].value
+    def height(share: float) -> float:
+        q = share * equations.spans
+        found = solve(equations, x, q)
+        return float("nan") if found is None else equations.tests(found, q)[test].value
 
+    begin = float(p[0] / equations.spans[0])
     with np.errstate(invalid="ignore"):
-        found = root_scalar(height, x0=float(p[0]), x1=float(p[0]) + 1e-6 * float(equations.spans[0]), method="secant")
-    near = found.converged and abs(found.root - p[0]) < 1e-4 * equations.spans[0]
-    p = np.array([found.root]) if near else p
+        found = root_scalar(height, x0=begin, x1=begin + 1e-6, xtol=VANISHED, method="secant")
+    near = found.converged and abs(found.root - begin) < 1e-4
+    p = found.root * equations.spans if near else p
     solved = solve(equations, x, p)
     return x if solved is None else solved, p, bool(near and solved is not None)
 
@@ -271,7 +276,7 @@ def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p
     if isinstance(equations, FreeEquations):
         _end, _E, dips = equations.turned(x, p)
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
-        return begins(new, np.array([dips[wall, 1], 0.0]), p, 0)
+        return begins(new, np.array([dips[wall, 1], 0.0]), p, "v0", 0)
     n = equations.n
     if n >= MOST * equations.N:
         return None
@@ -283,7 +288,7 @@ def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p
     after = np.insert(x[n:], i + 1, 0.0)
     pieces = (*equations.pieces[: i + 1], piece, *equations.pieces[i + 1 :])
     new = ImpactEquations(model, equations.names, equations.N, pieces, equations.spans)
-    return begins(new, np.concatenate([times, after]), p, i + 1)
+    return begins(new, np.concatenate([times, after]), p, "v0", i + 1)
 
 
 def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
@@ -296,12 +301,12 @@ def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, 
         wall = equations.walls[0]
         if not np.isfinite(start).all() or abs(free.turned(start, p)[2][wall, 0]) > 1e-6 * free.scale[0]:
             return None
-        return begins(free, start, p, wall)
+        return begins(free, start, p, "gr", wall)
     times, after = np.delete(x[:n], k), np.delete(x[n:], k)
     pieces = (*equations.pieces[:k], *equations.pieces[k + 1 :])
     new = ImpactEquations(equations.model, equations.names, equations.N, pieces, equations.spans)
     flight = (k - 1) % (n - 1)
-    return begins(new, np.concatenate([times, after]), p, equations.walls[k] * (n - 1) + flight)
+    return begins(new, np.concatenate([times, after]), p, "gr", equations.walls[k] * (n - 1) + flight)
 
 
 def flipped(equations: PieceEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
@@ -309,11 +314,11 @@ def flipped(equations: PieceEquations, event: Event, x: Floats, p: Floats) -> li
     found = equations.across(x, p, event.where)
     if found is None or not found.close:
         return []
-    seed = begins(found.equations, found.x, p, event.where)
+    seed = begins(found.equations, found.x, p, "bcb", event.where)
     return [] if seed is None else [seed]
 
 
-def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | None:
+def begins(equations: Equations, x: Floats, p: Floats, type: str, where: int) -> Seed | None:
     """Return the seed at a solution where one test function is zero, going to where it is positive."""
     solved = closed(equations, x, p)
     if solved is not None and np.abs((solved - x) / equations.scale).max() < 1e-5:
@@ -321,11 +326,7 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
     if equations.broken(x, p) or not np.isfinite(equations.defects(x, p)[1]).all():
         return None
     point = seeded(equations, x, p)
-    kind = "bcb" if isinstance(equations, PieceEquations) else None
-    place = [
-        i for i, test in enumerate(point.tests)
-        if test.where == where and (test.type == kind if kind else test.type in ("v0", "gr"))
-    ]  # fmt: skip
+    place = [i for i, test in enumerate(point.tests) if (test.type, test.where) == (type, where)]
     if not place:
         return None
     i = min(place, key=lambda one: abs(point.tests[one].value))
@@ -336,12 +337,12 @@ def begins(equations: Equations, x: Floats, p: Floats, where: int) -> Seed | Non
         sides.append(equations.tests(z[:n] * equations.scale, z[n:] * equations.spans))
     ahead, tangent = (sides[0], point.tangent) if sides[0][i].value > sides[1][i].value else (sides[1], -point.tangent)
     tests: list[Test] = list(point.tests)
-    if kind:  # points that collide at once
-        near = [j for j, test in enumerate(tests) if test.type == kind and abs(test.value) < ZERO]
-        for j in near:
-            tests[j] = tests[j]._replace(value=float(np.copysign(BARELY, ahead[j].value)))
+    kinds = ("bcb",) if type == "bcb" else ("gr", "v0")
+    for j, test in enumerate(tests):  # points that collide, and periods that graze, at once
+        if test.type in kinds and abs(test.value) < ZERO:
+            tests[j] = test._replace(value=float(np.copysign(BARELY, ahead[j].value)))
     tests[i] = tests[i]._replace(value=BARELY)
-    return Seed(equations, Point(point.z, tangent, tuple(tests)), type="bcb" if kind else "gr")
+    return Seed(equations, Point(point.z, tangent, tuple(tests)), type=kinds[0])
 
 
 def turns(equations: Equations, x: Floats, p: Floats) -> int:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
@@ -92,14 +92,14 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
     return s[first:] + s[:first]
 
 
-def word(letters: Iterable[int], symbols: str | Hits | None = None) -> str:
+def word(letters: Iterable[int], symbols: str | Alphabet | None = None) -> str:
     """Return the word of a cycle of letters.
 
     Parameters
     ----------
     letters : iterable of int
         The letters of one period, from any point of the orbit on; several periods give the same word.
-    symbols : str or Hits, optional
+    symbols : str or Alphabet, optional
         The symbol of letter 0, 1, ..., or the walls that letters name (:attr:`grazing.Map.letters`); None for counts,
         with those above 9 in parentheses, C for completed chatter and S for a ball at rest throughout.
 
@@ -122,7 +122,7 @@ def word(letters: Iterable[int], symbols: str | Hits | None = None) -> str:
     return "".join(_symbol(letter, symbols) for letter in least_rotation(primitive(letters)))
 
 
-def letters_of(text: str, symbols: str | Hits | None = None) -> tuple[int, ...]:
+def letters_of(text: str, symbols: str | Alphabet | None = None) -> tuple[int, ...]:
     """Return the letters that a word spells; the inverse of :func:`word` on words.
 
     Parameters
@@ -149,7 +149,7 @@ def letters_of(text: str, symbols: str | Hits | None = None) -> tuple[int, ...]:
     letters: list[int] = []
     position = 0
     while position < len(text):
-        if isinstance(symbols, Hits):
+        if isinstance(symbols, Alphabet):
             letter, position = symbols.read(text, position)
             letters.append(letter)
             continue
@@ -286,8 +286,8 @@ def _sequence(letters: Iterable[int]) -> tuple[int, ...]:
     return s
 
 
-def _symbol(letter: int, symbols: str | Hits | None) -> str:
-    if isinstance(symbols, Hits):
+def _symbol(letter: int, symbols: str | Alphabet | None) -> str:
+    if isinstance(symbols, Alphabet):
         return symbols.symbol(letter)
     if symbols is None:
         if letter in _SPECIAL:

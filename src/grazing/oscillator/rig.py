@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from grazing.oscillator.forcing import Forcing, refuse_out_of_range
 from grazing.oscillator.si import Base
 from grazing.outcome import InputError
-from grazing.parameter import Parameter, updated
+from grazing.parameter import Parameter, spread, updated
 from grazing.units import magnitude
 
 if TYPE_CHECKING:
@@ -86,8 +86,8 @@ class Rig:
 
     def changed(self, changes: Mapping[str, Any]) -> dict[str, float]:
         """Return all parameters with other values for some, and with the forces that a base then makes."""
-        updated(self.params, dict.fromkeys(changes, 0.0), "the model")  # names before units, which others have not
-        given = {name: self._number(name, value) for name, value in changes.items()}
+        named = spread(changes, self.params, "the model")  # names before units, which others have not
+        given = {name: self._number(name, value) for name, value in named.items()}
         new = updated(self.params, given, "the model")
         if self.base is not None:
             refuse_out_of_range(new["omega"])  # before forces are divided by its square

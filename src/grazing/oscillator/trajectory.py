@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,8 +54,16 @@ MAX_POINTS = 20_000_000
 POINT, LEG_SIZE = 136, 800
 
 
+@runtime_checkable
+class Follows(Protocol):
+    """A system of a layer above that follows itself, such as :class:`grazing.billiard.table.Table`."""
+
+    def trajectory(self, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
+        """Follow it in continuous time."""
+
+
 def trajectory(
-    model: Oscillator | Walled | System,
+    model: Oscillator | Walled | System | Follows,
     state: ArrayLike,
     start: float = 0.0,
     until: float = 50.0,
@@ -65,11 +73,11 @@ def trajectory(
 
     Parameters
     ----------
-    model : Oscillator or System
-        Also one with several walls; or a system of your own.
+    model : Oscillator, System or Table
+        Also one with several walls; a system of your own; or a pinball table.
     state : array_like, shape (2,)
         (u, v) at time ``start``, u >= sigma. At u = sigma with v < 0 the ball is hit at once. Of a system of your own
-        its coordinates, all gaps being >= 0.
+        its coordinates, all gaps being >= 0; on a table (x, y, vx, vy) of the ball's centre.
     start, until : float
         Time interval, until > start.
     samples : int
@@ -85,7 +93,9 @@ def trajectory(
         and then completed. Of a system of your own: its coordinates on ``t``; the rates of the gap ``v_minus`` and
         ``v_plus``, ``impact_wall`` and the states ``before`` and ``after`` on ``impact``; the attribute ``outcome``, a
         word: *ok*, *grazing*, *chatter not resolved* (1000 impacts within a thousandth of a period; the trajectory
-        ends there), *diverged*; *certified* only where it says how its gaps are rounded, else *numerical*.
+        ends there), *diverged*; *certified* only where it says how its gaps are rounded, else *numerical*. On a table
+        in place of the rates the velocities along the normal, and ``exit``, the drain through which the ball left, or
+        away; then the outcome is *escaped*.
 
     Raises
     ------
@@ -103,13 +113,15 @@ def trajectory(
     """
     import xarray as xr
 
-    if not isinstance(model, Walled | System):
+    if not isinstance(model, Walled | System | Follows):
         checked_model(model)
     start = real(start, "start", "a finite time is allowed")
     until = real(until, "until", "a finite time is allowed")
     samples = whole(samples, "samples", 2)
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
+    if isinstance(model, Follows):
+        return model.trajectory(state, start, until, samples)
     if isinstance(model, System):
         return system_trajectory(model, state, start, until, samples)
     u, v = two_numbers(state)

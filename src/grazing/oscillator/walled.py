@@ -23,7 +23,7 @@ from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple
+from grazing.parameter import Parameter, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -172,7 +172,7 @@ class Walled(Rig):
     def replace(self, **changes: float) -> Walled:
         """Return the model with other parameter values; names as in :attr:`params`."""
         new = self.changed(changes)
-        for name in changes:
+        for name in spread(changes, self.params, "the model"):
             self.describe(name).check(new[name])
         row = list(new.values())
         head = dict(zip(("omega", "t0", "offset"), row[2:HEAD], strict=True))

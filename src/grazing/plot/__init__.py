@@ -19,6 +19,7 @@ from grazing.plot.provenance import provenance, provenance_of
 from grazing.plot.response import response
 from grazing.plot.spectrum import spectrum
 from grazing.plot.style import figure, panels, period_colour, rendered, save, styled
+from grazing.plot.table import table
 from grazing.plot.trajectory import trajectory
 from grazing.plot.tree import tree
 from grazing.plot.validity import validity
@@ -26,35 +27,8 @@ from grazing.plot.windows import windows
 from grazing.plot.zdm import zdm
 
 __all__ = [
-    "basins",
-    "bifurcation_diagram",
-    "branch",
-    "chart",
-    "cobweb",
-    "coexistence",
-    "density",
-    "figure",
-    "graph",
-    "graph_of",
-    "history",
-    "ladder",
-    "locus",
-    "lyapunov",
-    "manifolds",
-    "map_graph",
-    "orbit_diagram",
-    "panels",
-    "period_colour",
-    "provenance",
-    "provenance_of",
-    "rendered",
-    "response",
-    "save",
-    "spectrum",
-    "styled",
-    "trajectory",
-    "tree",
-    "validity",
-    "windows",
-    "zdm",
-]
+    "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "figure", "graph",
+    "graph_of", "history", "ladder", "locus", "lyapunov", "manifolds", "map_graph", "orbit_diagram", "panels",
+    "period_colour", "provenance", "provenance_of", "rendered", "response", "save", "spectrum", "styled", "table",
+    "trajectory", "tree", "validity", "windows", "zdm",
+]  # fmt: skip

@@ -27,7 +27,7 @@ LISTED = 14
 
 @inline
 def basins(
-    result: Any, ax: Axes | None = None, *, points: bool = True, graze: int | None = None, legend: bool = True
+    result: Any, ax: Axes | None = None, *, points: bool = True, graze: int | None = None, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw basins of attraction; those of a map with one coordinate as a strip.
 
@@ -43,8 +43,9 @@ def basins(
     graze : int, optional
         Preimages of the grazing curve up to this order are drawn, 0 for the curve alone, -1 for nothing; default:
         all that the result has.
-    legend : bool
-        Whether a legend with word, period and share of the area stands beside the basins.
+    legend : bool, optional
+        Whether a legend with word, period and share of the area stands beside the basins; None for one in a figure of
+        its own only.
 
     Returns
     -------

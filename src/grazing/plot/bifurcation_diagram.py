@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -13,7 +12,7 @@ from grazing.outcome import InputError
 from grazing.plot.branch import branch, shade_of, special_entries
 from grazing.plot.classes import blended, legend_extended, patch
 from grazing.plot.drawn import inline
-from grazing.plot.orbit_diagram import orbit_diagram
+from grazing.plot.orbit_diagram import ends_of, orbit_diagram
 from grazing.plot.provenance import provenance_of
 from grazing.plot.spread import spread
 from grazing.plot.style import DOUBLE, INK, axes, root, styled
@@ -32,7 +31,7 @@ def bifurcation_diagram(
     by: str = "period",
     virtual: bool = False,
     names: bool = True,
-    legend: bool = True,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw scan and branches: points faint, stable orbits solid, unstable dashed, virtual dotted, windows shaded.
 
@@ -50,8 +49,8 @@ def bifurcation_diagram(
         Whether orbits that the map does not have are drawn too.
     names : bool
         Whether special points carry their names.
-    legend : bool
-        Whether to say what colours, lines, marks and shades are.
+    legend : bool, optional
+        Whether to say what colours, lines, marks and shades are; None for one in a figure of its own only.
 
     Returns
     -------
@@ -87,7 +86,7 @@ def bifurcation_diagram(
         ends = (result[f"window_{key}"].values.tolist() for key in ("low", "high", "word", "period"))
         for a, b, word, N in zip(*ends, strict=True):
             bands.append(ax.axvspan(a, b, color=shade_of(str(word), N, shades), alpha=SHADE, lw=0, zorder=0))
-        ax.set_xlim(float(np.min(result[name].values)), float(np.max(result[name].values)))
+        ax.set_xlim(*ends_of(result[name].values))
         if virtual:
             ax.set_ylim(low, high)
         beside = None

@@ -46,7 +46,7 @@ def branch(
     by: str | None = None,
     virtual: bool = True,
     names: bool = True,
-    legend: bool = True,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw branches: all points of their orbits over the parameter.
 
@@ -63,8 +63,8 @@ def branch(
         Whether orbits that the map does not have are drawn, and special points on them.
     names : bool
         Whether special points carry their names.
-    legend : bool
-        Whether to say what the lines and the special points are.
+    legend : bool, optional
+        Whether to say what the lines and the special points are; None for one in a new figure, or where there is one.
 
     Returns
     -------

@@ -42,7 +42,7 @@ def chart(
     by: str = "period",
     stripes: bool = True,
     curves: Any = None,
-    legend: bool = True,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw a chart of two parameters.
 
@@ -64,8 +64,9 @@ def chart(
         What is laid on top: what :func:`grazing.boundaries` or :func:`grazing.locus` returns for these two parameters
         (of a locus the part on orbits that the map has), the stable part of a branch in one of them, or any curves;
         each name is written on its curve. By word, curves of orbits have the colours of their words.
-    legend : bool
-        Whether a legend, or a colour bar for exponents, stands beside the chart.
+    legend : bool, optional
+        Whether a legend, or a colour bar for exponents, stands beside the chart; None for one in a figure of its own
+        only.
 
     Returns
     -------
@@ -92,7 +93,7 @@ def chart(
         x, y = edges_of(x_values, ax.xaxis), edges_of(y_values, ax.yaxis)
         if by == "exponent":
             exponent = np.asarray(result["exponent"].values, np.float64)[i][:, j][..., 0]
-            image, bar, beside = _exponents(ax, x, y, exponent, legend)
+            image, bar, beside = _exponents(ax, x, y, exponent, bool(legend))
         else:
             if by == "attractors":
                 image, handles = _attractors(ax, x, y, period, share)

@@ -31,14 +31,14 @@ ENDS = {
 UNUSED = -3
 #: Towards what a dark colour goes for further attractors of one period; black would become the grey of chaos.
 TINT, TINT_OF_BLACK = "#ffffff", "#d2a679"
-#: Letters of a word that are written out; of longer ones the beginning is.
-LETTERS = 12
+#: Characters in a line of a word, and its lines.
+WIDE, LINES = 24, 3
 #: Height of an entry of a legend in millimetres.
 ENTRY = 3.75
-#: A run of at least so many equal letters is written as a power.
+#: A run of at least so many equal letters is written as a power; of letters in parentheses a pair is.
 RUN = 4
 
-_LETTER = re.compile(r"\([0-9]+\)|.")
+_LETTER = re.compile(r"\([^()]*\)|.")
 
 
 def order_of(period: int) -> tuple[bool, int]:
@@ -90,25 +90,40 @@ def name_of(period: int) -> str:
 
 
 def written(word: str) -> str:
-    r"""Return a word as it stands in a figure: long runs as powers, the end of a long word left out.
+    r"""Return a word as it stands in a figure: runs as powers, in lines; of one longer than those its length is said.
 
     Examples
     --------
     >>> from grazing.plot.classes import written
-    >>> written("LLR"), written("LLLLLR"), written("1(12)0")
-    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0')
+    >>> written("LLR"), written("LLLLLR"), written("1(12)0"), written("(left_drain)")
+    ('LLR', '$\\mathrm{L}^{5}\\mathrm{R}$', '1(12)0', '(left_drain)')
+    >>> print(written("(BBAA)(BBA)" * 5))
+    (BBAA)(BBA)(BBAA)(BBA)
+    (BBAA)(BBA)(BBAA)(BBA)
+    (BBAA)(BBA)
     """
-    runs = [(letter, len(list(same))) for letter, same in groupby(_LETTER.findall(word))]
     parts: list[tuple[str, int]] = []
-    for letter, count in runs:
-        parts += [(letter, count)] if count >= RUN else [(letter, 1)] * count
-    end = r"\ldots" if len(parts) > LETTERS else ""
-    parts = parts[: LETTERS - 1] if end else parts
-    if not end and all(count == 1 for _letter, count in parts):
-        return plain(word)
-    formula = "".join(rf"\mathrm{{{a}}}" + (f"^{{{n}}}" if n > 1 else "") for a, n in parts) + end
-    short = word if not end else word[: sum(len(a) * n for a, n in parts)] + "..."
-    return mathematics(formula, short)
+    for letter, same in groupby(_LETTER.findall(word)):
+        count = len(list(same))
+        parts += [(letter, count)] if count >= (RUN if len(letter) == 1 else 2) else [(letter, 1)] * count
+    lines: list[list[tuple[str, int]]] = [[]]
+    for part in parts:
+        if lines[-1] and sum(len(letter) for letter, _count in lines[-1]) + len(part[0]) > WIDE:
+            lines.append([])
+        lines[-1].append(part)
+    cut = len(lines) > LINES
+    shown = [_line(line) for line in lines[:LINES]]
+    return "\n".join(
+        [*shown[:-1], f"{shown[-1]}… ({sum(count for _letter, count in parts)} letters)"] if cut else shown
+    )
+
+
+def _line(parts: Sequence[tuple[str, int]]) -> str:
+    """Return a line of letters with how often each stands there."""
+    if all(count == 1 for _letter, count in parts):
+        return plain("".join(letter for letter, _count in parts))
+    formula = "".join(rf"\mathrm{{{a}}}".replace("_", r"\_") + (f"^{{{n}}}" if n > 1 else "") for a, n in parts)
+    return mathematics(formula, "".join(a * n for a, n in parts))
 
 
 def class_name(word: str, period: int) -> str:

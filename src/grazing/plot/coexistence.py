@@ -32,7 +32,7 @@ HAIRLINES = 24
 
 @inline
 def coexistence(
-    result: Any, ax: Axes | None = None, *, of: str = "share", changes: bool = True, legend: bool = True
+    result: Any, ax: Axes | None = None, *, of: str = "share", changes: bool = True, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw the shares of attractors as stacked areas, or the mean lifetimes of transients as lines.
 
@@ -47,7 +47,8 @@ def coexistence(
     changes : bool
         Whether a row of marks above the axes says where attractors appear, disappear, double or change only their
         word: a relabelling is no bifurcation.
-    legend : bool
+    legend : bool, optional
+        Whether one stands beside the axes; None for one in a figure of its own only.
 
     Returns
     -------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
+from inspect import signature
 from io import BytesIO
 from typing import Any, TypeVar
 
@@ -15,6 +16,8 @@ Draw = TypeVar("Draw", bound=Callable[..., Any])
 
 #: Dots per inch on a screen.
 SCREEN = 144
+#: What is drawn over other figures of this package, and goes on with their legends.
+OVER = ("branch", "manifolds")
 
 
 def png_of(figure: Figure) -> bytes | None:
@@ -53,7 +56,13 @@ class Drawn(dict[str, Any]):
 
 
 def inline(draw: Draw) -> Draw:
-    """Let a function that returns a dict of artists return it as :class:`Drawn`, and draw a rig as it is measured."""
+    """Let a function that returns a dict of artists return it as :class:`Drawn`, and draw a rig as it is measured.
+
+    A ``legend`` that may be None is one in a figure of its own only: axes that are given have what their owner puts
+    there. Branches and manifolds go on with a legend that is there.
+    """
+    chosen = signature(draw).parameters.get("legend")
+    alone = chosen is not None and chosen.default is None
 
     @wraps(draw)
     def shown(*args: Any, **more: Any) -> Drawn:
@@ -61,6 +70,9 @@ def inline(draw: Draw) -> Draw:
             args = (measured(args[0]), *args[1:])
         elif "result" in more:
             more["result"] = measured(more["result"])
+        if alone and more.get("legend") is None:
+            ax = args[1] if len(args) > 1 else more.get("ax")
+            more["legend"] = ax is None or (draw.__name__ in OVER and ax.get_legend() is not None)
         return Drawn(draw(*args, **more))
 
     return shown  # type: ignore[return-value]

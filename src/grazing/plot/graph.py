@@ -23,7 +23,9 @@ LINES: tuple[dict[str, Any], ...] = (
 
 
 @inline
-def graph(result: Any, ax: Axes | None = None, *, coordinate: str | None = None, legend: bool = True) -> dict[str, Any]:
+def graph(
+    result: Any, ax: Axes | None = None, *, coordinate: str | None = None, legend: bool | None = None
+) -> dict[str, Any]:
     """Draw the images of a row of states under one step of a map, or of two maps to be compared.
 
     Parameters
@@ -34,8 +36,8 @@ def graph(result: Any, ax: Axes | None = None, *, coordinate: str | None = None,
         Default: a new figure one column wide.
     coordinate : str, optional
         Which coordinate of the images is shown; default: the one that varies.
-    legend : bool
-        Whether two maps are named.
+    legend : bool, optional
+        Whether two maps are named; None for one in a figure of its own only.
 
     Returns
     -------

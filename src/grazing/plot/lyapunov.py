@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from grazing.catalogue.rows import runs
 from grazing.plot.classes import legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -31,7 +32,7 @@ MANY = 3000
 
 @inline
 def lyapunov(
-    result: Any, ax: Axes | None = None, *, per: str = "step", positive: float = 1e-3, legend: bool = True
+    result: Any, ax: Axes | None = None, *, per: str = "step", positive: float = 1e-3, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw Lyapunov exponents against a parameter, for all starts.
 
@@ -46,7 +47,8 @@ def lyapunov(
     positive : float
         Where the greatest exponent of any start is greater than this the diagram is shaded: chaos. An exponent that
         is zero in truth is found with an error that falls as the number of steps grows.
-    legend : bool
+    legend : bool, optional
+        Whether one stands beside the axes; None for one in a figure of its own only.
 
     Returns
     -------
@@ -96,20 +98,6 @@ def lyapunov(
         "legend": beside,
         "provenance": provenance_of(result),
     }
-
-
-def runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return begin and end of each run of True.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from grazing.plot.lyapunov import runs
-    >>> runs(np.array([True, True, False, True]))
-    [(0, 2), (3, 4)]
-    """
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in steps.reshape(-1, 2)]
 
 
 def _lines(ax: Axes, values: Floats, exponent: Floats) -> list[Any]:

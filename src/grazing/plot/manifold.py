@@ -26,7 +26,7 @@ WIDTH, RIM = 1.0, 2.2
 
 @inline
 def manifolds(
-    result: Any, ax: Axes | None = None, *, saddle: bool = True, cuts: bool = False, legend: bool = True
+    result: Any, ax: Axes | None = None, *, saddle: bool = True, cuts: bool = False, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw a stable or an unstable manifold; where it is cut, nothing joins the two sides.
 
@@ -42,8 +42,9 @@ def manifolds(
         Whether the points of the saddle are marked.
     cuts : bool
         Whether the ends at which the map is not smooth are marked.
-    legend : bool
-        Whether a legend stands beside the axes; entries of a legend that is there already are kept.
+    legend : bool, optional
+        Whether a legend stands beside the axes; entries of a legend that is there already are kept; None for one in a
+        new figure, or where there is one.
 
     Returns
     -------

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from grazing.catalogue.rows import runs
 from grazing.plot.classes import ENDED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -18,6 +19,8 @@ from grazing.plot.words import worded, words_in
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
 GRAIN = 1 / 2400
+#: Room beside the first and the last column, as shares of the axis: a point is seen whole, and no more than that.
+LEAST, MOST = 0.003, 0.02
 
 
 @inline
@@ -33,7 +36,8 @@ def orbit_diagram(
 ) -> dict[str, Any]:
     """Draw an orbit diagram; orbits of period N in the colour of N, all others in grey.
 
-    Ranges in which every orbit ended are shaded, and the legend says why.
+    Of an orbit of period N the last N points are drawn: those before may not have arrived at its cycle yet. Ranges in
+    which every orbit ended are shaded, and the legend says why.
 
     Parameters
     ----------
@@ -50,7 +54,7 @@ def orbit_diagram(
     longest : int
         Longer periods are drawn in grey.
     legend : bool, optional
-        Whether a legend of the periods stands beside the axes; None for beside a figure of its own only.
+        Whether a legend of the periods stands beside the axes; None for one in a figure of its own only.
 
     Returns
     -------
@@ -71,15 +75,15 @@ def orbit_diagram(
     values = np.asarray(result[name].values, dtype=np.float64)
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
+    arrived = np.arange(y.shape[2]) >= y.shape[2] - np.where(period >= 1, period, y.shape[2])[:, :, None]
     drawn: dict[Any, Any] = {}
     beside = None
     with styled():
-        alone = ax is None
         ax = axes(ax, DOUBLE, 80.0)
         known = words_in(root(ax)) if by == "word" else None
         chosen, colours, entries = _classes(result, period, longest, known)
         for place, (key, those) in enumerate(chosen.items()):
-            x, z = _thinned(values, y, those)
+            x, z = _thinned(values, y, those[:, :, None] & arrived)
             (drawn[key],) = ax.plot(
                 x,
                 z,
@@ -94,10 +98,10 @@ def orbit_diagram(
         bands = [
             ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0) for low, high in _ended(values, period)
         ]
-        ax.set_xlim(float(values.min()), float(values.max()))
+        ax.set_xlim(*ends_of(values))
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(symbol(result[shown]))
-        if legend or (legend is None and alone):
+        if legend:
             tell_ends(entries, result)
             beside = legend_beside(ax, entries, by)
     return {
@@ -105,13 +109,30 @@ def orbit_diagram(
     }  # fmt: skip
 
 
+def ends_of(values: NDArray[Any]) -> tuple[float, float]:
+    """Return where an axis ends that shows the outermost columns whole: half a column beyond, but little of the axis.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grazing.plot.orbit_diagram import ends_of
+    >>> ends_of(np.linspace(0.0, 1.0, 101)), ends_of(np.array([0.0, 1.0]))
+    ((-0.005, 1.005), (-0.02, 1.02))
+    """
+    x, _order = ordered(values)
+    cells = edges_of(x)
+    if len(x) == 1:
+        return float(cells[0]), float(cells[-1])
+    span = float(x[-1] - x[0])
+    beyond = np.clip([x[0] - cells[0], cells[-1] - x[-1]], LEAST * span, MOST * span)
+    return float(x[0] - beyond[0]), float(x[-1] + beyond[1])
+
+
 def _ended(values: NDArray[Any], period: NDArray[Any]) -> list[tuple[float, float]]:
     """Return the ranges of neighbouring values at which every orbit ended, to halfway to the next values."""
     x, order = ordered(values)
     edges = edges_of(x)
-    gone = np.concatenate([[False], (period[order] == ENDED).all(axis=1), [False]])
-    turns = np.flatnonzero(gone[1:] != gone[:-1])
-    return [(float(edges[a]), float(edges[b])) for a, b in turns.reshape(-1, 2)]
+    return [(float(edges[a]), float(edges[b])) for a, b in runs((period[order] == ENDED).all(axis=1))]
 
 
 def _classes(
@@ -151,7 +172,7 @@ def _thinned(values: NDArray[Any], y: NDArray[Any], chosen: NDArray[Any]) -> tup
     finite = y[np.isfinite(y)]
     step = (float(np.ptp(finite)) or 1.0) * GRAIN if finite.size else 1.0
     index = np.broadcast_to(np.arange(values.size)[:, None, None], y.shape)
-    kept = chosen[:, :, None] & np.isfinite(y)
+    kept = chosen & np.isfinite(y)
     grain = np.round(y[kept] / step).astype(np.int64)
     _unique, which = np.unique(index[kept] * 10_000_019 + grain, return_index=True)
     return values[index[kept][which]], y[kept][which]

@@ -30,7 +30,7 @@ SHADE = 0.07
 
 @inline
 def response(
-    result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool = True
+    result: Any, ax: Axes | None = None, *, by: str = "amplitude", names: bool = True, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw a reading over the parameter: sweeps as triangles, random starts as dots, branches as lines.
 
@@ -45,8 +45,8 @@ def response(
         ``mean_impact_speed``, ``impulse`` or ``impacts_per_period``.
     names : bool
         Whether special points carry their names.
-    legend : bool
-        Whether to say what lines, marks and names are.
+    legend : bool, optional
+        Whether to say what lines, marks and names are; None for one in a figure of its own only.
 
     Returns
     -------

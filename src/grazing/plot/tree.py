@@ -31,7 +31,7 @@ SIZES = {"stable": 11.0, "unstable": 9.0, "virtual": 4.0}
 
 
 @inline
-def tree(result: Any, ax: Axes | None = None, *, log: bool = False, legend: bool = True) -> dict[str, Any]:
+def tree(result: Any, ax: Axes | None = None, *, log: bool = False, legend: bool | None = None) -> dict[str, Any]:
     """Draw the windows of a tree of words, one row for each word, with the tree on the right.
 
     Parameters
@@ -42,7 +42,8 @@ def tree(result: Any, ax: Axes | None = None, *, log: bool = False, legend: bool
         Its limits in x are kept if they were set. Default: a new figure, one column wide and as high as it needs.
     log : bool
         Whether the axis of mu is logarithmic; windows at mu <= 0 are then left out.
-    legend : bool
+    legend : bool, optional
+        Whether one stands beside the axes; None for one in a figure of its own only.
 
     Returns
     -------

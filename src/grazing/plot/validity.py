@@ -37,7 +37,7 @@ def validity(
     *,
     by: str = "agreement",
     curves: Any = None,
-    legend: bool = True,
+    legend: bool | None = None,
 ) -> dict[str, Any]:
     """Draw where the words of a reduction are those of the flow.
 
@@ -52,8 +52,8 @@ def validity(
     curves : xarray.Dataset, Locus, list of them, or mapping of str to (x, y), optional
         Further curves to be laid on top, such as edges of windows, as :func:`grazing.plot.chart` takes them; each name
         is written on its curve.
-    legend : bool
-        Whether a legend, or a colour bar, stands beside.
+    legend : bool, optional
+        Whether a legend, or a colour bar, stands beside; None for one in a figure of its own only.
 
     Returns
     -------

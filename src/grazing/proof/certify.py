@@ -10,18 +10,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grazing.copies import ByValue
+from grazing.orbits.contacts import model_of, numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
 from grazing.oscillator.exact import LOCK, Undecided
-from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, shown
-from grazing.proof.clearance import Clear, Through, clear
+from grazing.proof.clearance import check_impacts, cleared_flight
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.expression import NotAnExpression
-from grazing.proof.flow import Flow, TooLong
+from grazing.proof.flow import TooLong
 from grazing.proof.gap import GapProof, certify_gap_orbit
 from grazing.proof.krawczyk import NoConvergence, contraction, inverse, newton, remainder, residual_of
+from grazing.proof.reasons import NotProven, Open, Stage, Virtual
+from grazing.proof.repeats import is_own_image, shift_margins
 from grazing.proof.report import (
     bound,
     clear_rows,
@@ -34,6 +36,7 @@ from grazing.proof.report import (
     stability_of,
     stability_rows,
 )
+from grazing.proof.seen import Dual, Seen, alone
 from grazing.proof.text import below, enclosed, exact_text, short, write_certificate
 from grazing_checker.check import trusted_base
 from grazing_checker.envelope import seal
@@ -46,10 +49,6 @@ if TYPE_CHECKING:
 PRECISIONS = (256, 512, 1024)
 #: Half-widths of the box of uniqueness, as powers of two of the natural scales, and the contraction rate asked for.
 WIDEST, NARROWEST, RATE = -3, -90, 0.5
-
-
-class NotProven(Exception):
-    """Why there is no proof, and what to try."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -118,8 +117,9 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     Parameters
     ----------
     orbit : Orbit
-        Of the oscillator: any number of impacts, none included, in any number of periods. Its times and velocities
-        are a guess only. An orbit of the gap map is proven by :func:`grazing.proof.gap.certify_gap_orbit`.
+        Of the oscillator, over one wall or between walls, which may move: any number of impacts, none included, in any
+        number of periods. Its times and velocities are a guess only. An orbit of the gap map is proven by
+        :func:`grazing.proof.gap.certify_gap_orbit`.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     Notes
     -----
     Krawczyk's test in ball arithmetic for the times of the impacts and the velocities after them
-    (:mod:`grazing.proof.krawczyk`); the whole flights are enclosed to show that they meet the wall nowhere else
+    (:mod:`grazing.proof.krawczyk`); the whole flights are enclosed to show that they meet no wall anywhere else
     (:mod:`grazing.proof.clearance`); the multipliers follow from flights and saltation matrices. The parameters of the
     model are taken as exact. :func:`check_certificate` verifies the result by other means.
 
@@ -158,13 +158,17 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     orbit = with_impacts(orbit)
     n, N = orbit.impacts, orbit.period
     name = f"periodic orbit {signature(n, N)}"
+    kind = "periodic orbit" if alone(orbit.model) else "periodic orbit with walls"
     try:
         data, inequalities = at_some_precision(lambda bits: _proof(orbit, bits))
+    except Virtual as error:
+        deep = f"; as computed, it is {orbit.depth:.6g} deep in a wall" if orbit.depth > 0.0 else ""
+        return not_proven(name, NotProven(f"{error}{deep}"))
     except NotProven as error:
         return not_proven(name, error)
     stability = data["claims"]["stability"]
     statement = orbit_sentence(data)
-    document = seal("periodic orbit", statement, trusted_base("periodic orbit"), data, inequalities)
+    document = seal(kind, statement, trusted_base(kind), data, inequalities)
     missing = "" if stability != "undecided" else _undecided_stability(data)
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")
@@ -173,26 +177,15 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
 def with_impacts(orbit: object) -> ImpactOrbit:
     """Return an orbit of the oscillator with its impacts, or raise InputError."""
     if isinstance(orbit, ImpactOrbit):
-        over_one_wall(orbit)
         return orbit
-    if isinstance(orbit, Orbit) and orbit.map.model is not None and orbit.map.section is not None:
+    if isinstance(orbit, Orbit) and model_of(orbit.map) is not None:
         if rests(orbit):
-            raise InputError(f"{orbit!r} comes to rest on the wall; orbits that rest or chatter are not proven")
+            raise InputError(f"{orbit!r} comes to rest on a wall; orbits that rest or chatter are not proven")
         return flown(orbit)
     raise InputError(
         f"orbit is {shown(orbit)}; give a periodic orbit of the oscillator, "
         "such as one of gz.one_impact_orbits(model, N)"
     )
-
-
-def over_one_wall(orbit: ImpactOrbit) -> Oscillator:
-    """Return the oscillator of an orbit, or raise InputError for one with walls of its own."""
-    if not isinstance(orbit.model, Oscillator):
-        raise InputError(
-            f"{orbit!r} is one of {shown(orbit.model)}; proofs are for an oscillator over one wall, below the ball "
-            "and at rest"
-        )
-    return orbit.model
 
 
 def not_proven(name: str, error: NotProven) -> Certificate:
@@ -224,24 +217,6 @@ def at_some_precision(prove: Callable[[int], tuple[dict[str, Any], list[dict[str
     raise NotProven(f"{said}, to {PRECISIONS[-1]} bits")
 
 
-class Open(Exception):
-    """What the precision at hand does not decide."""
-
-
-class Stage:
-    """Says what was being decided when a ball was too wide."""
-
-    def __init__(self, said: str) -> None:
-        self.said = said
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        if isinstance(error, Undecided):
-            raise Open(self.said) from None
-
-
 def _undecided_stability(data: dict[str, Any]) -> str:
     t, d = ([Fraction(x) for x in data["claims"][key]] for key in ("trace", "det"))
     if max(map(abs, t)) < 1 + d[0] and d[1] < 1:
@@ -262,14 +237,17 @@ def guess_of(orbit: ImpactOrbit) -> list[arb]:
 
     if orbit.impacts:
         return [arb(float(x)) for x in (*orbit.times, *orbit.outgoing)]
-    u, v = orbit.points[0]
-    return [arb(float(u)) - arb(over_one_wall(orbit).sigma), arb(float(v))]
+    u, v = (Dual(arb(float(x)), arb(0)) for x in orbit.points[0])
+    seen = Seen(orbit.model)
+    (place, rate), sign = seen.at(0, arb(0)), int(seen.walls[0].sign)
+    return [(u - place).times(sign).x, (v - rate).times(sign).x]
 
 
 def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     n, N = orbit.impacts, orbit.period
-    equations = Equations(over_one_wall(orbit), n, N, speeds=orbit.incoming.tolist())
+    hits = numbered(orbit.model, orbit.walls)
+    equations = Equations(orbit.model, n, N, speeds=orbit.incoming.tolist(), hits=hits)
     guess = guess_of(orbit)
     with Stage("the equations of the orbit are singular: two orbits meet, or it is one of a family"):
         try:
@@ -289,13 +267,15 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
         flights = equations.flights(box)
         check_impacts(flights, n)
     flow = equations.flow(box)
-    cleared = [cleared_flight(flow, flights, i, box, n) for i in range(len(flights))]
+    cleared = [cleared_flight(equations, flights, i, box) for i in range(len(flights))]
     trace, det = equations.trace_and_det(flights, flow)
     margins = jury(trace, det)
     model = described(equations, bits)
     stability = stability_of(margins, model, box)
-    apart = shift_margins(box, n, N, flow.T)
+    apart = shift_margins(equations, box)
     least = all(margin > 0 for margin in apart.values()) if n else active_harmonics(model["model"]) > 0
+    image = orbit.symmetric and is_own_image(equations, model, centre, unique, box)
+    symmetry = {} if alone(orbit.model) else {"symmetric": image}
     data = {
         **model,
         "centre": [exact_text(x) for x in centre],
@@ -312,12 +292,13 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
             "det": loose(det),
             "multipliers": multiplier_text(trace, det),
             "stability": stability,
+            **symmetry,
         },
     }
     inequalities = [
         *existence_rows(residual_of(C, equations, centre, equations.flights(centre)), rows, C, radius, unique),
         *impact_rows(flights, n),
-        *clear_rows(cleared, n, flights),
+        *clear_rows(cleared, equations, flights),
         *stability_rows(margins, stability),
         *[bound(f"least period, divisor {q}", margin, ">", 0) for q, margin in apart.items() if least],
     ]
@@ -381,55 +362,3 @@ def existence(residual: list[arb], rows: Matrix, C: list[list[float]], unique: l
     if not all(r < u for r, u in zip(radius, unique, strict=True)):
         raise Undecided
     return radius
-
-
-def check_impacts(flights: list[Flight], n: int) -> None:
-    """Raise unless every impact arrives with v < 0 and leaves with w >= 0."""
-    for i, f in enumerate(flights if n else []):
-        if f.v >= 0:
-            raise NotProven(
-                f"the orbit is virtual: flight {i + 1} arrives at the wall with a velocity of {float(f.v):.3g}, not < 0"
-            )
-        if f.g < 0:
-            raise NotProven(
-                f"the reset law returns {float(f.g):.3g} after impact {(i + 1) % n + 1}, a velocity into the wall"
-            )
-        if not (f.L > 0 and f.v < 0 and (f.g > 0 or f.g.is_zero())):
-            raise Undecided
-
-
-def cleared_flight(flow: Flow, flights: list[Flight], i: int, box: list[arb], n: int, touch: bool = False) -> Clear:
-    """Return the proof that a flight is above the wall, or raise NotProven or Open."""
-    f = flights[i]
-    if n:
-        w = flights[i - 1].g if flights[i - 1].g.is_zero() else f.w
-        start, label = flow.start(f.t, 0 * f.t, w), f"flight {i + 1}"
-    else:
-        start, label = flow.start(f.t, box[0], box[1]), "the orbit"
-    with Stage(f"{label} comes closer to the wall than can be told from a touch, or leaves it too slowly"):
-        try:
-            return clear(flow, start, f.t, f.L, bound=n > 0, touch=touch)
-        except Through as dip:
-            raise Virtual(
-                f"the orbit is virtual: {label} passes through the wall, u - sigma = {dip.height:.3g} at "
-                f"t = {float(f.t) + dip.time:.9g}; it satisfies its equations but is no motion of the oscillator"
-            ) from None
-
-
-class Virtual(NotProven):
-    """The orbit passes through the wall."""
-
-
-def shift_margins(box: list[arb], n: int, N: int, T: arb) -> dict[int, arb]:
-    """Return for every prime q that divides n how far the orbit is from one of period N T/q.
-
-    A period N T/q takes n/q impacts. Whether q divides N is no matter: the forcing may itself have a period T/g.
-    """
-    found: dict[int, arb] = {}
-    for q in (q for q in range(2, n + 1) if n % q == 0 and all(q % p for p in range(2, q))):
-        apart = []
-        for i in range(n):
-            laps, j = divmod(i + n // q, n)
-            apart += [abs(box[j] + laps * N * T - box[i] - N * T / q), abs(box[n + j] - box[n + i])]
-        found[q] = max((x.lower() for x in apart), key=float)
-    return found

@@ -1,7 +1,9 @@
-"""A proof that a flight stays off the wall between its ends.
+"""A proof that a flight stays off a wall between its ends.
 
-The flight is cut into cells. At first, while v > 0, the ball cannot come back; at last, while v < 0, it falls towards
-the arrival and so is above it; between, y > 0. A cell of which none of the three is known is halved.
+The flight, as the wall sees it, is cut into cells. At first, while v > 0, the ball cannot come back to the wall that
+it left; at last, while v < 0, it falls towards the arrival and so is above it; between, y > 0. A cell of which none of
+the three is known is halved. From a wall that is met only, or left only, or neither, one of the stretches or both are
+missing.
 """
 
 from __future__ import annotations
@@ -9,7 +11,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from grazing.oscillator.exact import Undecided
+from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import Flow
+from grazing.proof.reasons import NotProven, Stage, Virtual
+from grazing.proof.seen import Dual, alone
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
@@ -40,6 +45,21 @@ class Clear(NamedTuple):
     floor: arb
     up: arb
     down: arb
+    dip: tuple[arb, arb] | None = None
+    bend: arb | None = None
+
+
+class Cleared(NamedTuple):
+    """What is proven of a flight: its cuts, the bounds up to the first and after the last, and that of every wall.
+
+    For ``dip`` and ``bend`` see :class:`Clear`.
+    """
+
+    start: arb
+    end: arb
+    up: arb
+    down: arb
+    floors: list[arb]
     dip: tuple[arb, arb] | None = None
     bend: arb | None = None
 
@@ -99,8 +119,10 @@ class Cell:
         return Cell(grid, index, level, self.z), Cell(grid, index + 1, level, grid.step(level) * self.z)
 
 
-def clear(flow: Flow, z: arb_mat, t: arb, L: arb, bound: bool = True, touch: bool = False) -> Clear:
-    """Prove that a flight from the wall back to it is above the wall between.
+def clear(
+    flow: Flow, z: arb_mat, t: arb, L: arb, leaves: bool = True, meets: bool = True, touch: bool = False
+) -> Clear:
+    """Prove that a flight is above a wall between its ends.
 
     Parameters
     ----------
@@ -110,8 +132,8 @@ def clear(flow: Flow, z: arb_mat, t: arb, L: arb, bound: bool = True, touch: boo
         States in which the flights start.
     t, L : arb
         Times at which they start, and lengths of the flights; the true flight is back at the wall after it.
-    bound : bool
-        Whether the flight starts and ends at the wall; otherwise y > 0 is proven throughout.
+    leaves, meets : bool
+        Whether the flight starts at the wall, and whether it ends there; otherwise y > 0 is proven up to that end.
     touch : bool
         Whether one dip may be left open, which may then touch the wall.
 
@@ -129,11 +151,16 @@ def clear(flow: Flow, z: arb_mat, t: arb, L: arb, bound: bool = True, touch: boo
         z = grid.step(0) * z
         if i % flow.fresh == 0:
             flow.refresh(z, t + grid.time(i + 1, 0))
-    lifted = bound and cells[0].z[1, 0].is_zero()
+    lifted = leaves and cells[0].z[1, 0].is_zero()
+    alone = leaves != meets
+    if alone and len(cells) == 1:
+        cells = [*cells[0].halves(grid)]
     while True:
-        first, last = (_departing(cells, lifted), _arriving(cells)) if bound else (0, len(cells))
+        first, last = _departing(cells, lifted) if leaves else 0, _arriving(cells) if meets else len(cells)
+        if alone:  # of a flight that rises all the time, or falls, one cell is left for y > 0
+            first, last = min(first, len(cells) - 1), max(last, 1)
         open_cells = [i for i in range(first, last) if not cells[i].y > 0]
-        if bound and first >= last:  # the whole flight is monotone: not a flight back to the wall
+        if first >= last:  # the whole flight is monotone: not a flight back to the wall
             raise Undecided
         dip = _dip(cells, open_cells, grid) if touch else None
         if not open_cells or dip is not None:
@@ -202,3 +229,48 @@ def _claims(
         dip=dip,
         bend=least([cells[i].bend for i in sorted(opened)]) if dip else None,
     )
+
+
+def check_impacts(flights: list[Flight], n: int) -> None:
+    """Raise unless every impact arrives with v < 0 and leaves with w >= 0."""
+    for i, f in enumerate(flights if n else []):
+        if f.v >= 0:
+            raise Virtual(
+                f"the orbit is virtual: flight {i + 1} arrives at the wall with a velocity of {float(f.v):.3g}, not < 0"
+            )
+        if f.g < 0:
+            raise NotProven(
+                f"the reset law returns {float(f.g):.3g} after impact {(i + 1) % n + 1}, a velocity into the wall"
+            )
+        if not (f.L > 0 and f.v < 0 and (f.g > 0 or f.g.is_zero())):
+            raise Undecided
+
+
+def cleared_flight(
+    equations: Equations, flights: list[Flight], i: int, box: list[arb], touch: bool = False
+) -> Cleared:  # fmt: skip
+    """Return the proof that a flight is off all walls, or raise NotProven or Open."""
+    from flint import arb
+
+    f, n, flows, nothing = flights[i], equations.n, equations.flows(box), arb(0)
+    y, w = (nothing, f.w) if n else (box[0], box[1])
+    w = flights[i - 1].g if n and flights[i - 1].g.is_zero() else w
+    label = f"flight {i + 1}" if n else "the orbit"
+    found = []
+    for wall, flow in enumerate(flows):
+        seen = flow.seen.across(f.one, wall, f.t, Dual(y, nothing), Dual(w, nothing))
+        start = flow.start(f.t, seen[0].x, seen[1].x)
+        named = "the wall" if alone(equations.model) else f"wall {flow.seen.walls[wall].name}"
+        leaves, meets = n > 0 and wall == f.one, n > 0 and wall == f.two
+        with Stage(f"{label} comes closer to {named} than can be told from a touch, or leaves it too slowly"):
+            try:
+                found.append(clear(flow, start, f.t, f.L, leaves, meets, touch))
+            except Through as below:
+                lower = "u - sigma" if alone(equations.model) else "the distance"
+                raise Virtual(
+                    f"the orbit is virtual: {label} passes through {named}, {lower} = {below.height:.3g} at "
+                    f"t = {float(f.t) + below.time:.9g}; it satisfies its equations but is no motion of the oscillator"
+                ) from None
+    left, met = found[f.one], found[f.two]
+    dip = next((one for one in found if one.dip is not None), left)
+    return Cleared(left.start, met.end, left.up, met.down, [one.floor for one in found], dip.dip, dip.bend)

@@ -6,30 +6,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from grazing.orbits.contacts import sizes_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import impact_equations
 from grazing.oscillator.exact import Undecided
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name
 from grazing.proof.certify import (
     Certificate,
-    NotProven,
-    Stage,
     at_some_precision,
     balls,
-    check_impacts,
-    cleared_flight,
     guess_of,
     not_proven,
-    over_one_wall,
     with_impacts,
 )
-from grazing.proof.clearance import Clear
+from grazing.proof.clearance import Cleared, check_impacts, cleared_flight
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.gap import GapProof, certify_gap_edge
 from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
+from grazing.proof.reasons import NotProven, Stage
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
 from grazing.proof.search import Search, dips_of
 from grazing.proof.text import about, enclosed, exact_text, short
@@ -106,7 +105,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
-    model = over_one_wall(orbit)
+    model = _over_one_wall(orbit)
     checked_name(name, model.params, "the model")
     model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
@@ -122,6 +121,18 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     statement = value_sentence(data)
     document = seal("bifurcation value", statement, trusted_base("bifurcation value"), data, inequalities)
     return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
+
+
+def _over_one_wall(orbit: ImpactOrbit) -> Oscillator:
+    """Return the oscillator of an orbit, or raise InputError for one of which no bifurcation is enclosed."""
+    model = orbit.model
+    if not isinstance(model, Oscillator):
+        raise InputError(
+            f"{orbit!r} is one of {shown(model)}; bifurcations are enclosed for an oscillator over one wall, below the "
+            "ball and at rest. gz.certify(orbit) proves orbits of others"
+        )
+    refuse_stiffness(model, "an enclosure of a bifurcation")
+    return model
 
 
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
@@ -140,7 +151,7 @@ def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
 
 def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
     """Return an orbit without those of its impacts that have no speed and get none: there it touches the wall."""
-    slow = TOUCH * over_one_wall(orbit).reach.speed
+    slow = TOUCH * sizes_of(orbit.model)[1]
     hits = np.maximum(np.abs(orbit.incoming), np.abs(orbit.outgoing)) > slow
     if hits.all():
         return orbit
@@ -155,7 +166,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     """Return data and inequalities of a certificate, or raise NotProven or Open."""
     from flint import arb
 
-    model, n, N = over_one_wall(orbit), orbit.impacts, orbit.period
+    model, n, N = orbit.model, orbit.impacts, orbit.period
     equations = Equations(model, n, N, name, orbit.incoming.tolist())
     size = equations.size
     with Stage("the orbit near the bifurcation is singular"):
@@ -173,7 +184,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         check_impacts(flights, n)
     flow = equations.flow(box)
     dip = search.dip.flight if search.dip else -1
-    cleared = [cleared_flight(flow, flights, i, box, n, touch=i == dip) for i in range(len(flights))]
+    cleared = [cleared_flight(equations, flights, i, box, touch=i == dip) for i in range(len(flights))]
     trace, det = equations.trace_and_det(flights, flow)
     with Stage("the test function of the bifurcation does not surely change its sign"):
         tests, time = sign_rows(equations, kind, ends, cleared, dip)
@@ -207,7 +218,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     inequalities = [
         *(bound(f"curve, coordinate {i + 1}", a, "<", r) for i, (a, r) in enumerate(zip(*image, strict=True))),
         *impact_rows(flights, n),
-        *clear_rows(cleared, n, flights),
+        *clear_rows(cleared, equations, flights),
         *(
             bound(f"end {i + 1}, coordinate {m + 1}", a, "<", r)
             for i, end in enumerate(ends)
@@ -302,7 +313,7 @@ def end_of(
 
 
 def sign_rows(
-    equations: Equations, kind: str, ends: list[End], cleared: list[Clear], dip: int
+    equations: Equations, kind: str, ends: list[End], cleared: list[Cleared], dip: int
 ) -> tuple[list[dict[str, str]], arb | None]:
     """Return the inequalities that show the change of sign, and for a graze the time at which heights are taken."""
     if kind != "gr":
@@ -341,7 +352,7 @@ def _signed(name: str, x: arb) -> dict[str, str]:
     return bound(name, x, ">" if x > 0 else "<", 0)
 
 
-def dip_text(dip: int, cleared: list[Clear], time: arb | None) -> dict[str, Any]:
+def dip_text(dip: int, cleared: list[Cleared], time: arb | None) -> dict[str, Any]:
     """Return the dip that touches, as text; empty if none does."""
     if dip < 0 or time is None:
         return {}

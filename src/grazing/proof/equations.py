@@ -1,9 +1,10 @@
 """The equations of a periodic orbit in balls: residual, derivative and multipliers from its flights.
 
-Unknowns are the times t_1 ... t_n of the impacts and the velocities w_1 ... w_n after them; flight i leaves the wall at
-(t_i, w_i) and ends at t_{i+1}, the last one at t_1 + N T. The equations are y(end of flight i) = 0 and
-w_{i+1} = g(v_i), with v_i the velocity at that end. An orbit without impacts has the unknowns (y, v) at t = 0 and
-the equations (y, v)(N T) = (y, v)(0).
+Unknowns are the times t_1 ... t_n of the impacts and the velocities w_1 ... w_n after them; flight i leaves the wall
+at (t_i, w_i) and ends at t_{i+1}, the last one at t_1 + N T. The equations are y(end of flight i) = 0 and w_{i+1} =
+g(v_i), with v_i the velocity at that end. Heights and velocities are those that a wall sees, at the start of a flight
+the one that it leaves and at its end the one that it meets. An orbit without impacts has the unknowns (y, v) at t = 0,
+as the first wall sees them, and the equations (y, v)(N T) = (y, v)(0).
 """
 
 from __future__ import annotations
@@ -11,11 +12,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.parameters import describe_parameter
+from grazing.orbits.contacts import Model, oscillators_of
 from grazing.proof.expression import expression
 from grazing.proof.flow import Flow, Moment
 from grazing.proof.law import Law
+from grazing.proof.seen import Dual
 
 if TYPE_CHECKING:
     from flint import arb
@@ -25,8 +26,10 @@ Quadruple = tuple["arb", "arb", "arb", "arb"]
 
 
 class Leg(NamedTuple):
-    """Where a flight starts, how long it is, when it ends, and the derivative of that time by the parameter."""
+    """The walls at both ends of a flight, where it starts, how long it is, when it ends, and that by the parameter."""
 
+    one: int
+    two: int
     t: arb
     y: arb
     w: arb
@@ -36,8 +39,14 @@ class Leg(NamedTuple):
 
 
 class Flight(NamedTuple):
-    """A flight from start to end, and the impact there: w_next = g(v) with slope and derivative by the parameter."""
+    """A flight from start to end, and the impact there: w_next = g(v) with slope and derivative by the parameter.
 
+    w and ``push`` are as wall ``one`` sees them, which it leaves; all else is what wall ``two`` sees, which it meets. E
+    takes what the one sees of an unforced flight at the start to what the other sees at the end.
+    """
+
+    one: int
+    two: int
     t: arb
     L: arb
     w: arb
@@ -58,63 +67,81 @@ class Equations:
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
         The model; its parameters are exact.
     n, N : int
         Impacts, and periods of the forcing.
     name : str, optional
         A parameter that is unknown too: points then have 2n + 1 coordinates (3 for n = 0).
     speeds : sequence of float
-        Velocities of the orbit's impacts, about which the law is held against its expression.
+        Velocities of the orbit's impacts, about which the laws are held against their expressions.
+    hits : sequence of int
+        The walls of the impacts, by their numbers; the first one unless said.
     """
 
     def __init__(
-        self, model: Oscillator, n: int, N: int, name: str | None = None, speeds: Sequence[float] = ()
-    ) -> None:
+        self, model: Model, n: int, N: int, name: str | None = None, speeds: Sequence[float] = (),
+        hits: Sequence[int] = (),
+    ) -> None:  # fmt: skip
         self.model, self.n, self.N, self.name = model, n, N, name
+        self.hits = tuple(hits) or (0,) * n
         self.size = 2 * n if n else 2
-        self.law_tree = expression(model.reset.law, model.reset.params, tuple(model.params), speeds)
-        self._fixed: Flow | None = None
+        self.trees = [
+            expression(one.reset.law, one.reset.params, tuple(one.params), speeds) for one in oscillators_of(model)
+        ]
+        self._fixed: dict[int, Flow] = {}
 
-    def flow(self, x: list[arb], derivative: bool = False) -> Flow:
-        """Return the flow at the parameters of a point."""
+    @property
+    def walls(self) -> range:
+        """The numbers of the walls."""
+        return range(len(self.trees))
+
+    def flow(self, x: list[arb], derivative: bool = False, wall: int = 0) -> Flow:
+        """Return the flow that a wall sees, at the parameters of a point."""
         if self.name is not None:
-            return Flow(self.model, self.name, x[self.size], derivative)
-        if self._fixed is None:
-            self._fixed = Flow(self.model)
-        return self._fixed
+            return Flow(self.model, self.name, x[self.size], derivative, wall)
+        if wall not in self._fixed:
+            self._fixed[wall] = Flow(self.model, wall=wall)
+        return self._fixed[wall]
 
-    def law(self, flow: Flow) -> Law:
-        """Return the reset law at the parameters of a flow."""
-        return Law(self.law_tree, flow.params, self.name)
+    def flows(self, x: list[arb], derivative: bool = False) -> list[Flow]:
+        """Return the flow of every wall."""
+        return [self.flow(x, derivative, wall) for wall in self.walls]
+
+    def laws(self, flow: Flow) -> list[Law]:
+        """Return the reset laws of the walls at the parameters of a flow."""
+        return [Law(tree, *flow.seen.law(j)) for j, tree in enumerate(self.trees)]
 
     def flights(self, x: list[arb], derivative: bool = False) -> list[Flight]:
         """Return the flights of all points in a small box, each coordinate a ball."""
-        flow = self.flow(x, derivative)
-        law = self.law(flow)
+        flows = self.flows(x, derivative)
         made = []
-        for leg in self._legs(x, flow):
-            arrival = flow.read(flow.fly(flow.start(leg.t, leg.y, leg.w), leg.t, leg.L))
-            made.append(self._flight(flow, law, leg, arrival, flow.transition(leg.L)))
+        for leg in self._legs(x, flows[0]):
+            flow = flows[leg.one]
+            z = flow.fly(flow.start(leg.t, leg.y, leg.w), leg.t, leg.L)
+            made.append(self._flight(flows, leg, _met(flow, leg, leg.end, flow.read(z)), flow.transition(leg.L)))
         return made
 
     def wide_flights(self, centre: list[arb], x: list[arb]) -> list[Flight]:
         """Return the flights of all points in a box around a centre, sharp to first order in its size.
 
         A flight of the box is the one of the centre plus an unforced one, from the difference of the states where it
-        starts; so nothing grows along the flight but that difference.
+        starts; so nothing grows along the flight but that difference. The centre's is taken as the wall sees it that
+        is met, before it is flown to the ends of the others.
         """
-        flow = self.flow(x)
-        law = self.law(flow)
+        flows = self.flows(x)
         made = []
-        for mid, leg in zip(self._legs(centre, flow), self._legs(x, flow), strict=True):
-            middle = flow.start(mid.t, mid.y, mid.w)
-            beside = flow.read(flow.shifted(middle, leg.t - mid.t))
-            after = flow.read(flow.shifted(flow.fly(middle, mid.t, mid.L), leg.end - mid.end))
-            E = _product(flow.transition(mid.L), flow.transition_near(leg.L - mid.L))
-            dy, dv = leg.y - beside.y, leg.w - beside.v
+        for mid, leg in zip(self._legs(centre, flows[0]), self._legs(x, flows[0]), strict=True):
+            left, met = flows[leg.one], flows[leg.two]
+            middle = left.start(mid.t, mid.y, mid.w)
+            beside = left.read(left.shifted(middle, leg.t - mid.t))
+            there = _met(left, mid, mid.end, left.read(left.fly(middle, mid.t, mid.L)))
+            after = met.read(met.shifted(met.start(mid.end, there.y, there.v), leg.end - mid.end))
+            E = _product(left.transition(mid.L), left.transition_near(leg.L - mid.L))
+            turn = left.seen.turn(leg.one, leg.two)
+            dy, dv = turn * (leg.y - beside.y), turn * (leg.w - beside.v)
             y, v = after.y + E[0] * dy + E[1] * dv, after.v + E[2] * dy + E[3] * dv
-            made.append(self._flight(flow, law, leg, Moment(y, v, 0 * y, 0 * v), E))
+            made.append(self._flight(flows, leg, Moment(y, v, 0 * y, 0 * v), E))
         return made
 
     def residual(self, x: list[arb], flights: list[Flight]) -> list[arb]:
@@ -171,7 +198,7 @@ class Equations:
 
     def ordered(self, x: list[arb]) -> bool:
         """Return whether the impacts of a point surely follow each other, and all parameters are allowed."""
-        if self.name is not None and not _allowed(self.name, x[self.size]):
+        if self.name is not None and not _allowed(self.model, self.name, x[self.size]):
             return False
         return all(leg.L > 0 for leg in self._legs(x, self.flow(x)))
 
@@ -180,23 +207,36 @@ class Equations:
 
         n, whole, late = self.n, self.N * flow.T, self.N * flow.dT
         if n == 0:
-            return [Leg(arb(0), x[0], x[1], whole, whole, late)]
+            return [Leg(0, 0, arb(0), x[0], x[1], whole, whole, late)]
         ends = [*x[1:n], x[0] + whole]
         lates = [arb(0)] * (n - 1) + [late]
-        return [Leg(x[i], arb(0), x[n + i], ends[i] - x[i], ends[i], lates[i]) for i in range(n)]
+        to = (*self.hits[1:], self.hits[0])
+        return [Leg(self.hits[i], to[i], x[i], arb(0), x[n + i], ends[i] - x[i], ends[i], lates[i]) for i in range(n)]
 
-    def _flight(self, flow: Flow, law: Law, leg: Leg, arrival: Moment, E: Quadruple) -> Flight:
+    def _flight(self, flows: list[Flow], leg: Leg, arrival: Moment, E: Quadruple) -> Flight:
         from flint import arb
 
         y, v, dy, dv = arrival
-        push, pull = flow.acceleration(leg.t, leg.y, leg.w), flow.acceleration(leg.end, y, v)
-        g, slope, dg = law(v) if self.n else (v, arb(1), arb(0))
-        return Flight(leg.t, leg.L, leg.w, y, v, dy + v * leg.late, dv + pull * leg.late, push, pull, E, g, slope, dg)
+        left, met = flows[leg.one], flows[leg.two]
+        push, pull = left.acceleration(leg.t, leg.y, leg.w), met.acceleration(leg.end, y, v)
+        g, slope, dg = self.laws(met)[leg.two](v) if self.n else (v, arb(1), arb(0))
+        turn = left.seen.turn(leg.one, leg.two)
+        E = tuple(turn * e for e in E)  # type: ignore[assignment]
+        return Flight(
+            leg.one, leg.two, leg.t, leg.L, leg.w, y, v, dy + v * leg.late, dv + pull * leg.late, push, pull, E, g,
+            slope, dg,
+        )  # fmt: skip
 
 
-def _allowed(name: str, value: arb) -> bool:
+def _met(flow: Flow, leg: Leg, t: arb, end: Moment) -> Moment:
+    """Return what the wall sees that a flight meets at time t, of what the wall sees that it left."""
+    y, v = flow.seen.across(leg.one, leg.two, t, Dual(end.y, end.dy), Dual(end.v, end.dv))
+    return Moment(y.x, v.x, y.d, v.d)
+
+
+def _allowed(model: Model, name: str, value: arb) -> bool:
     """Return whether a parameter surely is in its range."""
-    known = describe_parameter(name)
+    known = model.describe(name)
     above = value > known.low if known.open == "low" else value >= known.low
     return bool(above and value <= known.high)
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from math import ceil, frexp
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.spring import refuse_stiffness
+from grazing.orbits.contacts import Model
+from grazing.proof.seen import Seen
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
@@ -34,49 +34,42 @@ class Moment(NamedTuple):
 
 
 class Flow:
-    """Free flights of a model at the working precision.
+    """Free flights of a model, as one of its walls sees them, at the working precision.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
         Its parameters are exact doubles.
     name : str, optional
         A parameter that takes ``value`` instead; derivatives by it are carried along if ``derivative`` is set.
+    wall : int
+        The wall, by its number.
     """
 
     def __init__(
-        self, model: Oscillator, name: str | None = None, value: arb | None = None, derivative: bool = False
+        self, model: Model, name: str | None = None, value: arb | None = None, derivative: bool = False, wall: int = 0
     ) -> None:
         from flint import arb, arb_mat
 
-        p = {key: arb(x) for key, x in model.params.items()}
-        if name is not None and value is not None:
-            p[name] = value
-        self.params = p
-        d = {key: arb(1 if key == name else 0) for key in p}
-        refuse_stiffness(model, "a proof")
-        self.alpha, self.k2, self.omega = p["alpha"], p["k"] ** 2, p["omega"]
-        dk2 = 2 * p["k"] * d["k"]
-        self.t0, self.dt0, self.domega = p["t0"], d["t0"], d["omega"]
-        self.level = p[model.offset_name] - self.k2 * p["sigma"]
-        self.dlevel = d[model.offset_name] - dk2 * p["sigma"] - self.k2 * d["sigma"]
+        self.seen = Seen(model, name, value)
+        p, k2 = self.seen.all, self.seen.stiffness
+        level, waves = self.seen.motion(wall)
+        self.alpha, self.k2, self.omega = p["alpha"].x, k2.x, p["omega"].x
+        self.t0, self.dt0, self.domega = p["t0"].x, p["t0"].d, p["omega"].d
+        self.level, self.dlevel = level.x, level.d
         self.T = 2 * arb.pi() / self.omega
         self.dT = -self.T / self.omega * self.domega
-        self.waves = [
-            (j, p[f"cos{j}"], p[f"sin{j}"], d[f"cos{j}"], d[f"sin{j}"])
-            for j in range(1, model.harmonics + 1)
-            if name in (f"cos{j}", f"sin{j}") or not (p[f"cos{j}"].is_zero() and p[f"sin{j}"].is_zero())
-        ]
+        self.waves = [(j, c.x, s.x, c.d, s.d) for j, c, s in waves if not (c.nothing and s.nothing)]
         fastest = max((j for j, *_rest in self.waves), default=0) * model.forcing.omega
-        rate = max(model.alpha + model.k + fastest, model.forcing.omega)
-        self.reach = 0.5 / rate  # of one step
+        rate = max(abs(model.alpha) + abs(model.k2) ** 0.5 + fastest, model.forcing.omega)
+        self.reach: float = 0.5 / rate  # of one step
         self.fresh = 4  # steps after which the harmonics are put anew
         self.scale = arb(2) ** (frexp(rate)[1] - 1)
         s, size = self.scale, 3 + 2 * len(self.waves)
         rows = [[arb(0)] * size for _ in range(size)]
         slopes = [[arb(0)] * size for _ in range(size)]
         rows[0][1], rows[1][0], rows[1][1], rows[1][2] = s, -self.k2 / s, -self.alpha, s
-        slopes[1][0], slopes[1][1] = -dk2 / s, -d["alpha"]
+        slopes[1][0], slopes[1][1] = -k2.d / s, -p["alpha"].d
         for i, (j, *_rest) in enumerate(self.waves):
             a, b = 3 + 2 * i, 4 + 2 * i
             rows[1][a], rows[a][b], rows[b][a] = s, j * self.omega, -j * self.omega

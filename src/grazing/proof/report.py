@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from grazing.proof.clearance import Clear
+from grazing.orbits.contacts import walls_of
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.spring import spring_of
+from grazing.proof.clearance import Cleared
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.krawczyk import contraction, remainder
+from grazing.proof.seen import Seen, alone
 from grazing.proof.text import above, below, enclosed, exact_text
 from grazing_checker.oscillator import Problem
 
@@ -18,19 +22,41 @@ def described(equations: Equations, bits: int) -> dict[str, Any]:
     """Return what every certificate of the oscillator says of its model; the unknown parameter has no value."""
     model, name = equations.model, equations.name
     text = {key: None if key == name else float(x).hex() for key, x in model.params.items()}
-    js = range(1, model.harmonics + 1)
+    said: dict[str, Any] = {"periods": equations.N, "precision": bits}
+    if not alone(model):
+        return {**_walled(equations, text), **said}
+    assert isinstance(model, Oscillator)
     known: dict[str, Any] = {key: text[key] for key in ("alpha", "k", "omega", "t0")}
     known |= {"offset": text[model.offset_name], "sigma": text["sigma"], "offset_name": model.offset_name}
-    known |= {row: [text[f"{row}{j}"] for j in js] for row in ("cos", "sin")}
+    known |= _waves(text)
     own = {key: text[key] for key in model.reset.params}
-    said = {
-        "model": known, "law": {"parameters": own, "after": equations.law_tree},
-        "impacts": equations.n, "periods": equations.N, "precision": bits,
-    }  # fmt: skip
+    said |= {"model": known, "law": {"parameters": own, "after": equations.trees[0]}, "impacts": equations.n}
     if name is None:
         return said
     of, name = "law" if name in own else "model", "offset" if name == model.offset_name else name
     return {**said, "parameter": {"of": of, "name": name}}
+
+
+def _walled(equations: Equations, text: dict[str, str | None]) -> dict[str, Any]:
+    """Return what a certificate says of a model with walls of its own, and at which of them impacts are."""
+    model = equations.model
+    spring, seen = spring_of(model)[0], Seen(model)
+    offset = model.offset_name if isinstance(model, Oscillator) else "offset"
+    known: dict[str, Any] = {key: text[key] for key in ("alpha", spring, "omega", "t0")}
+    known |= {"offset": text[offset], **_waves(text)}
+    walls = []
+    for j, wall in enumerate(seen.walls):
+        front, own = seen.place_of(j)
+        law = {"parameters": {key: text[f"{front}{key}"] for key in wall.law.params}, "after": equations.trees[j]}
+        place = {"sigma": text[f"{front}sigma"], **_waves(text, own)}
+        walls.append({"name": wall.name, "side": wall.side, **place, "law": law})
+    return {"model": known, "walls": walls, "impacts": [walls[hit]["name"] for hit in equations.hits]}
+
+
+def _waves(text: dict[str, str | None], front: str = "") -> dict[str, list[str | None]]:
+    """Return the amplitudes of the force, or of the motion whose names have something in front."""
+    count = sum(key.startswith(f"{front}cos") for key in text)
+    return {kind: [text[f"{front}{kind}{j}"] for j in range(1, count + 1)] for kind in ("cos", "sin")}
 
 
 def jury(trace: arb, det: arb) -> dict[str, arb]:
@@ -101,18 +127,21 @@ def impact_rows(flights: list[Flight], n: int) -> list[dict[str, str]]:
     return [bound(f"velocity before impact {(i + 1) % n + 1}", f.v, "<", 0) for i, f in enumerate(flights) if n]
 
 
-def clear_rows(cleared: list[Clear], n: int, flights: list[Flight]) -> list[dict[str, str]]:
+def clear_rows(cleared: list[Cleared], equations: Equations, flights: list[Flight]) -> list[dict[str, str]]:
     """Return the inequalities of the flights."""
-    if n == 0:
-        return [bound("height of the orbit", cleared[0].floor, ">", 0)]
-    made = []
+    made, names = [], [str(wall.name) for wall in walls_of(equations.model)]
     for i, one in enumerate(cleared):
-        first = "acceleration" if flights[i - 1].g.is_zero() else "velocity"
-        made += [
-            bound(f"{first} of flight {i + 1} up to its first cut", one.up, ">", 0),
-            bound(f"height of flight {i + 1} between its cuts", one.floor, ">", 0),
-            bound(f"velocity of flight {i + 1} after its last cut", -one.down, "<", 0),
-        ]
+        flight = f"flight {i + 1}" if equations.n else "the orbit"
+        if alone(equations.model):
+            heights = [f"height of {flight}{' between its cuts' if equations.n else ''}"]
+        else:
+            heights = [f"distance of {flight} from wall {name}" for name in names]
+        rows = [bound(name, floor, ">", 0) for name, floor in zip(heights, one.floors, strict=True)]
+        if equations.n:
+            first = "acceleration" if flights[i - 1].g.is_zero() else "velocity"
+            rows.insert(0, bound(f"{first} of {flight} up to its first cut", one.up, ">", 0))
+            rows.append(bound(f"velocity of {flight} after its last cut", -one.down, "<", 0))
+        made += rows
     return made
 
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.proof.certify import NotProven
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import TooLong
 from grazing.proof.krawczyk import NoConvergence, newton
+from grazing.proof.reasons import NotProven
 
 if TYPE_CHECKING:
     from flint import arb

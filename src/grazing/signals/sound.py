@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: The largest number of 16 bits, less a little.
 FULL = 32_000
+#: The tone of the forcing of a motion without units, in hertz.
+PITCH = 440.0
 #: What moves less than this share of its largest value, or of how far or how fast its model goes, does not sound.
 STILL = 1e-12
 
@@ -86,6 +88,11 @@ def to_wav(
     with whole_file(target) as part:
         wavfile.write(part, rate, np.round((x - middle) * (FULL / swing)).astype(np.int16))
     return target
+
+
+def audible(trajectory: xr.Dataset) -> float:
+    """Return a speed at which a motion can be heard: seconds as they were, else its forcing at 440 Hz."""
+    return 1.0 if "mass" in trajectory.attrs else PITCH * float(model_of(trajectory).period)
 
 
 def scale_of(model: Any, of: str) -> float:

@@ -42,20 +42,9 @@ Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions of the result, which a coordinate must not have.
 TAKEN = (
-    "basin",
-    "attractor",
-    "coordinate",
-    "period",
-    "word",
-    "neutral",
-    "fraction",
-    "point",
-    "trust",
-    "outcome",
-    "graze",
-    "graze_order",
-    "outside",
-)
+    "basin", "attractor", "coordinate", "period", "word", "neutral", "fraction", "point", "trust", "outcome", "graze",
+    "graze_order", "outside",
+)  # fmt: skip
 #: Two orbits of the same word and period are on one attractor if their points differ by less than this share of the
 #: grid's extent.
 SAME = 1e-6

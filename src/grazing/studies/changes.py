@@ -15,6 +15,7 @@ from grazing.orbits.signature import equations_of
 from grazing.orbits.word import word
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import GrazingError
+from grazing.parameter import value_of
 from grazing.studies.classify import APERIODIC, classify
 
 Floats = NDArray[np.float64]
@@ -111,7 +112,9 @@ def _followed(
     """
     starts = []
     for k, x in known.items():
-        moved = _moved(P, x, int(period[k]), str(words[k]), name, float(there.params[name])) if period[k] > 0 else None
+        moved = (
+            _moved(P, x, int(period[k]), str(words[k]), name, value_of(name, there.params)) if period[k] > 0 else None
+        )
         starts.append(x if moved is None else moved)
     points, letters, outcomes = there.run(np.array(starts).T.copy(), transient, keep)
     found = classify(there, points, letters, outcomes[0])
@@ -132,7 +135,7 @@ def _moved(P: Map, x: Floats, N: int, word: str, name: str, value: float) -> Flo
         equations, unknowns = equations_of(orbit, (name,))
     except GrazingError:  # it rests on the wall, or is no orbit of such a parameter
         return None
-    now = float(P.params[name])
+    now = value_of(name, P.params)
     for parts in PARTS:
         solved: Floats | None = unknowns
         for share in np.arange(1.0, parts + 1.0) / parts:

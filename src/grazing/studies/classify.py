@@ -1,7 +1,7 @@
 """Say what orbits have settled on: the period, the word and how far to trust them. Shared by the studies.
 
 The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * extent + 1e-13 * size`` per coordinate
-(the extent of the orbit along it; the size of the orbit, its greatest coordinate):
+(the extent of the orbit along it; the size of the orbit, its greatest coordinate, in units of the box of the map):
 
 1. The orbit *recurs* after N steps if every kept point and letter equals the one N steps earlier, points within the
    tolerance; N is at most keep/2, so that a cycle is seen at least twice. The least such N is the candidate.
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
-from grazing.maps.hits import Hits
+from grazing.maps.hits import Alphabet
 from grazing.maps.map import Map
 from grazing.orbits.word import word
 from grazing.outcome import AMBIGUOUS
@@ -127,8 +127,9 @@ def settle_columns(
     shape = letters.shape[0], letters.shape[2]
     period, doubtful = np.empty(shape, np.int32), np.empty(shape, np.int32)
     found = (np.ascontiguousarray(points), np.ascontiguousarray(letters, np.int64))
+    unit = np.array([high - low for low, high in P.box])
     sizes = np.empty((2, shape[0], points.shape[2], shape[1]))
-    call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, period, doubtful, *sizes)
+    call(compiled_recurrence(), *found, np.ascontiguousarray(outcomes), tolerance, unit, period, doubtful, *sizes)
     which = np.argwhere(doubtful)
     if which.size:
         columns, row = np.unique(which[:, 0], return_inverse=True)
@@ -155,5 +156,5 @@ def settled_columns(P: Map, rows: Floats, found: Columns, tolerance: float = TOL
 
 
 @lru_cache(maxsize=65536)
-def _spelled(letters: tuple[int, ...], symbols: str | Hits | None) -> str:
+def _spelled(letters: tuple[int, ...], symbols: str | Alphabet | None) -> str:
     return word(letters, symbols)

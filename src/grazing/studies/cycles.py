@@ -142,8 +142,9 @@ def keeps(M: Any, R: Any) -> bool:
 def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
     """Say whether orbit j approaches the cycle through z (dim, 1) with derivative M, of a continuum the one it does.
 
-    Its distance, in the norm above, falls in every two turns (near -1 a quadratic term makes one of the two sides
-    larger), and over all at no less than a tenth of the linear rate; within the tolerance it counts as arrived.
+    Its distance, in the norm above with coordinates in units of the tolerance, falls in every two turns (near -1 a
+    quadratic term makes one of the two sides larger), and over all at no less than a tenth of the linear rate; within
+    the tolerance it counts as arrived.
     """
     keep, d, _n = x.shape
     away, Q = M.copy(), np.empty((d, d))
@@ -155,11 +156,15 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
         radius = exp(log_radius(away))
     if not radius < 1.0 - INSIDE:
         return False
-    contracting_norm(away, 0.5 * (1.0 + radius), Q)
-    trace, worst = 0.0, 0.0
+    A = np.empty((d, d))
     for i in range(d):
-        trace, worst = trace + Q[i, i], max(worst, tolerance[i, j])
-    floor = sqrt(trace) * worst
+        for m in range(d):
+            A[i, m] = away[i, m] * (tolerance[m, j] / tolerance[i, j])
+    contracting_norm(A, 0.5 * (1.0 + radius), Q)
+    trace = 0.0
+    for i in range(d):
+        trace += Q[i, i]
+    floor = sqrt(trace)
     turns = (keep - 1) // N
     distance = np.empty(turns + 1)
     for t in range(turns + 1):
@@ -167,7 +172,8 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
         k = keep - 1 - t * N
         for i in range(d):
             for m in range(d):
-                total += (x[k, i, j] - z[i, 0]) * Q[i, m] * (x[k, m, j] - z[m, 0])
+                one, other = (x[k, i, j] - z[i, 0]) / tolerance[i, j], (x[k, m, j] - z[m, 0]) / tolerance[m, j]
+                total += one * Q[i, m] * other
         distance[t] = sqrt(max(total, 0.0))
         if t >= 2 and not (distance[t - 2] < distance[t] or distance[t - 2] <= floor):
             return False
@@ -234,7 +240,7 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
                 move[i] = end[i, 0] - z[i, 0]
                 for m in range(dimension):
                     A[i, m] = (1.0 if i == m else 0.0) - M[i, m] + (B[i, m] if kept else 0.0)
-            if not solved(A, move):
+            if not solved(A, move, tolerance[:, j]):
                 return NONE
             small, moved = True, False
             for i in range(dimension):

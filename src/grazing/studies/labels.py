@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import processor
 from grazing.kernel.content import digest
-from grazing.maps.hits import LATER, Hits, Struck
+from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
 
@@ -48,9 +48,9 @@ def word_attributes() -> Attributes:
     return {"long_name": "primitive cyclic word in its least rotation; empty where there is no period"}
 
 
-def longest_word(limit: int, symbols: str | Hits | None = None) -> int:
+def longest_word(limit: int, symbols: str | Alphabet | None = None) -> int:
     """Return how many characters a word of so many letters may take: a count is at most 10,001, in parentheses."""
-    return (symbols.most + 2 if isinstance(symbols, Hits) else 7) * max(limit, 1)
+    return (symbols.most + 2 if isinstance(symbols, Alphabet) else 7) * max(limit, 1)
 
 
 def letter_attributes(P: Map) -> Attributes:
@@ -59,16 +59,8 @@ def letter_attributes(P: Map) -> Attributes:
         special = np.array([CHATTER_LETTER, STUCK_LETTER], np.int32)
         meanings = "completed_chatter stuck_throughout"
         return {"long_name": "letter of the step: a count", "flag_values": special, "flag_meanings": meanings}
-    if isinstance(P.letters, Struck):
-        names = P.letters.names
-        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
-        return {"long_name": said, "walls": names}
-    if isinstance(P.letters, Hits):
-        codes = np.array(sorted(P.letters.special), np.int32)
-        meanings = " ".join(P.letters.special[code] for code in codes.tolist())
-        digits = ", ".join(f"{name} is {digit}" for digit, name in enumerate(P.letters.names, start=1))
-        said = f"letter of the step: the walls that are hit, in order, as digits to base {P.letters.base}: {digits}"
-        return {"long_name": said, "flag_values": codes, "flag_meanings": meanings, "surfaces": P.letters.names}
+    if isinstance(P.letters, Alphabet):
+        return P.letters.attributes
     codes = np.arange(len(P.letters), dtype=np.int32)
     return {"long_name": "letter of the step", "flag_values": codes, "flag_meanings": " ".join(P.letters)}
 

@@ -18,7 +18,7 @@ from grazing.outcome import FATAL
 
 UNDECIDED, APERIODIC, ENDED = 0, -1, -2
 
-#: The absolute part of the tolerance, in units of the orbit's greatest coordinate.
+#: The absolute part of the tolerance, in units of the orbit's greatest coordinate, each measured by its own unit.
 FLOOR = 1e-13
 #: An orbit nearly recurs within this share of its extent; others are not worth a search for a cycle.
 NEAR = 0.1
@@ -57,13 +57,15 @@ def gathered(points: Any, letters: Any, first: int, x: Any, s: Any) -> Any:
     return width
 
 
-def measured(x: Any, rtol: float, extent: Any, tolerance: Any, finite: Any) -> None:
+def measured(x: Any, rtol: float, unit: Any, extent: Any, tolerance: Any, finite: Any) -> None:
     """Fill in, for LANES orbits, the extent and the tolerance along each coordinate (dim, LANES).
 
     Parameters
     ----------
     x : ndarray, shape (keep, dim, LANES)
     rtol : float
+    unit : ndarray, shape (dim,)
+        Of the coordinates.
     extent, tolerance : ndarray, shape (dim, LANES)
     finite : ndarray, shape (LANES,)
         1 where all points are numbers, else 0.
@@ -83,11 +85,12 @@ def measured(x: Any, rtol: float, extent: Any, tolerance: Any, finite: Any) -> N
                 finite[j] = finite[j] if abs(value) < inf else 0
         for j in range(LANES):
             extent[i, j] = ends[1, j] - ends[0, j]
-            ends[2, j] = max(ends[2, j], max(ends[1, j], -ends[0, j]))
+            ends[2, j] = max(ends[2, j], max(ends[1, j], -ends[0, j]) / unit[i])
     for i in range(dimension):
         for j in range(LANES):
-            tolerance[i, j] = rtol * extent[i, j] + FLOOR * ends[2, j]
-            extent[i, j] = max(extent[i, j], 10.0 * FLOOR * ends[2, j] + 1e-300)
+            floor = FLOOR * (ends[2, j] * unit[i])
+            tolerance[i, j] = rtol * extent[i, j] + floor
+            extent[i, j] = max(extent[i, j], 10.0 * floor + 1e-300)
 
 
 @inlined
@@ -217,12 +220,13 @@ def next_cycle(x: Any, s: Any, j: int, extent: Any, tolerance: Any, candidate: i
 
 
 def recurrence(
-    points: Any, letters: Any, outcomes: Any, rtol: float, period: Any, doubtful: Any, extents: Any, tolerances: Any
-) -> None:
+    points: Any, letters: Any, outcomes: Any, rtol: float, unit: Any, period: Any, doubtful: Any, extents: Any,
+    tolerances: Any,
+) -> None:  # fmt: skip
     """Give each orbit the period by recurrence alone.
 
-    ``doubtful`` becomes the least number of points of a cycle nearby that must be asked, 0 for none; ``extents`` and
-    ``tolerances`` (columns, dim, n) those of :func:`measured`.
+    ``unit`` (dim,) measures the coordinates. ``doubtful`` becomes the least number of points of a cycle nearby that
+    must be asked, 0 for none; ``extents`` and ``tolerances`` (columns, dim, n) those of :func:`measured`.
     """
     columns, keep, dimension, n = points.shape
     x, s = np.empty((keep, dimension, LANES)), np.empty((keep, LANES), np.int64)
@@ -232,7 +236,7 @@ def recurrence(
     q, lane = 0, 0
     for first in range(0, columns * n, LANES):
         width = gathered(points, letters, first, x, s)
-        measured(x, rtol, extent, tolerance, finite)
+        measured(x, rtol, unit, extent, tolerance, finite)
         for j in range(LANES):
             waiting[j] = finite[j]
         least_lags(x, s, tolerance, waiting, good, lag)

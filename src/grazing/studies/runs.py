@@ -17,7 +17,7 @@ from grazing.maps.pieces import joined, let_go, pieces, steps_of_piece
 from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
-from grazing.parameter import real, unknown, whole
+from grazing.parameter import checked_name, named_by, real, whole
 from grazing.studies import labels, outside
 from grazing.studies.classify import FLOOR, TOLERANCE
 from grazing.studies.plan import Arrays, Variable
@@ -70,7 +70,8 @@ class Runs:
     def __init__(self, P: Map, axes: Mapping[str, Floats], settings: Settings, moving: tuple[int, ...] = ()) -> None:
         self.P, self.axes, self.settings, self.moving = P, dict(axes), settings, moving
         self.shape = tuple(len(values) for values in self.axes.values())
-        self._where = [list(P.params).index(name) for name in self.axes]
+        places = list(P.params)
+        self._where = [[places.index(one) for one in named_by(name, places)] for name in self.axes]
 
     @property
     def together(self) -> int:
@@ -107,7 +108,8 @@ class Runs:
         row = list(self.P.params.values()) or [0.0]
         rows = np.empty((len(cells), len(row)))
         rows[:] = row
-        rows[:, self._where] = self.values(cells)
+        for where, values in zip(self._where, self.values(cells).T, strict=True):
+            rows[:, where] = values[:, None]
         return self.P.origin.complete(rows)
 
     def map_at(self, cell: int) -> Map:
@@ -167,6 +169,7 @@ class Runs:
     def config(self) -> dict[str, Any]:
         """All that decides the numbers; the own value of a parameter that varies does not."""
         starts, transient, keep, seed, arithmetic, box = self.settings
+        varied = {one for name in self.axes for one in named_by(name, self.P.params)}
         if isinstance(starts, int):
             own: Any = self.P.box
             if self.moving:  # that of the map at each value; the first and the last tell it from another map's
@@ -175,7 +178,7 @@ class Runs:
         else:
             begin = {"given": len(starts), "sha256": labels.fingerprint(starts)}
         return {
-            "params": {name: value for name, value in self.P.params.items() if name not in self.axes},
+            "params": {name: value for name, value in self.P.params.items() if name not in varied},
             "starts": begin,
             "transient": transient,
             "keep": keep,
@@ -227,10 +230,13 @@ def checked_runs(
     checked_map(P)
     grids: dict[str, Floats] = {}
     for name, values in axes.items():
-        if name not in P.params:
-            raise unknown(name, P.params, P.name or "the map")
-        grids[name] = checked_values(name, values, P)
+        grids[checked_name(name, P.params, P.name or "the map")] = checked_values(name, values, P)
     P.origin.refuse_made(tuple(grids))
+    every = [one for name in grids for one in named_by(name, P.params)]
+    if len({*every}) < len(every):
+        raise InputError(
+            f"{' and '.join(grids)} stand for one parameter, {max(every, key=every.count)}; vary one of them"
+        )
     for clash in sorted({*grids, *P.coordinates} & {*taken} | {*grids} & {*P.coordinates}):
         raise InputError(f"{shown(clash)} names a dimension or variable of the result; rename it in the map")
     settings = Settings(

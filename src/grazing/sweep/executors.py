@@ -50,7 +50,7 @@ def run_on_executor(
     try:
         while True:
             for number in waiting:
-                pending.add(executor.submit(chunk_or_error, task, number))
+                pending.add(_submitted(executor, task, number, store))
                 if len(pending) >= WINDOW:
                     break
             if not pending:
@@ -73,6 +73,16 @@ def run_on_executor(
     finally:
         for one in pending:
             one.cancel()
+
+
+def _submitted(executor: Executor, task: Callable[[int], int], number: int, store: Store) -> Future[int | GrazingError]:
+    """Hand a chunk to an executor; one that was shut down, as behind its ``with``, takes none."""
+    try:
+        return executor.submit(chunk_or_error, task, number)
+    except GrazingError:
+        raise
+    except RuntimeError as error:
+        raise _lost(store, error) from error
 
 
 def chunk_or_error(task: Callable[[int], int], number: int) -> int | GrazingError:

@@ -125,7 +125,7 @@ def _refuse_other_recipe(store: Store) -> None:
 
     recipe, config = store.recipe or {}, json.loads(store.attrs["grazing_config"])
     study = studies().get(str(recipe.get("study")))
-    if study is None or study.function != config.get("study") or not study.takes_long:
+    if study is None or study.function != config.get("study") or study.plan is None or not study.takes_long:
         raise InputError(f"its study is {shown(recipe.get('study'))}")
     counts = [range_[-1].split(":")[2:3] for range_ in _ranges_in(recipe)]
     if any(count and count[0].strip().isdigit() and int(count[0][:20]) not in store.grid.shape for count in counts):

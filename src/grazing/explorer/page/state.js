@@ -63,6 +63,9 @@ const SWITCHES = ["reduced", "theory", "colour"];
 /** @type {Record<string, string[]>} */
 const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
+/** Characters of a link beyond which none is ours, and parts of one that are explained: what is shown is read by somebody. */
+const LONGEST_LINK = 10_000, EXPLAINED = 8;
+
 /** The parameters that a diagram can vary: those that the reset law has. @param {string} law */
 export const varied = (law) => VARIED.filter((name) => (name !== "V" || law !== "newton") && (name !== "trigger" || law === "triggered"));
 
@@ -161,6 +164,7 @@ function read(key, text, fields) {
  */
 export function fromFragment(fragment, fields) {
   const state = structuredClone(DEFAULTS), values = /** @type {Record<string, unknown>} */ (state);
+  if (fragment.length > LONGEST_LINK) return { state, problems: [`it has ${fragment.length} characters, of ${LONGEST_LINK} at most`] };
   /** @type {string[]} */
   const problems = [];
   const parts = fragment.replace(/^#/, "").split("&").filter(Boolean);
@@ -192,7 +196,8 @@ export function fromFragment(fragment, fields) {
     }
   }
   problems.push(...mended(state, fields, [...given.keys()]));
-  return { state, problems };
+  const more = problems.splice(EXPLAINED).length;
+  return { state, problems: more ? [...problems, `${more} more`] : problems };
 }
 
 /**

@@ -12,16 +12,7 @@ from numba import types
 from grazing.kernel.primitives import compiled_form
 from grazing.kernel.private import cgutils
 from grazing.kernel.rows import all_passed, first_failed
-from grazing.kernel.wide.simd import (
-    Held,
-    Memory,
-    constant,
-    counted,
-    equal,
-    in_groups,
-    whole,
-    width_for,
-)  # fmt: skip
+from grazing.kernel.wide.simd import Held, Memory, constant, counted, equal, in_groups, whole, width_for
 
 n = types.int64
 

@@ -1,0 +1,1 @@
+"""A ball in the plane among things that it hits: the pinball table."""

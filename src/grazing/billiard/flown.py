@@ -1,0 +1,213 @@
+"""Trajectories on a table: every impact located, none sampled; what doubles cannot decide is decided exactly."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.billiard.contact import impact, next_impact
+from grazing.billiard.exact import Undecided, exact_contact
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.primitives import numbers
+from grazing.memory import refuse_too_large
+from grazing.oscillator.reset import checked_velocity
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    DIVERGED,
+    ESCAPED,
+    FATAL,
+    GRAZE,
+    TOO_MANY_IMPACTS,
+    InputError,
+    Trust,
+    UserCodeError,
+    shown,
+)
+from grazing.parameter import real
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from grazing.billiard.table import Table
+
+Floats = NDArray[np.float64]
+INFINITY = float("inf")
+#: Flights of one call of the recorder, and impacts of a trajectory at most.
+CAPACITY, MAX_IMPACTS = 2048, 1_000_000
+#: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
+#: after, flags; then the states at its begin, at its end and just after the impact there.
+TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS, FIRST, LAST, NEXT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 10, 14, 18
+#: What the outcome of a trajectory is called, by the first bit that is set.
+WORDS = (
+    (TOO_MANY_IMPACTS, "chatter not resolved"), (DIVERGED, "diverged"), (ESCAPED, "escaped"), (GRAZE, "grazing"),
+)  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def recorder() -> Any:
+    """Compile ``record(block, now, flights, until) -> count``: fill rows with flights, up to a time or a doubt.
+
+    ``now`` holds the time, the surface just left and the state; it is moved along, not beyond a flight in doubt.
+    """
+
+    def record(block: Any, now: Any, flights: Any, until: float) -> int:
+        table, t, left = numbers(block), now[0], now[1]
+        x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
+        while going and count < flights.shape[0]:
+            (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, table)
+            row = flights[count]
+            row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
+            row[BEFORE], row[AFTER] = speeds[0], speeds[1]
+            row[FIRST], row[FIRST + 1], row[FIRST + 2], row[FIRST + 3] = x, y, vx, vy
+            for i in range(4):
+                row[LAST + i], row[NEXT + i] = before[i], after[i]
+            count += 1
+            going = owner >= 0 and t + length <= until and not flags & (FATAL | ESCAPED | AMBIGUOUS)
+            if going:
+                t, left, (x, y, vx, vy) = t + length, 1.0 * surface, after
+        now[0], now[1], now[2], now[3], now[4], now[5] = t, left, x, y, vx, vy
+        return count
+
+    return compiled(record)
+
+
+@lru_cache(maxsize=1)
+def lander() -> Any:
+    """Compile ``land(block, surface, t, state, row)``: fill the row of a flight that ends at a surface after t."""
+
+    def land(block: Any, surface: int, t: float, state: Any, row: Any) -> None:
+        (owner, flags), before, after, speeds = impact(
+            surface, t, state[0], state[1], state[2], state[3], numbers(block)
+        )
+        row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = t, surface, owner, flags
+        row[BEFORE], row[AFTER] = speeds[0], speeds[1]
+        for i in range(4):
+            row[FIRST + i], row[LAST + i], row[NEXT + i] = state[i], before[i], after[i]
+
+    return compiled(land)
+
+
+def decided(block: Floats, state: Floats, left: int) -> Floats | None:
+    """Return the row of a flight that is decided exactly, from a state that has just left a surface; None if not."""
+    try:
+        surface, t, flags = exact_contact(block, tuple(state.tolist()), left)
+    except Undecided:
+        return None
+    flight: Floats = np.full(COLUMNS, np.nan)
+    flight[FIRST:LAST] = flight[LAST:NEXT] = flight[NEXT:COLUMNS] = state
+    flight[TIME], flight[SURFACE], flight[OWNER], flight[FLAGS] = INFINITY, -1, -1, ESCAPED
+    if surface >= 0:
+        call(lander(), block, surface, t, state, flight)
+    flight[FLAGS] = int(flight[FLAGS]) | flags
+    return flight
+
+
+def flights_of(table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS) -> Floats:
+    """Return all flights of a trajectory, columns as named at the top of this file.
+
+    The last one ends at or after ``until``, or is one after which none follows: its flags say why.
+    """
+    block = table.blocks(table.row())[0]
+    now, found, count = np.array([start, -1.0, *state]), [], 0
+    while True:
+        flights = np.empty((min(CAPACITY, most - count), COLUMNS))
+        flights = flights[: call(recorder(), block, now, flights, until)]
+        last = flights[-1]
+        found.append(flights)
+        count += len(flights)
+        if int(last[FLAGS]) & AMBIGUOUS and not int(last[FLAGS]) & FATAL:
+            exact = decided(block, last[FIRST:LAST].copy(), int(now[1]))
+            last[:] = last if exact is None else exact
+            if last[OWNER] >= 0.0 and now[0] + last[TIME] <= until and not int(last[FLAGS]) & (FATAL | ESCAPED):
+                now[:] = now[0] + last[TIME], last[SURFACE], *last[NEXT:COLUMNS]
+                if count < most:
+                    continue
+        if int(last[FLAGS]) & BAD_LAW:
+            law = table.objects[int(last[OWNER])].law
+            assert law is not None
+            checked_velocity(law, float(last[BEFORE]), law.params)
+            raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
+        if last[OWNER] < 0.0 or now[0] + last[TIME] > until or int(last[FLAGS]) & (FATAL | ESCAPED):
+            break
+        if count >= most:
+            last[FLAGS] = int(last[FLAGS]) | TOO_MANY_IMPACTS
+            break
+    return np.concatenate(found)
+
+
+def table_trajectory(table: Table, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
+    """Follow a ball on a table in continuous time; :func:`grazing.trajectory` calls this."""
+    import xarray as xr
+
+    names = "x", "y", "vx", "vy"
+    begin = checked_start(state)
+    table.refuse_inside(begin[0], begin[1])
+    flights = flights_of(table, begin, start, until)
+    flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
+    begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])
+    if int(flights[-1, FLAGS]) & FATAL:
+        flights[-1, TIME] = 0.0
+    ends = np.minimum(begins + flights[:, TIME], until)
+    each = [
+        max(2, ceil(samples * (end - begin) / (until - start)) + 1) for begin, end in zip(begins, ends, strict=True)
+    ]
+    refuse_too_large(8 * 8 * sum(each), "choose an earlier end or fewer samples", "the trajectory")
+    number = np.repeat(np.arange(len(flights)), each)
+    t = np.concatenate([np.linspace(*of) for of in zip(begins, ends, each, strict=True)])
+    s, (x, y, vx, vy) = t - begins[number], flights[number, FIRST:LAST].T
+    a = table.gravity
+    path = dict(zip(names, (x + vx * s, y + (vy - 0.5 * a * s) * s, vx, vy - a * s), strict=True))
+    hits = ~np.isnan(flights[:, BEFORE]) & (begins + flights[:, TIME] <= until)
+    gone = bool(flags & ESCAPED) and (flights[-1, OWNER] < 0.0 or begins[-1] + flights[-1, TIME] <= until)
+    flags = flags if gone else flags & ~ESCAPED
+    way = "" if not gone else (table.names[int(flights[-1, OWNER])] if flights[-1, OWNER] >= 0.0 else "away")
+    time = {"long_name": "time", "units": "1"}
+    speed = {"long_name": "velocity along the normal just {} an impact", "units": "1"}
+    objects = np.array(table.names)[flights[hits, OWNER].astype(int)]
+    return xr.Dataset(
+        {
+            **{name: ("t", path[name], {"long_name": f"coordinate {name}", "units": "1"}) for name in names},
+            "impact_time": ("impact", (begins + flights[:, TIME])[hits], time | {"long_name": "time of impact"}),
+            "v_minus": ("impact", flights[hits, BEFORE], {k: v.format("before") for k, v in speed.items()}),
+            "v_plus": ("impact", flights[hits, AFTER], {k: v.format("after") for k, v in speed.items()}),
+            "impact_wall": ("impact", objects, {"long_name": "object that is hit"}),
+            "before": (
+                ("impact", "coordinate"),
+                flights[hits, LAST:NEXT],
+                {"long_name": "state just before an impact"},
+            ),
+            "after": (
+                ("impact", "coordinate"),
+                flights[hits, NEXT:COLUMNS],
+                {"long_name": "state just after an impact"},
+            ),
+            "exit": ((), way, {"long_name": "drain through which it left, or away"}),
+            "trust": ((), (Trust.ambiguous if flags & AMBIGUOUS else Trust.certified).value),
+        },
+        coords={"t": ("t", t, time), "coordinate": ("coordinate", list(names))},
+        attrs={
+            "title": f"trajectory of {table!r}",
+            "grazing_outcome": flags,
+            "outcome": next((word for bit, word in WORDS if flags & bit), "ok"),
+            **{f"parameter_{name}": value for name, value in table.params.items()},
+        },
+    )
+
+
+def checked_start(state: ArrayLike) -> tuple[float, ...]:
+    """Return the state of a ball as four floats, or raise InputError."""
+    wanted = "give 4 numbers (x, y, vx, vy): place and velocity of the ball's centre"
+    try:
+        values = np.asarray(state, dtype=object).ravel().tolist()
+    except Exception:  # of whatever object was given
+        values = []
+    if len(values) != 4:
+        raise InputError(f"state is {shown(state)}; {wanted}")
+    return tuple(
+        real(v, name, "any finite number is allowed") for v, name in zip(values, ("x", "y", "vx", "vy"), strict=True)
+    )

@@ -1,0 +1,221 @@
+"""When a flight meets one surface of a table. Proof: docs/table.md.
+
+Flights are parabolas, so a gap is a polynomial: quadratic for a face, which is solved; quartic for a circle, whose
+first root is marched to by lower bounds h(t + s) >= h + dh s + k s^2 that are proven on what is left of the flight.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+from grazing.billiard.rows import COSINE, MX, MY, PX, PY, SIGN, SIZE
+from grazing.kernel.primitives import inlined
+from grazing.outcome import AMBIGUOUS, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+
+INFINITY = float("inf")
+EPS = 2.0**-52
+#: Rounding errors in units of the last place of the sizes that a number is made of, see docs/table.md.
+GAP = 16.0
+#: Errors of a gap by which a ball may begin below a surface.
+DEEP = 64.0
+#: Looks at one surface in one flight after which it ends by name.
+LOOKS = 10_000
+#: A step shorter than so many widths of the rounding error is none.
+LEAST = 1e-3
+#: Steps of Newton's method from where it surely converges.
+ROOTS = 60
+
+
+@inlined
+def lowest(c3: float, a4: float, w: float) -> float:
+    """Return the least value of c3 s + a4 s^2 for s in [0, w], a4 >= 0."""
+    s = w
+    if c3 >= 0.0:
+        s = 0.0
+    elif a4 > 0.0:
+        s = min(-0.5 * c3 / a4, w)
+    return (c3 + a4 * s) * s if s < INFINITY else -INFINITY
+
+
+@inlined
+def highest(c3: float, a4: float, w: float) -> float:
+    """Return the greatest value of c3 s + a4 s^2 for s in [0, w], a4 >= 0."""
+    if w < INFINITY:
+        return max(0.0, (c3 + a4 * w) * w)
+    return INFINITY if a4 > 0.0 or c3 > 0.0 else 0.0
+
+
+@inlined
+def safe_step(h: float, dh: float, k: float) -> float:
+    """Return the first root s > 0 of h + dh s + k s^2 with h >= 0, infinity for none; if h is 0, dh is not yet down."""
+    if dh >= 0.0:
+        if k >= 0.0:
+            return INFINITY
+        return -(dh + sqrt(dh * dh - 4.0 * k * h)) / (2.0 * k) if k > -INFINITY else 0.0
+    D = dh * dh - 4.0 * k * h
+    if D < 0.0:
+        return INFINITY
+    return 2.0 * h / (sqrt(D) - dh)
+
+
+@inlined
+def rests(dh: float, k: float, e: float) -> bool:
+    """Say whether a ball that leaves a surface at rate dh and is pulled back rises by less than can be told."""
+    return k < 0.0 and dh * dh <= -4.0 * k * e
+
+
+def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -> float:
+    """Return the root of h + dh s + k s^2 + c3 s^3 + a4 s^4 in [0, reach], in which it falls throughout."""
+    a, b, s = 0.0, reach, 0.0
+    for _ in range(ROOTS):
+        value = (((a4 * s + c3) * s + k) * s + dh) * s + h
+        rate = ((4.0 * a4 * s + 3.0 * c3) * s + 2.0 * k) * s + dh
+        if value > 0.0:
+            a = s
+        else:
+            b = s
+        new = s - value / rate if rate < 0.0 else 0.5 * (a + b)
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        if abs(new - s) <= EPS * s or not a < b:
+            return new
+        s = new
+    return s
+
+
+def crossing(
+    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, begin: float, fresh: bool,
+    end: float,
+) -> Any:  # fmt: skip
+    """Return (t, late, flags): when h = sign (|d|^2 - size^2) first comes down to 0 after ``begin``, good to ``late``.
+
+    d = (dx, dy) at t = 0 is the ball's place as seen from the centre. Infinity for never before ``end``. ``fresh``: it
+    is at 0 and rises at ``begin``. Without it h >= 0 is known there, up to rounding.
+    """
+    a4, size2, t, doubt, flags = 0.25 * g * g, size * size, begin, INFINITY, OK
+    for _ in range(LOOKS):
+        now = vy - g * t
+        x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+        fast = abs(vx) + abs(vy) + g * t
+        far = abs(dx) + abs(dy) + fast * t
+        h, dh = sign * (x * x + y * y - size2), sign * 2.0 * (x * vx + y * now)
+        bend, c3, w = vx * vx + now * now - g * y, -g * now, end - t
+        e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size2), GAP * EPS * far * fast
+        b = GAP * EPS * (fast * fast + g * (far + size))
+        if not (e < INFINITY and b < INFINITY):
+            return t, 0.0, flags | DIVERGED
+        if sign < 0.0 and fast + g > 0.0:  # it is inside, and does not stay there
+            w = min(w, 2.0 * size / sqrt(vx * vx + now * now + g * size))
+        if fresh:
+            low, fall = 0.0, max(dh - d, 0.5 * dh)
+        else:
+            up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
+            if h < -e and doubt < INFINITY and rate >= 0.0:  # through and back, by less than can be decided
+                return doubt, t - doubt, flags
+            if rate < 0.0:
+                near = min(4.0 * max(up, 0.0) / -rate, w)
+                most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
+                most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
+                D = rate * rate - 4.0 * most * up
+                reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
+                late = (e + d * near) / -rate + 4.0 * EPS * t
+                if up <= 0.0:
+                    return (t, late, flags) if doubt == INFINITY else (doubt, t - doubt, flags)
+                if reach <= near:
+                    s = landing(h, dh, sign * bend, sign * c3, sign * a4, reach) if h > 0.0 else 0.0
+                    return t + s, late, flags
+        least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
+        k = sign * bend + least - b
+        step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
+        if step >= w:
+            if t + w >= end:
+                return INFINITY, 0.0, flags
+            step = w
+        wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
+        if fall != 0.0:
+            wide = min(wide, 4.0 * e / abs(fall))
+        if not t + step > t or (step < LEAST * wide and low < e and not fresh):
+            flags |= GRAZE | AMBIGUOUS
+            doubt, step = t, max(wide, 4.0 * EPS * t)
+            if not t + step > t:
+                return t, 0.0, flags | TOO_MANY_IMPACTS
+        elif low > 0.0:
+            doubt = INFINITY
+        t, fresh = t + step, False
+    return t, 0.0, flags | TOO_MANY_SWINGS
+
+
+@inlined
+def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
+    """Return (t, late, flags): when h + dh t + k t^2, good to e and d per time, comes down to 0 after 0.
+
+    Infinity for never. h < 0 is allowed: it is behind the line, and may come before it and back.
+    """
+    if fresh:
+        if rests(dh, k, e):
+            return 0.0, 0.0, TOO_MANY_IMPACTS
+        return (-dh / k, e / dh, OK) if k < 0.0 else (INFINITY, 0.0, OK)
+    if (k >= 0.0 and dh >= 0.0) or (h < -e and (k >= 0.0 or dh <= 0.0)):
+        return INFINITY, 0.0, OK
+    D = dh * dh - 4.0 * k * h
+    unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
+    if k > 0.0 and D <= unsure:
+        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
+    if D < 0.0 and h < -e:
+        return INFINITY, 0.0, OK
+    root = sqrt(max(D, 0.0))
+    t = max(2.0 * h / (root - dh) if dh < 0.0 else -(dh + root) / (2.0 * k), 0.0)
+    if D > 2.0 * unsure:  # sqrt(D - unsure) > 0.7 root
+        return t, 1.5 * (e + d * t) / root + 4.0 * EPS * t, OK
+    # pressed against it, or hardly moving at all
+    return t, 3.0 * sqrt(unsure) / -k if k < 0.0 else t - max(h - e, 0.0) / (d - dh), OK
+
+
+@inlined
+def first_step(x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, least: float) -> Any:
+    """Return (step, flags): how long a circle is surely not met; ``least`` is the part of k that all circles share."""
+    dx, dy, size = x - row[PX], y - row[PY], row[SIZE]
+    far2, dh = dx * dx + dy * dy, 2.0 * (dx * vx + dy * vy)
+    h, k = far2 - size * size, least - g * dy
+    e, d = GAP * EPS * (2.0 * far2 + size * size), GAP * EPS * (abs(dx * vx) + abs(dy * vy))
+    k -= GAP * EPS * (2.0 * (vx * vx + vy * vy) + g * (abs(dx) + abs(dy) + size))
+    low, fall = max(h - e, 0.0), dh - d
+    if fresh:
+        low, fall = 0.0, max(fall, 0.5 * dh)
+        if rests(dh, vx * vx + vy * vy - g * dy, e):
+            return 0.0, TOO_MANY_IMPACTS
+    elif h < -DEEP * e:
+        return 0.0, INSIDE_WALL
+    return safe_step(low, fall, k) * (1.0 - GAP * EPS), OK
+
+
+def side_contact(
+    x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, passed: bool, end: float
+) -> Any:  # fmt: skip
+    """Return (t, late, flags): when a side of an arc is hit first before ``end``, infinity for never.
+
+    ``fresh``: it just left this side; ``passed``: it just left the other side, which is the same circle.
+    """
+    dx, dy, size, sign = x - row[PX], y - row[PY], row[SIZE], row[SIGN]
+    t, flags, far2 = 0.0, OK, dx * dx + dy * dy
+    e = GAP * EPS * (2.0 * far2 + size * size)
+    if fresh and rests(sign * 2.0 * (dx * vx + dy * vy), sign * (vx * vx + vy * vy - g * dy), e):
+        return 0.0, 0.0, TOO_MANY_IMPACTS
+    # else it is on the other side of the circle, beyond the ends of the arc
+    outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
+    fresh = fresh or passed
+    for _ in range(LOOKS):
+        t, late, said = crossing(dx, dy, vx, vy, g, size, sign if outside else -sign, t, fresh, end)
+        flags |= said
+        if t == INFINITY or said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
+            return t, late, flags
+        if outside:
+            px, py = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+            inside = px * row[MX] + py * row[MY] - row[COSINE] * size
+            unsure = GAP * EPS * (abs(dx) + abs(dy) + size + (abs(vx) + abs(vy) + g * t) * t)
+            unsure += (abs(vx) + abs(vy) + g * t) * late
+            if inside >= -unsure:
+                return t, late, flags | AMBIGUOUS if inside <= unsure else flags
+        outside, fresh = not outside, True
+    return t, 0.0, flags | TOO_MANY_SWINGS

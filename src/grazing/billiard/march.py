@@ -1,0 +1,162 @@
+"""The first contact of a ball on a table: no surface can be jumped over. Proof: docs/table.md.
+
+Faces are solved first, as that is quick. The earliest contact known so far is the end of what must be looked at: of a
+circle that is surely free until then nothing more is asked.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grazing.billiard.gaps import DEEP, EPS, GAP, crossing, face_crossing, first_step, lowest, side_contact
+from grazing.billiard.rows import (
+    CIRCLES,
+    EX,
+    EY,
+    FACES,
+    GRAVITY,
+    HEAD,
+    LONG,
+    OWNER,
+    PX,
+    PY,
+    SIDES,
+    SIZE,
+    THING,
+    THINGS,
+    WIDTH,
+)  # fmt: skip
+from grazing.kernel.primitives import behind, inlined
+from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
+
+INFINITY = float("inf")
+
+
+@inlined
+def nearer(found: Any, surface: int, owner: float, t: float, late: float) -> Any:
+    """Return the earlier of what was found and another contact, ambiguous if their order is not sure.
+
+    ``found`` is (surface, time, how late that may be, object, flags). Two surfaces of one object are the same contact:
+    a face ends where the circle around its end begins.
+    """
+    hit, best, slack, who, flags = found
+    if hit >= 0 and who != owner and abs(t - best) <= late + slack:
+        flags |= AMBIGUOUS
+    if t < best:
+        return surface, t, late, owner, flags
+    return hit, best, slack, who, flags
+
+
+@inlined
+def ended(found: Any, surface: int, t: float, flags: int) -> Any:
+    """Return what was found where a flight ends by name."""
+    return surface, t, 0.0, -1.0, found[4] | flags
+
+
+def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: Any) -> Any:
+    """Return (surface, t, flags): what a ball hits first, -1 for nothing, and when, from t = 0 on.
+
+    Parameters
+    ----------
+    x, y, vx, vy : float
+        Place and velocity of its centre.
+    left : float
+        The surface that it just left, -1 for none. A float: a literal would be a type of its own.
+    table : pointer to numbers
+        Of :func:`grazing.billiard.rows.block_of`.
+    """
+    g, faces, circles = table[GRAVITY], int(table[FACES]), int(table[CIRCLES])
+    rows, last = behind(table, HEAD + THING * int(table[THINGS])), int(left)
+    found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, rows)
+    if not found[4] & FATAL:
+        rows = behind(rows, WIDTH * faces)
+        found = of_circles(found, x, y, vx, vy, g, last, 2 * faces, circles, rows)
+    if not found[4] & FATAL:
+        rows = behind(rows, WIDTH * circles)
+        found = of_sides(found, x, y, vx, vy, g, last, 2 * faces + circles, int(table[SIDES]), rows)
+    return found[0], found[1], found[4]
+
+
+def of_faces(found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, rows: Any) -> Any:
+    """Return the first contact with a face, or what was found before that."""
+    for i in range(faces):
+        row = behind(rows, WIDTH * i)
+        dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
+        off, rate, k = ey * dx - ex * dy, ey * vx - ex * vy, 0.5 * g * ex  # along the right normal
+        spread, speed = abs(dx) + abs(dy) + size, abs(vx) + abs(vy)
+        e, d = GAP * EPS * spread, GAP * EPS * speed
+        deep = size - abs(off) - DEEP * e
+        foot = ex * dx + ey * dy
+        if deep > 0.0 and foot > e and foot < row[LONG] - e and last // 2 != i:
+            return ended(found, 2 * i, 0.0, INSIDE_WALL)
+        for side in range(2):
+            sign, surface, fresh = 2.0 * side - 1.0, 2 * i + side, last == 2 * i + side
+            if size == 0.0 and last == 2 * i + 1 - side:
+                continue  # both sides are one line, and it leaves that from the other one
+            t, late, said = face_crossing(sign * off - size, sign * rate, sign * k, e, d, fresh)
+            if said & TOO_MANY_IMPACTS:
+                return ended(found, surface, 0.0, said)
+            if said & GRAZE:
+                found = found[0], found[1], found[2], found[3], found[4] | said
+            if t == INFINITY or t > found[1] + found[2] + late:
+                continue
+            foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
+            unsure = GAP * EPS * (spread + (speed + g * t) * t) + (speed + g * t) * late
+            if foot < -unsure or foot > row[LONG] + unsure:
+                continue
+            found = nearer(found, surface, row[OWNER], t, late)
+            if size == 0.0 and (foot < unsure or foot > row[LONG] - unsure):  # no circle is around that end
+                found = found[0], found[1], found[2], found[3], found[4] | AMBIGUOUS
+    return found
+
+
+def of_circles(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, circles: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return the first contact with a circle, or what was found before that; ``base`` is the first one's number.
+
+    The nearest circle comes first: it brings the end forward for all others.
+    """
+    first, soonest, speed2 = -1, found[1] + found[2], vx * vx + vy * vy
+    least = speed2 + lowest(-g * vy, 0.25 * g * g, soonest)
+    for i in range(circles):
+        step, said = first_step(x, y, vx, vy, g, behind(rows, WIDTH * i), last == base + i, least)
+        if said:
+            return ended(found, base + i, 0.0, said)
+        if step < soonest:
+            first, soonest = i, step
+    for n in range(circles + 1 if first >= 0 else 0):
+        i = first if n == 0 else n - 1
+        if n > 0 and i == first:
+            continue
+        row, step, end = behind(rows, WIDTH * i), soonest, found[1] + found[2]
+        if n > 0:
+            step, _said = first_step(x, y, vx, vy, g, row, last == base + i, least)
+            if not step < end:
+                continue
+        t, late, said = crossing(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], 1.0, step, False, end)
+        if said & FATAL:
+            return ended(found, base + i, t, said)
+        found = found[0], found[1], found[2], found[3], found[4] | said
+        if t < INFINITY:
+            found = nearer(found, base + i, row[OWNER], t, late)
+            least = speed2 + lowest(-g * vy, 0.25 * g * g, found[1] + found[2])
+    return found
+
+
+def of_sides(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, sides: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return the first contact with a side of an arc, or what was found before; ``base`` is the first one's number."""
+    for i in range(sides):
+        row, fresh, passed = behind(rows, WIDTH * i), last == base + i, False
+        if not fresh and last >= base:  # without a radius both sides are one circle
+            other = behind(rows, WIDTH * (last - base))
+            passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
+        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, found[1] + found[2])
+        if said & FATAL:
+            return ended(found, base + i, t, said)
+        found = found[0], found[1], found[2], found[3], found[4] | said
+        if t < INFINITY:
+            found = nearer(found, base + i, row[OWNER], t, late)
+    return found

@@ -1,0 +1,244 @@
+"""What stands on a table: discs, segments and arcs that the ball hits, each by a law, and drains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, pi
+from types import MappingProxyType
+from typing import Any
+
+from grazing.copies import ByValue
+from grazing.oscillator.reset import KNOWN, Reset
+from grazing.outcome import InputError, shown
+from grazing.parameter import Parameter, checked_params, real
+
+DISC, SEGMENT, ARC, DRAIN = "disc", "segment", "arc", "drain"
+X, Y = (Parameter(name, name, f"{name} of the centre", units="m") for name in "xy")
+RADIUS = Parameter("radius", "R", "radius", 0.0, units="m")
+ENDS = tuple(Parameter(f"{a}{i}", f"{a}_{i}", f"{a} of end {i}", units="m") for i in (1, 2) for a in "xy")
+#: Names of the numbers of each kind, in the order in which they stand in a row of parameters.
+GEOMETRY: Mapping[str, tuple[Parameter, ...]] = MappingProxyType({
+    DISC: (X, Y, RADIUS),
+    SEGMENT: ENDS,
+    ARC: (X, Y, replace(RADIUS, open="low"),
+          Parameter("start", r"\theta_1", "angle at which it begins", units="rad"),
+          Parameter("stop", r"\theta_2", "angle at which it ends, counterclockwise", units="rad")),
+    DRAIN: ENDS,
+})  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Thing(ByValue):
+    """An object of a table; made by :func:`disc`, :func:`segment`, :func:`arc` and :func:`drain`.
+
+    ``params`` are the numbers of its shape, then those of its law; a drain has no ``law``.
+    """
+
+    name: str
+    kind: str
+    shape: Mapping[str, float]
+    law: Reset | None = None
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.name, str) and self.name.isidentifier() and not self.name.startswith("_")):
+            raise InputError(
+                f"name of a {self.kind} is {shown(self.name)}; allowed are letters, digits and _, as in 'bumper1': it "
+                "stands in front of the parameters and in words"
+            )
+        if self.kind != DRAIN and not isinstance(self.law, Reset):
+            raise InputError(
+                f"law of {self.name} is {shown(self.law)}; give gz.newton(r), gz.active(r, V), "
+                "gz.triggered(r, V, trigger) or gz.reset(your_law, ...)"
+            )
+        known = {one.name: one for one in GEOMETRY[self.kind]}
+        shape = checked_params(self.shape)
+        for name, value in shape.items():
+            replace(known[name], name=f"{self.name}.{name}").check(value)
+        clash = [name for name in (self.law.params if self.law else ()) if name in known]
+        if clash:
+            raise InputError(f"the law of {self.name} has a parameter {clash[0]!r}, as its shape has; rename it")
+        object.__setattr__(self, "shape", MappingProxyType(shape))
+        self._refuse_no_extent()
+
+    def __reduce__(self) -> Any:
+        return Thing, (self.name, self.kind, dict(self.shape), self.law)
+
+    def _refuse_no_extent(self) -> None:
+        shape, name = self.shape, self.name
+        if self.kind in (SEGMENT, DRAIN) and not hypot(shape["x2"] - shape["x1"], shape["y2"] - shape["y1"]) > 0.0:
+            raise InputError(
+                f"both ends of {name} are at ({shape['x1']:g}, {shape['y1']:g}); give two different points"
+            )
+        if self.kind == ARC and not 0.0 < shape["stop"] - shape["start"] <= 2.0 * pi * (1.0 + 1e-15):
+            raise InputError(
+                f"{name} goes from {shape['start']:g} to {shape['stop']:g}; allowed is start < stop <= start + 2 pi, "
+                "in radians, counterclockwise"
+            )
+
+    @property
+    def params(self) -> Mapping[str, float]:
+        """The numbers of its shape, then those of its law."""
+        return {**self.shape, **(self.law.params if self.law else {})}
+
+    def replaced(self, values: Mapping[str, float]) -> Thing:
+        """Return the object with all its parameters changed."""
+        shape = {name: values[name] for name in self.shape}
+        law = self.law.replace(**{name: values[name] for name in self.law.params}) if self.law else None
+        return replace(self, shape=shape, law=law)
+
+    def describe(self, name: str) -> Parameter | None:
+        """Return what is known of one of its parameters."""
+        known: dict[str, Parameter] = {**KNOWN, **{one.name: one for one in GEOMETRY[self.kind]}}
+        if name not in self.params:
+            return None
+        found = known.get(name) or Parameter(name, name, f"parameter {name} of its law")
+        full = f"{self.name}.{name}"
+        owner = self.name.replace("_", r"\_")
+        symbol = rf"{found.symbol}^\mathrm{{{owner}}}"
+        return replace(found, name=full, symbol=symbol, meaning=f"{found.meaning} of {self.name}", units="1")
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:g}" for name, value in self.shape.items())
+        return f"{self.kind}({self.name!r}, {values}{f', {self.law!r}' if self.law else ''})"
+
+
+def _point(value: Any, name: str, what: str) -> tuple[float, float]:
+    """Return a point as two floats, or raise InputError."""
+    pair = list(value) if isinstance(value, Sequence) or hasattr(value, "tolist") else []
+    if isinstance(value, str) or len(pair) != 2:
+        raise InputError(f"{what} of {shown(name)} is {shown(value)}; give a point (x, y)")
+    x, y = (real(number, f"{what} of {shown(name)}", "give a point (x, y) of finite numbers") for number in pair)
+    return x, y
+
+
+def _ends(name: str, start: Any, stop: Any) -> dict[str, float]:
+    (x1, y1), (x2, y2) = _point(start, name, "start"), _point(stop, name, "stop")
+    return {"x1": x1, "y1": y1, "x2": x2, "y2": y2}
+
+
+def disc(name: str, centre: Sequence[float], radius: float, law: Reset) -> Thing:
+    """Return a disc, a post or a bumper, for :func:`grazing.table`.
+
+    Parameters
+    ----------
+    name : str
+        Stands in words, and in front of the parameters: ``name.x``, ``name.y``, ``name.radius`` and those of the law.
+    centre : (x, y)
+    radius : float
+        >= 0; 0 is a pin, which a ball with a radius can hit.
+    law : Reset
+        :func:`grazing.newton`, :func:`grazing.active`, :func:`grazing.triggered` or one of your own: it acts on the
+        velocity along the normal.
+
+    Returns
+    -------
+    Thing
+
+    Raises
+    ------
+    InputError
+        For a name that is none, a value out of range or no law.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.disc("bumper1", (2, 6), 0.5, gz.active(r=0.9, V=0.4))
+    disc('bumper1', x=2, y=6, radius=0.5, active(r=0.9, V=0.4))
+    """
+    x, y = _point(centre, name, "centre")
+    return Thing(name, DISC, {"x": x, "y": y, "radius": radius}, law)
+
+
+def segment(name: str, start: Sequence[float], stop: Sequence[float], law: Reset) -> Thing:
+    """Return a straight wall between two points, hit from either side and at its ends, for :func:`grazing.table`.
+
+    Parameters
+    ----------
+    name : str
+        Stands in words, and in front of the parameters: ``name.x1``, ``name.y1``, ``name.x2``, ``name.y2``, and those
+        of the law.
+    start, stop : (x, y)
+    law : Reset
+        As in :func:`grazing.disc`; an active one makes a slingshot.
+
+    Returns
+    -------
+    Thing
+
+    Raises
+    ------
+    InputError
+        For a name that is none, two equal ends or no law.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.segment("left", (0, 0), (0, 10), gz.newton(0.9))
+    segment('left', x1=0, y1=0, x2=0, y2=10, newton(r=0.9))
+    """
+    return Thing(name, SEGMENT, _ends(name, start, stop), law)
+
+
+def arc(name: str, centre: Sequence[float], radius: float, start: float, stop: float, law: Reset) -> Thing:
+    """Return a circular arc, hit from either side and at its ends, for :func:`grazing.table`.
+
+    Parameters
+    ----------
+    name : str
+        Stands in words, and in front of the parameters: ``name.x``, ``name.y``, ``name.radius``, ``name.start``,
+        ``name.stop``, and those of the law.
+    centre : (x, y)
+    radius : float
+        > 0. From inside it is hit only if the ball's radius is smaller.
+    start, stop : float
+        Angles in radians, counterclockwise from start to stop, at most a full turn apart.
+    law : Reset
+        As in :func:`grazing.disc`.
+
+    Returns
+    -------
+    Thing
+
+    Raises
+    ------
+    InputError
+        For a name that is none, a value out of range or no law.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.arc("dome", (3, 7), 3.0, 0.0, 3.14, gz.newton(0.9))
+    arc('dome', x=3, y=7, radius=3, start=0, stop=3.14, newton(r=0.9))
+    """
+    x, y = _point(centre, name, "centre")
+    return Thing(name, ARC, {"x": x, "y": y, "radius": radius, "start": start, "stop": stop}, law)
+
+
+def drain(name: str, start: Sequence[float], stop: Sequence[float]) -> Thing:
+    """Return a line through which the ball escapes, a drain or any other exit, for :func:`grazing.table`.
+
+    The ball has left where its centre crosses the line, from either side.
+
+    Parameters
+    ----------
+    name : str
+        Stands in words, and in front of the parameters ``name.x1``, ``name.y1``, ``name.x2``, ``name.y2``.
+    start, stop : (x, y)
+
+    Returns
+    -------
+    Thing
+
+    Raises
+    ------
+    InputError
+        For a name that is none, or two equal ends.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.drain("out", (2, 0), (4, 0))
+    drain('out', x1=2, y1=0, x2=4, y2=0)
+    """
+    return Thing(name, DRAIN, _ends(name, start, stop))

@@ -1,0 +1,287 @@
+"""The pinball table: a ball on a tilted plane among discs, segments and arcs, and drains through which it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import atan2, cos, hypot, pi, sin
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grazing.billiard.flown import table_trajectory
+from grazing.billiard.laws import addresses
+from grazing.billiard.objects import ARC, DISC, DRAIN, SEGMENT, Thing
+from grazing.billiard.outline import Outline, outline_of
+from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
+from grazing.copies import ByValue
+from grazing.outcome import InputError, listed, shown
+from grazing.parameter import Parameter, checked_params, unknown, updated
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+RHO = Parameter("rho", r"\rho", "radius of the ball", 0.0)
+G = Parameter("g", "g", "acceleration of gravity", 0.0)
+TILT = Parameter("tilt", r"\theta", "angle by which the table is tilted, 0 for none", 0.0, 0.5 * pi)
+OWN = {one.name: one for one in (RHO, G, TILT)}
+COORDINATES = ("x", "y", "vx", "vy")
+#: What a ball does that leaves for good without meeting anything: no object can be called so.
+AWAY = "away"
+#: Objects that touch may overlap by so much of their size: rounding.
+SLACK = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Table(ByValue):
+    """A ball on a table; made by :func:`table`.
+
+    Parameters
+    ----------
+    objects : sequence of Thing
+        Of :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc` and :func:`grazing.drain`.
+    rho, g, tilt : float
+        See :func:`table`.
+    """
+
+    objects: Sequence[Thing]
+    rho: float
+    g: float
+    tilt: float
+    params: Mapping[str, float] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        objects = tuple(self.objects) if isinstance(self.objects, Sequence) else ()
+        if not objects or not all(isinstance(one, Thing) for one in objects):
+            raise InputError(
+                f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc and gz.drain"
+            )
+        names = [one.name for one in objects]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"two objects are called {name!r}; give each a name of its own")
+            if name in (*OWN, AWAY):
+                raise InputError(f"an object is called {name!r}, which means something else; give it another name")
+        object.__setattr__(self, "objects", objects)
+        for name, known in OWN.items():
+            object.__setattr__(self, name, known.check(getattr(self, name)))
+        params = {name: getattr(self, name) for name in OWN}
+        for one in objects:
+            params |= {f"{one.name}.{name}": value for name, value in one.params.items()}
+        _refuse_same_in_code(checked_params(params))
+        object.__setattr__(self, "params", MappingProxyType(params))
+        self._refuse_overlaps()
+
+    def __reduce__(self) -> Any:
+        return Table, (self.objects, self.rho, self.g, self.tilt)
+
+    def __repr__(self) -> str:
+        own = ", ".join(f"{name}={getattr(self, name):g}" for name in OWN)
+        return f"<Table {listed(self.names)}; {own}>"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the objects."""
+        return tuple(one.name for one in self.objects)
+
+    @property
+    def gravity(self) -> float:
+        """What pulls the ball down the table, along -y: g sin(tilt)."""
+        return self.g * sin(self.tilt)
+
+    def replace(self, **changes: float) -> Table:
+        """Return the table with other parameter values; names as in :attr:`params`.
+
+        Dots cannot stand in keywords: ``table.replace(**{"bumper1.V": 0.5})``.
+        """
+        new = updated(self.params, changes, "the table")
+        for name in changes:
+            new[name] = self.describe(name).check(new[name])
+        return self.at(new)
+
+    def at(self, params: Mapping[str, float]) -> Table:
+        """Return the table at values of all its parameters."""
+        objects = [one.replaced({name: params[f"{one.name}.{name}"] for name in one.params}) for one in self.objects]
+        return replace(self, objects=objects, rho=params["rho"], g=params["g"], tilt=params["tilt"])
+
+    def describe(self, name: str) -> Parameter:
+        """Return what is known of a parameter."""
+        if name in OWN:
+            return OWN[name]
+        front, _dot, last = name.partition(".")
+        for one in self.objects:
+            known = one.describe(last) if one.name == front else None
+            if known is not None:
+                return known
+        raise unknown(name, self.params, "the table")
+
+    def blocks(self, rows: Floats, arithmetic: str = "strict") -> Floats:
+        """Return the numbers that kernels get, one block in a row for each row of parameters.
+
+        ``rows`` (columns, parameters) are values in the order of :attr:`params`. A block points into itself: it must
+        live as long as it is used.
+        """
+        names, n = list(self.params), len(self.objects)
+        found = []
+        for row in rows:
+            values = dict(zip(names, row.tolist(), strict=True))
+            surfaces = surfaces_of(self.objects, values["rho"], values)
+            block = block_of(self.objects, surfaces, values["g"] * sin(values["tilt"]))
+            found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
+        first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
+        laws = np.array([addresses(one.law, arithmetic) for one in self.objects])
+        blocks = padded(found)
+        for block, own in zip(blocks, found, strict=True):
+            objects = block[HEAD : HEAD + THING * n].reshape(n, THING)
+            objects[:, LAW], objects[:, SLOPE] = laws.T
+            objects[:, ROW] = block.ctypes.data + block.itemsize * (len(own) - 1 - len(names) + first)
+        return blocks
+
+    def row(self) -> Floats:
+        """Return the values of all parameters."""
+        return np.array([list(self.params.values())])
+
+    def trajectory(self, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
+        """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
+        return table_trajectory(self, state, start, until, samples)
+
+    def outlines(self) -> tuple[Outline, ...]:
+        """Return the objects as figures show them."""
+        return tuple(map(outline_of, self.objects))
+
+    def distances(self, x: float, y: float) -> dict[str, float]:
+        """Return how far the ball's centre is from each object; negative inside a disc."""
+        return {one.name: distance(one, x, y) for one in self.objects}
+
+    def overlap(self, x: float, y: float) -> tuple[float, str]:
+        """Return by how much a ball at a place overlaps an object, and which: 0 for none beyond rounding."""
+        found = 0.0, ""
+        for one in self.objects:
+            room, size = distance(one, x, y) - self.rho, max(map(abs, one.shape.values()))
+            if one.kind != DRAIN and room < -SLACK * (size + self.rho + abs(x) + abs(y)):
+                found = max(found, (-room, one.name))
+        return found
+
+    def refuse_inside(self, x: float, y: float) -> None:
+        """Raise InputError for a ball that overlaps an object."""
+        deep, name = self.overlap(x, y)
+        if deep > 0.0:
+            raise InputError(
+                f"a ball of radius {self.rho:g} at ({x:g}, {y:g}) overlaps {name} by {deep:g}; start where it is free"
+            )
+
+    def _refuse_overlaps(self) -> None:
+        discs = [one for one in self.objects if one.kind == DISC]
+        others = [one for one in self.objects if one.kind in (SEGMENT, ARC)]
+        for i, one in enumerate(discs):
+            x, y, radius = one.shape.values()
+            for other in [*discs[:i], *others]:
+                room = distance(other, x, y) - radius
+                if room < -SLACK * (radius + abs(x) + abs(y)):
+                    raise InputError(
+                        f"{other.name} and {one.name} overlap by {-room:g}; objects may touch: move one, or make it "
+                        "smaller"
+                    )
+        lines = [one for one in others if one.kind == SEGMENT]
+        for i, one in enumerate(lines):
+            for other in lines[:i]:
+                if crosses(one, other):
+                    raise InputError(f"{other.name} and {one.name} cross; let one end at the other")
+
+
+def distance(one: Thing, x: float, y: float) -> float:
+    """Return how far a point is from an object, negative inside a disc."""
+    shape = one.shape
+    if one.kind == DISC:
+        return hypot(x - shape["x"], y - shape["y"]) - shape["radius"]
+    if one.kind == ARC:
+        dx, dy, radius = x - shape["x"], y - shape["y"], shape["radius"]
+        if (atan2(dy, dx) - shape["start"]) % (2.0 * pi) <= shape["stop"] - shape["start"]:
+            return abs(hypot(dx, dy) - radius)
+        return min(hypot(dx - radius * cos(a), dy - radius * sin(a)) for a in (shape["start"], shape["stop"]))
+    dx, dy = shape["x2"] - shape["x1"], shape["y2"] - shape["y1"]
+    along = ((x - shape["x1"]) * dx + (y - shape["y1"]) * dy) / (dx * dx + dy * dy)
+    along = min(max(along, 0.0), 1.0)
+    return hypot(x - shape["x1"] - along * dx, y - shape["y1"] - along * dy)
+
+
+def crosses(one: Thing, other: Thing) -> bool:
+    """Say whether two segments cross between their ends."""
+
+    def sides(a: Thing, b: Thing) -> float:
+        p, q = a.shape, b.shape
+        dx, dy = p["x2"] - p["x1"], p["y2"] - p["y1"]
+        size = hypot(dx, dy) * (
+            hypot(q["x1"] - p["x1"], q["y1"] - p["y1"]) + hypot(q["x2"] - p["x1"], q["y2"] - p["y1"])
+        )
+        found = [dx * (q[f"y{i}"] - p["y1"]) - dy * (q[f"x{i}"] - p["x1"]) for i in (1, 2)]
+        return 1.0 if min(map(abs, found)) <= SLACK * size else found[0] * found[1]
+
+    return sides(one, other) < 0.0 and sides(other, one) < 0.0
+
+
+def padded(blocks: Sequence[Floats]) -> Floats:
+    """Return blocks as rows of one array: a table may have fewer surfaces at some parameters."""
+    found = np.zeros((len(blocks), max(map(len, blocks), default=0)))
+    for row, block in zip(found, blocks, strict=True):
+        row[: len(block)] = block
+    return found
+
+
+def _refuse_same_in_code(params: Mapping[str, float]) -> None:
+    seen: dict[str, str] = {}
+    for name in params:
+        code = name.replace(".", "_")
+        if code in seen:
+            raise InputError(
+                f"the parameters {seen[code]!r} and {name!r} are the same in code, {code}; rename an object"
+            )
+        seen[code] = name
+
+
+def table(objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: float = 0.0) -> Table:
+    """Return a pinball table: a ball on a plane, and what it hits.
+
+    The ball flies freely, in a straight line on a level table and in a parabola, x'' = 0, y'' = -g sin(tilt), on one
+    that is tilted. Where it touches an object, the law of that acts on its velocity along the normal; the rest of it
+    stays as it is. There is no friction and no drag, and the ball does not spin.
+
+    Parameters
+    ----------
+    objects : sequence of Thing
+        What stands on it: :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc`, and the lines through
+        which the ball leaves, :func:`grazing.drain`. Of two that are hit at once the first one in the list acts first.
+    rho : float
+        Radius of the ball, >= 0. A ball without a radius never meets the ends of segments and arcs.
+    g : float
+        Acceleration of gravity, >= 0.
+    tilt : float
+        Angle of the table in radians, from 0 to pi/2.
+
+    Returns
+    -------
+    Table
+        Frozen; ``params`` are ``rho``, ``g``, ``tilt`` and those of the objects, as ``bumper1.V``; ``replace`` changes
+        them.
+
+    Raises
+    ------
+    InputError
+        For no objects, names that collide, a value out of range, a disc that overlaps something, or segments that
+        cross.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> bumper = gz.disc("bumper", (3, 5), 0.5, gz.active(r=0.9, V=0.4))
+    >>> ends = {"left": [(0, 0), (0, 9)], "right": [(6, 0), (6, 9)]}
+    >>> walls = [gz.segment(name, *points, gz.newton(0.9)) for name, points in ends.items()]
+    >>> T = gz.table([bumper, *walls, gz.drain("out", (0, 0), (6, 0))], rho=0.1, tilt=0.1)
+    >>> flown = gz.trajectory(T, (3.2, 8.0, 0.0, 0.0), until=60.0)
+    >>> flown.impact_wall.values.tolist(), flown.outcome
+    (['bumper', 'right'], 'escaped')
+    """
+    return Table(objects, rho, g, tilt)

@@ -1,0 +1,97 @@
+"""A pinball table to scale, and the way of a ball on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
+
+from grazing.outcome import InputError
+from grazing.plot.drawn import inline
+from grazing.plot.expected import expect
+from grazing.plot.style import GRAZE, INK, SINGLE, WALL, axes, plain, root, styled
+
+#: Height of a figure at most, as a share of its width, and the room around the objects as a share of their extent.
+TALL, ROOM = 1.6, 0.04
+WAY = "#0064a4"
+
+
+@inline
+def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool = True) -> dict[str, Any]:
+    """Draw a pinball table to scale, with the way of a ball where one is given.
+
+    Parameters
+    ----------
+    table : Table
+        From :func:`grazing.table`. Objects that kick are red, drains are dashed.
+    flown : xarray.Dataset, optional
+        Of :func:`grazing.trajectory` on this table: the way of the ball's centre, and the ball, to scale, where it
+        begins and ends.
+    ax : matplotlib Axes, optional
+        Default: a new figure one column wide. Its aspect becomes equal.
+    names : bool
+        Whether the objects' names stand beside them.
+
+    Returns
+    -------
+    dict
+        ``objects``, artists by the objects' names, ``way``, ``ball``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For anything but a table, or a trajectory that is none of a table.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> bumper = gz.disc("bumper", (1, 2), 0.5, gz.active(r=0.9, V=0.4))
+    >>> T = gz.table([bumper, gz.drain("out", (-1, 0), (3, 0))], rho=0.1, tilt=0.3)
+    >>> gz.plot.table(T, gz.trajectory(T, (1.1, 4.0, 0.0, 0.0), until=9.0))
+    <Drawn: figure, objects, way, ball>
+    """
+    if not hasattr(table, "outlines"):
+        raise InputError(f"plot.table cannot draw a {type(table).__name__}; allowed is what gz.table([...]) returns")
+    if flown is not None:
+        expect(flown, "trajectory", {"x": ("t",), "y": ("t",), "vx": ("t",), "vy": ("t",)})
+    lines = table.outlines()
+    x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
+    if flown is not None:
+        inside = flown.y.values >= y.min() - 0.5 * np.ptp(y)  # a ball may fall or fly on for ever
+        inside &= (np.abs(flown.x.values - x.mean()) <= np.ptp(x)) & (flown.y.values <= y.max() + 0.5 * np.ptp(y))
+        x, y = np.append(x, flown.x.values[inside]), np.append(y, flown.y.values[inside])
+    wide, high = max(np.ptp(x), 1e-3 * np.ptp(y)), max(np.ptp(y), 1e-3 * np.ptp(x))
+    edge = ROOM * max(wide, high) + table.rho
+    with styled():
+        ax = axes(ax, SINGLE, SINGLE * min(max(high / wide, 0.4), TALL))
+        found, way = {}, None
+        ball: list[Artist] = []
+        for line in lines:
+            colour = GRAZE if line.kicks else INK
+            (drawn,) = ax.plot(*line.points.T, color=colour, lw=1.2, ls=(0, (3, 2)) if line.opens else "-", zorder=3)
+            if line.closed:
+                ax.fill(*line.points.T, color=colour if line.kicks else WALL, alpha=0.35 if line.kicks else 1.0, lw=0)
+            found[line.name] = drawn
+            if names:
+                behind = None if line.closed else {"fc": "white", "ec": "none", "pad": 0.6}
+                x0, y0 = line.label
+                ax.text(x0, y0, plain(line.name), ha="center", va="center", size=6, color=colour, bbox=behind, zorder=5)
+        if flown is not None:
+            (way,) = ax.plot(flown.x.values, flown.y.values, color=WAY, lw=0.7, zorder=4)
+            hits = flown["before"].values
+            ax.plot(hits[:, 0], hits[:, 1], ".", color=WAY, ms=2.5, zorder=4)
+            for i, face in ((0, "white"), (-1, WAY)):
+                centre = float(flown.x[i]), float(flown.y[i])
+                if table.rho > 0.0:
+                    ball.append(ax.add_patch(Circle(centre, table.rho, fc=face, ec=WAY, lw=0.8, zorder=6)))
+                else:
+                    ball += ax.plot(*centre, "o", mfc=face, mec=WAY, ms=3.0, mew=0.8, zorder=6)
+        ax.set_aspect("equal")
+        ax.set_xlim(x.min() - edge, x.max() + edge)
+        ax.set_ylim(y.min() - edge, y.max() + edge)
+        ax.set_xlabel("$x$")
+        ax.set_ylabel("$y$")
+    return {"figure": root(ax), "objects": found, "way": way, "ball": ball}

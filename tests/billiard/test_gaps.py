@@ -1,0 +1,64 @@
+"""Bounds of gaps along a flight, and their roots."""
+
+import numpy as np
+import pytest
+
+from grazing.billiard.gaps import crossing, face_crossing, highest, landing, lowest, safe_step
+from grazing.outcome import AMBIGUOUS, GRAZE
+
+
+def test_bounds_are_bounds():
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        c3, a4, w = random.normal(), abs(random.normal()) * random.integers(0, 2), random.exponential()
+        s = np.linspace(0.0, w, 400)
+        values = (c3 + a4 * s) * s
+        assert lowest(c3, a4, w) <= values.min() + 1e-15 and highest(c3, a4, w) >= values.max() - 1e-15
+        assert (
+            lowest(c3, a4, w) >= values.min() - 1e-3 * (abs(c3) + a4 + 1) * w
+            and highest(c3, a4, w) <= values.max() + 1e-12
+        )
+        h, dh, k = random.exponential(), random.normal(), random.normal()
+        step = safe_step(h, dh, k)
+        below = np.roots([k, dh, h])
+        roots = sorted(r.real for r in below if abs(r.imag) < 1e-12 and r.real > 0.0)
+        assert step == pytest.approx(roots[0]) if roots else step == float("inf")
+    assert landing(1.0, -1.0, 0.0, 0.0, 0.0, 2.0) == 1.0
+
+
+def test_a_crossing_is_the_first_root_of_the_quartic_from_either_side():
+    """Against roots of numpy, circles met from outside and from inside, with and without gravity."""
+    random, met = np.random.default_rng(1), 0
+    for _ in range(300):
+        dx, dy, vx, vy = random.normal(size=4)
+        g, size = random.choice([0.0, 1.0]), random.uniform(0.3, 1.5)
+        h = [
+            g * g / 4.0,
+            -vy * g,
+            vx * vx + vy * vy - g * dy,
+            2.0 * (dx * vx + dy * vy),
+            dx * dx + dy * dy - size * size,
+        ]
+        sign = 1.0 if h[-1] > 0.0 else -1.0
+        roots = np.roots(np.trim_zeros(h, "f"))
+        down = sorted(z.real for z in roots if abs(z.imag) < 1e-9 and z.real > 0.0
+                      and sign * np.polyval(np.polyder(h), z.real) < 0.0)  # fmt: skip
+        t, late, flags = crossing(dx, dy, vx, vy, g, size, sign, 0.0, False, 50.0)
+        expected = down[0] if down and down[0] < 50.0 else float("inf")
+        assert flags == 0 and t == pytest.approx(expected, rel=1e-9) and 0.0 <= late < 1e-11
+        met += t < 50.0
+    assert met > 100
+
+
+def test_a_face_is_crossed_where_the_quadratic_falls_through_zero():
+    random = np.random.default_rng(2)
+    for _ in range(300):
+        h, dh, k = random.normal(size=3)
+        down = [
+            z.real for z in np.roots([k, dh, h]) if abs(z.imag) < 1e-12 and z.real > 0.0 and 2 * k * z.real + dh < 0
+        ]
+        t, late, flags = face_crossing(h, dh, k, 1e-16, 1e-16, False)
+        assert flags == 0 and t == pytest.approx(down[0] if down else float("inf"), rel=1e-12)
+        assert t == float("inf") or 0.0 < late < 1e-10
+    assert face_crossing(1.0, -2.0, 1.0, 1e-16, 1e-16, False)[2] == GRAZE | AMBIGUOUS
+    assert face_crossing(0.0, 2.0, -1.0, 1e-16, 1e-16, True)[0] == 2.0

@@ -1,0 +1,108 @@
+"""Tables: parameters, what is refused, distances."""
+
+import pickle
+from math import pi, sin
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.billiard.table import crosses, distance
+from tests.billiard.tables import ELASTIC, box, mixed
+
+
+def test_every_number_is_a_named_parameter():
+    table = mixed(0.25)
+    assert table.params["rho"] == 0.25 and table.params["bumper.V"] == 0.6 and table.params["slope.x2"] == 5.4
+    other = table.replace(**{"bumper.V": 0.1, "post.x": 1.6, "dome.stop": 2.0, "tilt": 0.1, "slope.r": 0.5})
+    assert [name for name in table.params if table.params[name] != other.params[name]] == [
+        "tilt", "post.x", "bumper.V", "dome.stop", "slope.r",
+    ]  # fmt: skip
+    assert other.gravity == sin(0.1) and other.replace(**table.params) == table
+    assert pickle.loads(pickle.dumps(table)) == table and hash(table) == hash(mixed(0.25))
+    with pytest.raises(AttributeError):
+        table.rho = 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"bumper.V": -1.0}, r"bumper.V = -1; allowed is bumper.V >= 0"),
+        ({"bumper.r": 1.1}, "0 <= bumper.r <= 1"),
+        ({"bumper.v": 1.0}, "unknown parameter 'bumper.v' of the table"),
+        ({"tilt": 2.0}, r"tilt = 2; allowed is 0 <= tilt <= 1.5708"),
+        ({"g": -1.0}, "g = -1; allowed is g >= 0"),
+        ({"rho": float("inf")}, "rho = inf is not finite"),
+        ({"post.x": 4.0}, "post and bumper overlap by 0.27"),
+        ({"post.radius": 2.0}, "overlap"),
+    ],
+)
+def test_wrong_values_are_refused(changes, said):
+    with pytest.raises(gz.InputError, match=said):
+        mixed(0.25).replace(**changes)
+
+
+@pytest.mark.parametrize(
+    ("objects", "said"),
+    [
+        ([], "give a list of gz.disc"),
+        (gz.disc("A", (0, 0), 1.0, ELASTIC), "give a list"),
+        ([gz.newton(1.0)], "give a list"),
+        ([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.disc("A", (3, 0), 1.0, ELASTIC)], "two objects are called 'A'"),
+        ([gz.disc("tilt", (0, 0), 1.0, ELASTIC)], "called 'tilt', which means something else"),
+        ([gz.drain("away", (0, 0), (1, 0))], "called 'away'"),
+        ([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.disc("B", (1.5, 0), 1.0, ELASTIC)], "A and B overlap by 0.5"),
+        ([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.segment("B", (-2, 0.5), (2, 0.5), ELASTIC)], "B and A overlap by 0.5"),
+        ([gz.segment("A", (-1, 0), (1, 0), ELASTIC), gz.segment("B", (0, -1), (0, 1), ELASTIC)], "A and B cross"),
+        (
+            [
+                gz.disc("a", (0, 0), 1.0, gz.reset(lambda v, p: -p.b_x * v, b_x=0.5)),
+                gz.disc("a_b", (9, 0), 1.0, ELASTIC),
+            ],
+            "'a.b_x' and 'a_b.x' are the same in code",
+        ),
+    ],
+)
+def test_wrong_tables_are_refused(objects, said):
+    with pytest.raises(gz.InputError, match=said):
+        gz.table(objects)
+
+
+def test_objects_may_touch():
+    disc, post = gz.disc("A", (0, 0), 1.0, ELASTIC), gz.disc("B", (2, 0), 1.0, ELASTIC)
+    wall, other = gz.segment("C", (-3, 1), (3, 1), ELASTIC), gz.segment("D", (0, 1), (0, 4), ELASTIC)
+    assert gz.table([disc, post, wall, other]).names == ("A", "B", "C", "D")
+    assert gz.table(box()).names == ("floor", "right", "ceiling", "left") and not crosses(wall, other)
+
+
+def test_distances_are_those_to_the_nearest_of_many_points():
+    random = np.random.default_rng(0)
+    arc = gz.arc("A", (0.3, -0.2), 1.3, -2.0, 1.1, ELASTIC)
+    segment, disc = gz.segment("B", (0.1, 0.2), (1.4, -0.7), ELASTIC), gz.disc("C", (0.5, 0.5), 0.4, ELASTIC)
+    angles, along = np.linspace(-2.0, 1.1, 20_001), np.linspace(0.0, 1.0, 20_001)
+    on_arc = 0.3 + 1.3 * np.cos(angles), -0.2 + 1.3 * np.sin(angles)
+    on_segment = 0.1 + 1.3 * along, 0.2 - 0.9 * along
+    for x, y in random.uniform(-3.0, 3.0, (50, 2)):
+        for one, (a, b) in ((arc, on_arc), (segment, on_segment)):
+            assert distance(one, x, y) == pytest.approx(np.hypot(x - a, y - b).min(), abs=1e-6)
+        assert distance(disc, x, y) == pytest.approx(np.hypot(x - 0.5, y - 0.5) - 0.4)
+
+
+def test_a_table_is_the_same_in_any_unit():
+    """Lengths times a, times times b: every impact is where it was, in the new units."""
+
+    def made(a, b):
+        kick = gz.active(r=0.8, V=0.6 * a / b)
+        inside = [
+            gz.disc("bumper", (4.4 * a, 2.4 * a), 0.6 * a, kick),
+            gz.disc("post", (1.5 * a, 4.0 * a), 0.4 * a, ELASTIC),
+        ]
+        return gz.table([*box(6.0 * a, 10.0 * a), *inside], rho=0.2 * a, g=a / b**2, tilt=pi / 2)
+
+    plain = gz.trajectory(made(1.0, 1.0), (0.7, 1.0, 1.1, 2.9), until=12.0)
+    for a, b in ((1e-3, 1e-2), (2.0**20, 2.0**-10), (1e6, 1.0)):
+        scaled = gz.trajectory(made(a, b), (0.7 * a, 1.0 * a, 1.1 * a / b, 2.9 * a / b), until=12.0 * b)
+        assert scaled.impact_wall.values.tolist() == plain.impact_wall.values.tolist()
+        np.testing.assert_allclose(scaled.impact_time / b, plain.impact_time, rtol=1e-9)
+        assert scaled.trust == "certified"
+    assert plain.sizes["impact"] > 8

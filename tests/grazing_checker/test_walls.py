@@ -1,0 +1,215 @@
+"""Walls as the checker reads them: what each sees, what is symmetric, what is refused; old certificates stay right."""
+
+import json
+from copy import deepcopy
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+
+import grazing as gz
+from grazing.proof.certify import certify
+from grazing_checker import Rejected, check
+from grazing_checker.balls import double, number, precision
+from grazing_checker.flight import Checked
+from grazing_checker.flight import Path as Flight
+from grazing_checker.oscillator import Problem
+from grazing_checker.walls import Wall, frame, mirrored, read
+from tests.examples import examples
+from tests.grazing_checker.documents import changed, claiming, documents, impact_pair
+
+OLD = sorted((Path(__file__).parent / "version2").glob("*.json"))
+NUMBERS = st.floats(-3.0, 3.0)
+WAVES = st.lists(st.tuples(NUMBERS, NUMBERS), max_size=3)
+
+
+@pytest.mark.parametrize("file", OLD, ids=lambda file: file.stem)
+def test_certificates_that_were_made_before_there_were_walls_are_verified(file):
+    """They were written by grazing 0.2.0 as it was then, and are never made anew."""
+    assert check(file) == json.loads(file.read_text())["statement"]
+    assert len(OLD) == 3
+
+
+def names(pairs):
+    return {
+        f"{kind}{j}": double(x)
+        for j, pair in enumerate(pairs, start=1)
+        for kind, x in zip(("cos", "sin"), pair, strict=True)
+    }
+
+
+@settings(deadline=None, max_examples=examples(60))
+@given(
+    st.sampled_from([1, -1]), st.tuples(*[NUMBERS] * 4), st.floats(0.1, 3.0), WAVES.filter(len), WAVES, NUMBERS,
+    NUMBERS,
+)  # fmt: skip
+def test_a_wall_sees_the_force_less_its_own_inertia(sign, scalars, omega, force, motion, sigma, t):
+    alpha, stiffness, t0, offset = scalars
+    p = {"alpha": alpha, "stiffness": stiffness, "omega": omega, "t0": t0, "offset": offset}
+    wall = Wall("A", sign, "A", "law of A", "v", 1)
+    with precision(200), mp.workdps(50):
+        p_balls = {name: double(x) for name, x in p.items()} | names(force)
+        seen = frame(wall, p_balls, {"sigma": double(sigma)} | names(motion), {})
+
+        def series(pairs, s):
+            phase = [j * mpf(omega) * (s + mpf(t0)) for j in range(1, len(pairs) + 1)]
+            return mp.fsum(mpf(c) * mp.cos(a) + mpf(d) * mp.sin(a) for (c, d), a in zip(pairs, phase, strict=True))
+
+        def z(s):
+            return mpf(sigma) + series(motion, s)
+
+        at = mpf(t)
+        lift = mp.diff(z, at, 2) + mpf(alpha) * mp.diff(z, at) + mpf(stiffness) * z(at)
+        expected = sign * (mpf(offset) + series(force, at) - lift)
+        assert abs(mpf(str(float(seen.motion.force(double(t)).mid()))) - expected) < 1e-9 * (1 + abs(expected))
+        place, rate = seen.at(double(t))
+        assert abs(float(place.mid()) - z(at)) < 1e-9 and abs(float(rate.mid()) - mp.diff(z, at)) < 1e-8
+
+
+@pytest.mark.parametrize("name", ["pair", "rattle", "aloft", "inverted"])
+def test_a_flight_is_the_same_for_both_walls(name):
+    problem = Problem(documents()[name]["data"])
+    with precision(256):
+        one, two = problem.frames([number(0)] * problem.size)
+        t, L, start = number(3, -2), number(5, -2), (number(1, -2), number(3, -3))
+        first = Flight(Checked(one.motion), t, *start, L)
+        second = Flight(Checked(two.motion), t, *one.seen_by(two, t, *start), L)
+        ended = one.seen_by(two, t + L, first.y, first.v)
+        for a, b in zip(ended, (second.y, second.v), strict=True):
+            assert a.overlaps(b) and a.rad() < 1e-60 and b.rad() < 1e-60
+        back = two.seen_by(one, t, *one.seen_by(two, t, *start))
+        assert all(a.overlaps(b) for a, b in zip(back, start, strict=True))
+
+
+def shaken(**changes):
+    law = {"parameters": {"r": (0.5).hex()}, "after": ["*", ["-", "r"], "v"]}
+    data = {
+        "model": {"k": 2.0, "offset": 1.0, "cos": [1.0, 0.0, 0.5], "sin": [0.0, -0.0, 0.0]},
+        "walls": [
+            {"sigma": -1.0, "cos": [0.5, 0.25], "sin": [0.0, 0.0], "law": law},
+            {"sigma": 1.5, "cos": [0.5, -0.25, 0.0], "sin": [0.0, 0.0, 0.0], "law": deepcopy(law)},
+        ],
+    }
+    for path, value in changes.items():
+        *way, last = (int(key) if key.isdigit() else key for key in path.split("__"))
+        place = data
+        for key in way:
+            place = place[key]
+        place[last] = value
+    return texts(data)
+
+
+def texts(value):
+    if isinstance(value, dict):
+        return {key: texts(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [texts(one) for one in value]
+    return value.hex() if isinstance(value, float) else value
+
+
+@pytest.mark.parametrize(
+    ("changes", "symmetric"),
+    [
+        ({}, True), ({"model__offset": 1.0 + 2.0**-52}, False), ({"model__k": 1.0}, False),
+        ({"walls__1__sigma": 1.25}, False),
+        ({"model__cos": [1.0, 2.0**-80, 0.5]}, False), ({"model__cos": [3.0, 0.0, 0.1]}, True),
+        ({"walls__1__cos": [0.5, 0.25]}, False), ({"walls__1__cos": [-0.5, -0.25]}, False),
+        ({"walls__1__cos": [0.5, -0.25, 1e-300], "walls__1__sin": [0.0, 0.0, 0.0]}, False),
+        ({"walls__1__law__parameters": {"r": 0.25}}, False),
+        ({"walls__0__sin": [0.5, 0.0], "walls__1__sin": [0.5, 0.0, 0.0]}, True),
+        ({"walls__0__sin": [0.0, 0.5], "walls__1__sin": [0.0, 0.5, 0.0]}, False),
+    ],
+)  # fmt: skip
+def test_a_model_is_its_own_mirror_image_exactly_or_not(changes, symmetric):
+    assert mirrored(shaken(**changes)) == symmetric
+
+
+def refused(document, said):
+    with pytest.raises(Rejected, match=said):
+        check(claiming(document))
+
+
+def with_walls(name, new):
+    return changed(documents()[name], ("data", "walls"), new)
+
+
+def test_walls_that_are_none_are_refused():
+    for name, said in (
+        ("C", "a name that is none"),
+        ("S", "none"),
+        ("AB", "none"),
+        ("a", "none"),
+        ('A" is stable', "none"),
+    ):
+        refused(changed(documents()["pair"], ("data", "walls", 0, "name"), lambda _old, name=name: name), said)
+    refused(changed(documents()["pair"], ("data", "walls", 1, "name"), lambda _old: "A"), "two walls have one name")
+    refused(with_walls("pair", lambda walls: walls[::-1]), "not the lower one and the upper one")
+    refused(with_walls("pair", lambda walls: [*walls, {**walls[1], "name": "D"}]), "neither one nor two walls")
+    refused(with_walls("pair", lambda walls: walls[:1]), "at a wall that does not exist")
+    for i, side in ((0, "above"), (1, "below")):
+        refused(
+            changed(documents()["pair"], ("data", "walls", i, "side"), lambda _old, side=side: side),
+            "not the lower one",
+        )
+    refused(changed(documents()["table"], ("data", "walls", 0, "side"), lambda _old: "above"), "existence")
+
+
+def test_another_wall_or_another_law_is_another_orbit():
+    def exchanged(*names):
+        def new(walls):
+            one, two = deepcopy(walls)
+            for name in names:
+                one[name], two[name] = two[name], one[name]
+            return [one, two]
+
+        return new
+
+    refused(with_walls("rattle", exchanged("law")), "existence")
+    refused(with_walls("rattle", exchanged("sigma")), "existence")
+    refused(with_walls("aloft", exchanged("cos", "sin")), "does not hold|is claimed")
+    moved = changed(
+        documents()["rattle"], ("data", "walls", 1, "sigma"), lambda text: (float.fromhex(text) + 2.0**-40).hex()
+    )
+    refused(moved, "existence")
+    shaken = with_walls(
+        "rattle", lambda walls: [walls[0], {**walls[1], "cos": [(2.0**-40).hex()], "sin": [(0.0).hex()]}]
+    )
+    refused(shaken, "existence")
+    hits = documents()["rattle"]["data"]["impacts"]
+    for other in (hits[::-1], hits[1:] + hits[:1], [{"A": "B", "B": "A"}[hit] for hit in hits]):
+        if other != hits:
+            refused(changed(documents()["rattle"], ("data", "impacts"), lambda _old, other=other: other), "existence")
+
+
+def test_a_wall_that_no_flight_comes_near_may_stand_elsewhere_and_the_sentence_says_where():
+    """It is another theorem, and true: the wall is moved by less than the clearance, or by more."""
+    clearance = float(next(row["left"] for row in documents()["aloft"]["inequalities"] if "wall L" in row["name"]))
+    for by in (0.9 * clearance, -2.5 * clearance):
+        moved = changed(
+            documents()["aloft"], ("data", "walls", 1, "sigma"), lambda text, by=by: (float.fromhex(text) + by).hex()
+        )
+        if by > 0:
+            sigma = float.fromhex(moved["data"]["walls"][1]["sigma"])
+            assert f"with L.sigma = {sigma!r}" in check(claiming(moved))
+        else:
+            refused(moved, "distance of the orbit from wall L is not proven")
+
+
+def test_a_mirror_image_is_claimed_of_nothing_else():
+    claims = ("data", "claims", "symmetric")
+    for name, said in (("rattle", "no such orbit"), ("inverted", "no such orbit"), ("aloft", "the model is not")):
+        refused(changed(documents()[name], claims, lambda _old: True), said)
+    orbits = gz.periodic_orbits(gz.stroboscopic_map(impact_pair(0.5, 2.55)), word="(BA)", starts=60)
+    broken = certify(next(one for one in orbits if one.stable)).document  # a symmetric model, and one of two images
+    assert not broken["data"]["claims"]["symmetric"]
+    refused(changed(broken, claims, lambda _old: True), "mirror image is not proven to be the orbit itself")
+    slanted = changed(documents()["pair"], ("data", "walls", 1, "law", "parameters", "r"), lambda _old: (0.25).hex())
+    refused(slanted, "existence|mirror")
+
+
+def test_parameters_are_texts_in_groups_that_do_not_meet():
+    walls, groups, hits = read(documents()["rattle"]["data"])
+    assert [wall.name for wall in walls] == ["A", "B"] and sorted(groups) == ["A", "B", "law of A", "law of B", "model"]
+    assert [walls[hit].name for hit in hits] == documents()["rattle"]["data"]["impacts"]

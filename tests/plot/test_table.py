@@ -1,0 +1,47 @@
+"""Figures of tables: to scale, every object, the way of a ball."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from tests.billiard.tables import mixed, three_discs
+from tests.maps.test_collisions import pinball
+
+
+def test_a_table_is_drawn_to_scale_with_every_object():
+    table = mixed(0.2)
+    drawn = gz.plot.table(table)
+    ax = drawn["figure"].axes[0]
+    assert list(drawn["objects"]) == list(table.names) and ax.get_aspect() == 1.0
+    x, y = drawn["objects"]["bumper"].get_data()
+    np.testing.assert_allclose(np.hypot(x - 4.4, y - 2.4), 0.6)
+    assert drawn["objects"]["bumper"].get_color() != drawn["objects"]["post"].get_color()
+    assert {text.get_text() for text in ax.texts} == {*table.names}
+    assert not gz.plot.table(table, names=False)["figure"].axes[0].texts
+    low, high = ax.get_xlim()
+    assert low < 0.0 and high > 6.0
+
+
+def test_the_way_of_a_ball_is_that_of_the_trajectory():
+    table = pinball()
+    flown = gz.trajectory(table, (2.2, 9.0, 0.3, 0.0), until=60.0)
+    drawn = gz.plot.table(table, flown)
+    x, y = drawn["way"].get_data()
+    assert x.tolist() == flown.x.values.tolist() and y.tolist() == flown.y.values.tolist()
+    first, last = drawn["ball"]
+    assert first.center == (2.2, 9.0) and first.radius == table.rho == last.radius
+    assert last.center == (float(flown.x[-1]), float(flown.y[-1]))
+    assert drawn["objects"]["left_drain"].get_linestyle() == "--"
+
+
+def test_a_ball_that_flies_away_does_not_shrink_the_table():
+    table = three_discs(6.0)
+    drawn = gz.plot.table(table, gz.trajectory(table, (3.0, 1.0, 0.0, -1.0), until=900.0))
+    assert drawn["figure"].axes[0].get_ylim()[0] > -20.0
+
+
+def test_other_things_are_refused():
+    with pytest.raises(gz.InputError, match=r"plot\.table cannot draw a Oscillator"):
+        gz.plot.table(gz.pinball())
+    with pytest.raises(gz.InputError, match=r"plot\.trajectory"):
+        gz.plot.table(three_discs(6.0), gz.trajectory(gz.pinball(), (0.1, 0.0)))

@@ -1,0 +1,90 @@
+"""One name for a number of several walls: r, where each has its own A.r and B.r."""
+
+import json
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.config import checked, command_of, plan_of, recipe_of, result_of
+from grazing.parameter import named_by, spread, value_of
+
+LAW = gz.newton(0.6)
+
+
+def rattle(**more):
+    walls = (gz.wall(-1.0, LAW), gz.wall(1.0, more.pop("upper", LAW)))
+    force = gz.Forcing(omega=1, cos=(), sin=(0.9,))
+    return gz.Oscillator(alpha=0.1, k=0, forcing=force, walls=walls).replace(**more)
+
+
+def test_a_name_stands_for_what_walls_share_and_never_for_their_places():
+    names = [*rattle(upper=gz.active(0.6, 0.1)).params]
+    assert named_by("r", names) == ["A.r", "B.r"] and named_by("V", names) == ["B.V"]
+    assert named_by("alpha", names) == ["alpha"] and named_by("A.r", names) == ["A.r"]
+    for none in ("sigma", "cos2", "q", "C.r", "", None, 3):
+        assert named_by(none, names) == []
+    assert spread({"r": 0.5, "k": 1.0}, names, "it") == {"A.r": 0.5, "B.r": 0.5, "k": 1.0}
+    for twice in ({"r": 0.5, "A.r": 0.6}, {"A.r": 0.6, "r": 0.5}):
+        with pytest.raises(gz.InputError, match=r"r stands for A\.r, too, which is given beside it"):
+            spread(twice, names, "it")
+
+
+def test_models_and_maps_take_one_value_for_all_walls():
+    one = rattle(r=0.7)
+    assert dict(one.params) == dict(rattle(**{"A.r": 0.7, "B.r": 0.7}).params)
+    P = gz.stroboscopic_map(rattle()).replace(r=0.7)
+    assert dict(P.params) == dict(gz.stroboscopic_map(one).params)
+    with pytest.raises(gz.InputError, match=r"A\.r = 1\.5; allowed is 0 <= A\.r <= 1"):
+        rattle(r=1.5)
+    with pytest.raises(gz.InputError, match=r"unknown parameter 'sigma' of the model\. Did you mean 'B\.sigma'"):
+        rattle(sigma=0.0)
+
+
+def test_a_study_of_both_is_at_each_value_the_study_there():
+    P, values = gz.stroboscopic_map(rattle()), [0.5, 0.6, 0.75]
+    starts = [[0.1, 0.2], [-0.3, 0.4]]
+    found = gz.orbit_diagram(P, "r", values, starts=starts, arithmetic="strict")
+    for value in values:
+        alone = gz.orbit_diagram(P.replace(r=value), "sin1", [0.9], starts=starts, arithmetic="strict")
+        np.testing.assert_array_equal(found.u.sel(r=value).values, alone.u.values[0])
+    assert "A.r" not in json.loads(found.attrs["grazing_config"])["params"]
+    chart = gz.chart(P, {"r": values, "sin1": [0.8, 0.9]}, starts=2)
+    assert chart.period.dims[:2] == ("r", "sin1")
+    with pytest.raises(gz.InputError, match=r"r and A\.r stand for one parameter, A\.r"):
+        gz.chart(P, {"r": values, "A.r": values}, starts=2)
+
+
+def test_branches_follow_both():
+    P = gz.stroboscopic_map(rattle(sin1=0.7))
+    (orbit,) = gz.periodic_orbits(P, word="(BA)", starts=20)
+    branch = gz.continuation(P, orbit, "r", (0.4, 0.8))
+    (there,) = branch.at(0.7)
+    (own,) = gz.periodic_orbits(P.replace(r=0.7), word="(BA)", starts=20)
+    assert there.map.params["A.r"] == there.map.params["B.r"] == 0.7
+    np.testing.assert_allclose(there.points, own.points, atol=1e-12)
+    assert gz.bifurcation_diagram(P, "r", [0.5, 0.6], starts=2, period=1).window_high.values.tolist() == [0.6]
+    apart = P.replace(**{"A.r": 0.5})
+    (other,) = gz.periodic_orbits(apart, word="(BA)", starts=20)
+    with pytest.raises(gz.InputError, match=r"r stands for A\.r = 0\.5 and B\.r = 0\.6; begin where they are equal"):
+        gz.continuation(apart, other, "r", (0.4, 0.8))
+    assert value_of("r", P.params) == 0.6
+
+
+def test_files_and_the_shell_take_one_value_for_all_walls():
+    walls = {"A": "newton", "B": "newton"}
+    given = {"alpha": 0.1, "k": 0.5, "omega": 2.0, "cos": [2.0], "A.sigma": -0.5, "B.sigma": 0.5}
+    recipe = checked({"study": "diagram", "walls": walls, "parameters": given | {"r": 0.7}, "vary": {"cos1": "1:2:3"}})
+    assert (recipe["parameters"]["A.r"], recipe["parameters"]["B.r"]) == (0.7, 0.7)
+    config = {"study": "diagram", "walls": walls, "parameters": given, "vary": {"r": "0.2:0.9:4"}}
+    plan = plan_of(config)
+    assert list(plan.axes) == ["r"] and plan.P.params["B.r"] == 0.2
+    assert command_of(config).startswith("grazing diagram r=0.2:0.9:4 --walls A=newton,B=newton")
+
+    result = result_of({**config, "settings": {"starts": 2, "transient": 5, "keep": 4}})
+    again = recipe_of(result.attrs)
+    assert again["vary"] == {"r": "0.2:0.9:4"} and "A.r" not in again["parameters"]
+    with pytest.raises(gz.InputError, match=r"r stands for A\.r, too, which is given beside it"):
+        checked({**config, "parameters": given | {"r": 0.7, "A.r": 0.5}, "vary": {"cos1": "1:2:3"}})
+    with pytest.raises(gz.InputError, match=r"B\.r: missing"):
+        checked({**config, "parameters": given | {"A.r": 0.7}, "vary": {"cos1": "1:2:3"}})
