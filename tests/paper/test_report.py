@@ -242,7 +242,9 @@ def test_diagrams_of_the_gap_map(run):
     assert len(axes) == 3
     for ax, each in zip(axes, data["panels"], strict=True):
         low, high = each["windows"][3]
-        assert any(p.get_x() == low and p.get_width() == pytest.approx(min(high, ax.get_xlim()[1]) - low) for p in ax.patches)
+        assert any(
+            p.get_x() == low and p.get_width() == pytest.approx(min(high, ax.get_xlim()[1]) - low) for p in ax.patches
+        )
 
 
 def test_edges_against_the_gap(run):
