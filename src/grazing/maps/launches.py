@@ -54,7 +54,7 @@ OWN = {
 class Launch(NamedTuple):
     """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
 
-    block: float
+    block: Any
     x: float
     y: float
     hits: float
@@ -76,29 +76,39 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
     return -1, most, t, outcome | TOO_MANY_IMPACTS
 
 
-def launched(state: Any, c: Launch) -> Any:
+@inlined
+def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
     angle, speed = state
-    table = numbers_at(c.block)
     if speed == 0.0:
         way = min(max(int(angle), 0), int(table[THINGS]))
         return (1.0 * way, 0.0), way, ESCAPED
-    way, _hits, _t, outcome = launch(c.x, c.y, speed * cos(angle), speed * sin(angle), int(c.hits), table)
+    way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
     if outcome & FATAL:
         return (NAN, NAN), 0, outcome
     return (1.0 * way, 0.0), way, outcome
 
 
-def launched_tangent(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = launched(state, c)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+def launched(state: Any, c: Launch) -> Any:
+    """Return (state, letter, outcome) of a launch."""
+    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
 
 
 def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, letter, outcome = launched(state, c)
+    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
     return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
+
+
+def plain_launched(state: Any, c: Any) -> Any:
+    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
+    return way_out(state, c.x, c.y, int(c.hits), c.block)
+
+
+def plain_tangent(state: Any, c: Any) -> Any:
+    """Return a launch with its Jacobian as plain Python takes it."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
 
 
 @lru_cache(maxsize=1)
@@ -206,13 +216,13 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
     params = {**table.params, **dict(zip(OWN, values, strict=True))}
     fast = fastest(table.params)
     return Map(
-        launched,
+        plain_launched,
         params=params,
         coordinates=tuple(COORDINATES),
         box=((0.0, pi), (0.1 * fast, fast)),
         letters=Names((*table.names, AWAY)),
         prepare=partial(_plain, table),
-        tangent=launched_tangent,
+        tangent=plain_tangent,
         name="launch map",
         origin=OfLaunches(table),
     )
@@ -220,7 +230,7 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
 
 def _plain(table: Table, p: Any) -> Launch:
     n = len(table.params)
-    return Launch(plain_block(table, tuple(p[:n])), *p[n:])
+    return Launch(plain_block(table, p[:n]), *p[n:])  # itself, in place of where it lies
 
 
 def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, float, float]:
