@@ -65,7 +65,7 @@ class WalledRig:
         z[1] = sign * (w - rate)
         return z
 
-    def after(self, wall, v):
+    def law_of(self, wall, v):
         law = self.walls[wall]["law"]
         p = {name: mpf(float.fromhex(text)) for name, text in law["parameters"].items()}
         return self.tree(law["after"], v, p)
@@ -92,7 +92,7 @@ class WalledRig:
             y, v = self.seen(0, flights[0][4])
             return [y - x[0], v - x[1]]
         ends = [self.seen(two, end) for _one, two, _z, _L, end in flights]
-        laws = [self.after(one[1], v) for one, (_y, v) in zip(flights, ends, strict=True)]
+        laws = [self.law_of(one[1], v) for one, (_y, v) in zip(flights, ends, strict=True)]
         after = [x[self.n + (i + 1) % self.n] for i in range(self.n)]
         return [y for y, _v in ends] + [w - g for w, g in zip(after, laws, strict=True)]
 
@@ -108,7 +108,7 @@ class WalledRig:
 
             def leg(t, w, end, one=one, two=two):
                 y, v = self.seen(two, mp.expm(self.M * (end - t)) * self.leaving(one, t, mpf(0), w))
-                return mp.matrix([y, self.after(two, v)])
+                return mp.matrix([y, self.law_of(two, v)])
 
             slopes = []
             for c in range(3):
@@ -126,7 +126,7 @@ class WalledRig:
             if self.n:
                 v = self.seen(two, end)[1]
                 self.hold(v < 0, "an impact does not arrive from the wall's own side")
-                self.hold(self.after(two, v) >= 0, "the law returns a velocity into the wall")
+                self.hold(self.law_of(two, v) >= 0, "the law returns a velocity into the wall")
             step = np.array(mp.expm(self.M * (L / count)).tolist(), dtype=float)
             states = [np.array(z.tolist(), dtype=float)[:, 0]]
             for _ in range(count):
