@@ -128,7 +128,7 @@ class Problem:
         must not throw these back, nor through the wall: it has to be smooth at small v <= 0, to make 0 of 0, and not to
         grow with v, so that it makes no velocity < 0.
         """
-        for wall in {self.hits[i - 1] for i in range(self.n) if not x[self.n + i] > 0}:
+        for wall in {hit for i, hit in enumerate(self.hits) if not x[self.n + i] > 0}:
             try:
                 slow = self.impact(x, between_0_and(number(-1, -1000)), self.walls[wall])
             except Rejected:
