@@ -33,6 +33,8 @@ Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
+#: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
+MOST = 1_000_000
 COORDINATES = {
     one.name: one
     for one in (
@@ -46,7 +48,7 @@ OWN = {
     for one in (
         Parameter("launch.x", "x_0", "x of the launch"),
         Parameter("launch.y", "y_0", "y of the launch"),
-        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0),
+        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0, MOST),
     )
 }
 
@@ -149,7 +151,7 @@ class OfLaunches(Origin):
         """Make the map at other values."""
         own = {name: value for name, value in params.items() if name not in OWN}
         x, y, hits = (params[name] for name in OWN)
-        return launch_map(self.table.replace(**own), x, y, hits)
+        return launch_map(self.table.replace(**own), x, y, int(hits))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
@@ -171,7 +173,7 @@ class OfLaunches(Origin):
         return Settled(new, max(way, 0), flags, INFINITY, INFINITY)
 
 
-def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
+def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
     """Return the map of launches from a point of a pinball table: one step is the whole way of a ball.
 
     Parameters
@@ -181,7 +183,7 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
     x, y : float
         Where the ball's centre is launched.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -237,7 +239,7 @@ def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, floa
     """Return where a ball is launched and its most impacts, or raise InputError."""
     x, y = (real(value, f"{name} of the launch", "give a finite number") for value, name in ((x, "x"), (y, "y")))
     table.refuse_inside(x, y)
-    return x, y, float(whole(hits, "hits", 1))
+    return x, y, float(whole(hits, "hits", 1, MOST))
 
 
 def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
@@ -266,7 +268,7 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     speed : array_like, shape (n,)
         Speeds, >= 0.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -300,9 +302,12 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     block = table.blocks(table.row())[0]
-    for i in range(shape[0]):  # row by row, so that it can be stopped
-        one = slice(i, i + 1)
-        call(launcher(), block, x, y, int(most), angles[one], speeds, ways[one], count[one], times[one], outcomes[one])
+    few = max(1, MOST // int(most))
+    for i in range(shape[0]):
+        for j in range(0, shape[1], few):  # a few at a time, so that it can be stopped
+            at = slice(i, i + 1), slice(j, j + few)
+            call(launcher(), block, x, y, int(most), angles[at[0]], speeds[at[1]],
+                 ways[at], count[at], times[at], outcomes[at])  # fmt: skip
     for i, j in np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
