@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from itertools import islice
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
@@ -242,15 +244,21 @@ def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, floa
     return x, y, float(whole(hits, "hits", 1, MOST))
 
 
+def _is_one(values: Any) -> bool:
+    """Say whether something is one thing, not several: a text, or an array without a dimension."""
+    return isinstance(values, str) or getattr(values, "ndim", 1) == 0
+
+
 def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     """Return finite numbers in one list, or raise InputError."""
     try:
-        found = np.atleast_1d(np.asarray(values, np.float64))
-    except (TypeError, ValueError):
-        found = np.full((1, 1), NAN)
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all() or found.min() < least:
+        items = values if isinstance(values, Iterable) and not _is_one(values) else [values]
+        found = np.array([real(x, name, "") for x in islice(iter(items), MOST + 1)])
+    except Exception:  # of whatever object was given
+        found = np.empty(0)
+    if not 0 < len(found) <= MOST or found.min() < least:
         limit = "" if least == -INFINITY else f" >= {least:g}"
-        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list")
+        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list, a million at most")
     return found
 
 
@@ -293,9 +301,10 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     import xarray as xr
 
     table = checked_table(table)
-    if not (isinstance(point, Sequence) or hasattr(point, "tolist")) or len(point) != 2:
+    pair = two_of(point)
+    if len(pair) != 2:
         raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
-    x, y, most = checked_launch(table, point[0], point[1], hits)
+    x, y, most = checked_launch(table, pair[0], pair[1], hits)
     angles, speeds = _listed(angle, "angle"), _listed(speed, "speed", 0.0)
     shape = len(angles), len(speeds)
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
