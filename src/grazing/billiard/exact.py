@@ -191,7 +191,7 @@ def exact_contact(block: Floats, state: tuple[float, ...], left: int) -> tuple[i
         with precision(bits):
             try:
                 return _first(gaps, state, last=bits == BITS[-1])
-            except Undecided:
+            except (Undecided, OverflowError):  # so large that it is infinite in doubles
                 continue
     raise Undecided
 

@@ -270,7 +270,7 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     solids = [one.name for one in table.objects if one.kind != DRAIN]
     if not solids:
         raise InputError("the table has drains only; a map from impact to impact needs something that is hit")
-    if on is not None and on not in solids:
+    if on is not None and not (isinstance(on, str) and on in solids):
         raise InputError(f"on is {shown(on)}; allowed are {', '.join(solids)}")
     on = solids[0] if on is None else on
     low, high = places_on(table, on, table.params)

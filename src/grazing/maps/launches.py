@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from itertools import islice
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
@@ -33,6 +35,8 @@ Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
+#: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
+MOST = 1_000_000
 COORDINATES = {
     one.name: one
     for one in (
@@ -46,7 +50,7 @@ OWN = {
     for one in (
         Parameter("launch.x", "x_0", "x of the launch"),
         Parameter("launch.y", "y_0", "y of the launch"),
-        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0),
+        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0, MOST),
     )
 }
 
@@ -149,7 +153,7 @@ class OfLaunches(Origin):
         """Make the map at other values."""
         own = {name: value for name, value in params.items() if name not in OWN}
         x, y, hits = (params[name] for name in OWN)
-        return launch_map(self.table.replace(**own), x, y, hits)
+        return launch_map(self.table.replace(**own), x, y, int(hits))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
@@ -171,7 +175,7 @@ class OfLaunches(Origin):
         return Settled(new, max(way, 0), flags, INFINITY, INFINITY)
 
 
-def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
+def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
     """Return the map of launches from a point of a pinball table: one step is the whole way of a ball.
 
     Parameters
@@ -181,7 +185,7 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
     x, y : float
         Where the ball's centre is launched.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -237,18 +241,24 @@ def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, floa
     """Return where a ball is launched and its most impacts, or raise InputError."""
     x, y = (real(value, f"{name} of the launch", "give a finite number") for value, name in ((x, "x"), (y, "y")))
     table.refuse_inside(x, y)
-    return x, y, float(whole(hits, "hits", 1))
+    return x, y, float(whole(hits, "hits", 1, MOST))
+
+
+def _is_one(values: Any) -> bool:
+    """Say whether something is one thing, not several: a text, or an array without a dimension."""
+    return isinstance(values, str) or getattr(values, "ndim", 1) == 0
 
 
 def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     """Return finite numbers in one list, or raise InputError."""
     try:
-        found = np.atleast_1d(np.asarray(values, np.float64))
-    except (TypeError, ValueError):
-        found = np.full((1, 1), NAN)
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all() or found.min() < least:
+        items = values if isinstance(values, Iterable) and not _is_one(values) else [values]
+        found = np.array([real(x, name, "") for x in islice(iter(items), MOST + 1)])
+    except Exception:  # of whatever object was given
+        found = np.empty(0)
+    if not 0 < len(found) <= MOST or found.min() < least:
         limit = "" if least == -INFINITY else f" >= {least:g}"
-        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list")
+        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list, a million at most")
     return found
 
 
@@ -266,7 +276,7 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     speed : array_like, shape (n,)
         Speeds, >= 0.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -291,18 +301,22 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     import xarray as xr
 
     table = checked_table(table)
-    if not (isinstance(point, Sequence) or hasattr(point, "tolist")) or len(point) != 2:
+    pair = two_of(point)
+    if len(pair) != 2:
         raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
-    x, y, most = checked_launch(table, point[0], point[1], hits)
+    x, y, most = checked_launch(table, pair[0], pair[1], hits)
     angles, speeds = _listed(angle, "angle"), _listed(speed, "speed", 0.0)
     shape = len(angles), len(speeds)
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     block = table.blocks(table.row())[0]
-    for i in range(shape[0]):  # row by row, so that it can be stopped
-        one = slice(i, i + 1)
-        call(launcher(), block, x, y, int(most), angles[one], speeds, ways[one], count[one], times[one], outcomes[one])
+    few = max(1, MOST // int(most))
+    for i in range(shape[0]):
+        for j in range(0, shape[1], few):  # a few at a time, so that it can be stopped
+            at = slice(i, i + 1), slice(j, j + few)
+            call(launcher(), block, x, y, int(most), angles[at[0]], speeds[at[1]],
+                 ways[at], count[at], times[at], outcomes[at])  # fmt: skip
     for i, j in np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
