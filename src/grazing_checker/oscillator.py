@@ -132,7 +132,7 @@ class Problem:
 
     def legs(self, x: Point, sensitive: bool = False) -> list[Leg]:
         """Return the flights of a point, or of a small box."""
-        frames = self.frames(x)
+        frames, self.work.kept = self.frames(x), 0
         flights = [Checked(one.motion, sensitive, self.work) for one in frames]
         made = []
         for start in self._starts(x, frames):
@@ -146,7 +146,7 @@ class Problem:
 
         The unforced one is what the flights differ by where they start, as the wall sees it that they leave.
         """
-        frames = self.frames(x)
+        frames, self.work.kept = self.frames(x), 0
         flights = [Checked(one.motion, work=self.work) for one in frames]
         made = []
         for mid, start in zip(self._starts(centre, frames), self._starts(x, frames), strict=True):
@@ -291,7 +291,7 @@ def check_flights(
     Without impacts y > 0 must hold on the whole of [0, N T] for each wall. Every bound holds for all solutions in the
     box at once.
     """
-    n, frames = problem.n, problem.frames(x)
+    n, frames, kept = problem.n, problem.frames(x), problem.work.kept
     if n == 0:
         demand(cuts == [], "an orbit without impacts has no cuts")
     for i, leg in enumerate(legs if n else ()):
@@ -310,6 +310,7 @@ def check_flights(
         resting = n > 0 and legs[i - 1].after.x.is_zero()
         w = number(0) if resting else leg.w
         y0 = number(0) if n else x[0]
+        problem.work.kept = kept
         paths = [_path(frames, leg, y0, w, L, to, resting) for to in range(len(frames))]
         if n:
             first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
