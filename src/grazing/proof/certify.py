@@ -224,6 +224,11 @@ def _undecided_stability(data: dict[str, Any]) -> str:
             "stability is not decided: both multipliers are inside the unit circle, but an impact leaves with w = 0, "
             "and the reset law may throw back motions beside it that meet the wall slowly; use a law that makes 0 of 0"
         )
+    if not data["impacts"] and float.fromhex(data["model"]["alpha"]) == 0.0:
+        return (
+            "stability is not decided: without damping and impacts both multipliers are on the unit circle, and nothing "
+            "attracts or repels"
+        )
     trace, det = (" to ".join(data["claims"][key]) for key in ("trace", "det"))
     return (
         f"stability is not decided: a multiplier is on the unit circle or too close to it (trace {trace}, determinant "
