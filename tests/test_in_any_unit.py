@@ -95,3 +95,29 @@ def test_special_points_of_bifurcation_diagrams_and_loci():
         assert diagram_and_locus(L, T) == (kinds, values, met)
     one, other, third = diagram_and_locus(1e-6, 1e-3)
     assert (one, third) == (kinds, met) and np.allclose(other, values, rtol=1e-9)
+
+
+def henon(a, b, wide, high):
+    """Henon's map in coordinates of other units: fold, period doublings and multipliers are in closed form."""
+
+    def step(state, p):
+        x, y = state[0] / p.wide, state[1] / p.high
+        return p.wide * (1.0 - p.a * x * x + y), p.high * p.b * x
+
+    box = ((-1.5 * wide, 1.5 * wide), (-0.5 * high, 0.5 * high))
+    return gz.Map(step, params={"a": a, "b": b, "wide": wide, "high": high}, coordinates=("x", "y"), box=box)
+
+
+@pytest.mark.parametrize(("wide", "high"), [(1.0, 1.0), (2.0**-30, 2.0**30), (1e-6, 1e3)])
+def test_conjugate_maps_of_the_plane_have_the_same_branches(wide, high):
+    b = 0.3
+    (orbit,) = (one for one in gz.periodic_orbits(henon(0.1, b, wide, high), period=1) if one.stable)
+    branch = gz.continuation(orbit.map, orbit, "a", (-0.9, 1.2), limit=400)
+    found = {one.type: one for one in branch.special}
+    assert sorted(found) == ["lp", "pd"] and all(one.converged for one in branch.special)
+    assert found["lp"].value == pytest.approx(-0.25 * (1.0 - b) ** 2, abs=1e-9)
+    assert found["pd"].value == pytest.approx(0.75 * (1.0 - b) ** 2, abs=1e-9)
+    (second,) = (one for one in gz.continuation(orbit.map, found["pd"], "a", (0.0, 1.0)).special if one.type == "pd")
+    assert second.value == pytest.approx((1.0 - b) ** 2 + 0.25 * (1.0 + b) ** 2, abs=1e-8) and second.converged
+    a, b = gz.locus(found["pd"], ("a", "b"), ((-0.9, 4.0), (-0.95, 0.95))).values.T
+    assert np.abs(a - 0.75 * (1.0 - b) ** 2).max() < 1e-8

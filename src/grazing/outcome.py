@@ -12,13 +12,18 @@ at once, before any kernel runs, with one of the exceptions below::
 from __future__ import annotations
 
 import operator
+import os
 import reprlib
+import sys
 import traceback
 from collections.abc import Iterable
 from enum import Enum, IntFlag
-from typing import Final
+from typing import Any, Final
 
 __all__ = ["GrazingError", "InputError", "Outcome", "OutsideForm", "Trust", "UserCodeError", "describe"]
+
+#: Where the package lies: what is raised there is not a user's line.
+HOME: Final = os.path.dirname(os.path.abspath(__file__)) + os.sep
 
 # The bits as plain integers, because kernels fold them with `|`.
 OK: Final = 0
@@ -220,8 +225,10 @@ def raised(error: object) -> str:
     return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
-def told(error: BaseException) -> str:
+def told(error: BaseException, code: Any = None) -> str:
     """Return what a user's code raised, with the line in which it did.
+
+    That line is never one of the package: of a ``code`` that could not be called it is the one that defines it.
 
     Examples
     --------
@@ -232,12 +239,30 @@ def told(error: BaseException) -> str:
     ...     print(told(error))
     ZeroDivisionError: division by zero, in line ... of <doctest ...>: 1 / 0
     """
-    frames = traceback.extract_tb(error.__traceback__)
     said = raised(error)[:500]
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(HOME)]
+    file = getattr(getattr(code, "__code__", None), "co_filename", None)
+    frames = [frame for frame in frames if frame.filename == file] or frames  # rather than one of a library it calls
     if not frames:
-        return said
+        return said + defined(code)
     line = f": {frames[-1].line}" if frames[-1].line else ""
     return f"{said}, in line {frames[-1].lineno} of {frames[-1].filename}{line}"
+
+
+def defined(code: Any) -> str:
+    """Return where a user's function is defined, after what is said of it; nothing for one of the package."""
+    place = getattr(code, "__code__", None)
+    if place is None or place.co_filename.startswith(HOME):
+        return ""
+    return f" (defined in line {place.co_firstlineno} of {place.co_filename})"
+
+
+def level_outside() -> int:
+    """Return the ``stacklevel`` with which a warning names the line that called the package."""
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(HOME):
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 class GrazingError(Exception):

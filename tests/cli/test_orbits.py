@@ -1,6 +1,5 @@
 """``grazing orbit``, ``branch``, ``windows``, ``bifurcations``: what they find, print, write, prove and refuse."""
 
-import copy
 import csv
 import json
 import os
@@ -11,7 +10,7 @@ import pytest
 from pyarrow import parquet
 
 import grazing as gz
-from grazing.cli import certificates, main, orbit_study
+from grazing.cli import certificates, main, study
 from grazing.config import checked, command_of, load_config, plan_of, recipe_of, result_of, toml_of
 
 BALL = ["--V", "0.4", "-q"]
@@ -29,22 +28,18 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture(autouse=True, scope="module")
 def once():
     """Compute a study once that several command lines ask for, who say it, draw it or write it in different ways."""
-    known = {}
+    known, made_of = {}, study.made_of
 
-    def remembering(function):
-        def asked(recipe, *rest, **named):
-            key = function.__name__, json.dumps(recipe)
-            if ".py:" in key[1]:  # a file of one's own may change
-                return function(recipe, *rest, **named)
-            if key not in known:
-                known[key] = function(recipe, *rest, **named)
-            return copy.deepcopy(known[key])
-
-        return asked
+    def asked(recipe, *rest):
+        key = json.dumps(recipe)
+        if ".py:" in key:  # a file of one's own may change
+            return made_of(recipe, *rest)
+        if key not in known:
+            known[key] = made_of(recipe, *rest)
+        return known[key]._replace(result=known[key].result.copy(deep=True))
 
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("orbits_of", "result_of"):
-            patch.setattr(orbit_study, name, remembering(getattr(orbit_study, name)))
+        patch.setattr(study, "made_of", asked)
         yield
 
 
@@ -175,16 +170,6 @@ def test_a_law_of_ones_own_is_proven_and_verified_with_its_file(folder, capsys):
     assert "verified" in said(capsys, 0, "orbit", "check", "own.json", "--model", "mine.py:ball")
     (folder / "other.py").write_text((folder / "mine.py").read_text().replace("1.0 - p.c", "1.0 + p.c"))
     said(capsys, 1, "orbit", "check", "own.json", "--model", "other.py:ball")
-
-
-def test_orbits_between_walls_are_proven_by_the_same_calls(folder, capsys):
-    walls = ["--walls", "A=newton,B=newton", "A.sigma=-0.5", "A.r=0.8", "B.sigma=0.5", "B.r=0.6"]
-    model = ["--alpha", "0.1", "--k", "0.5", "--omega", "2", "--cos", "2", "-q"]
-    found = told(capsys, "orbit", "--word", "(AB)", *walls, *model, "--starts", "20", "--save", "proofs")
-    ((row,), (orbit,)) = found["proofs"], found["orbits"]
-    assert row["proven"] and 'meets the walls "A", "B", in this order' in row["statement"] and not orbit["stable"]
-    assert "unstable" in row["statement"] and row["file"].endswith("(AB)-period-1.json")
-    assert "verified" in said(capsys, 0, "orbit", "check", row["file"])
 
 
 # ---- branch

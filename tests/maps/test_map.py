@@ -122,7 +122,7 @@ def test_a_fatal_outcome_of_a_users_step_ends_the_orbit():
     segment = gz.Map(ends, {"a": 3.0}).orbit((1.0,), 5)
     assert segment.points[:3, 0].tolist() == [1.0, 2.0, 4.0]
     assert np.isnan(segment.points[3:]).all()
-    assert segment.outcomes.tolist() == [0, 0, NO_IMPACT, DIVERGED, DIVERGED]
+    assert segment.outcomes.tolist() == [0, 0, NO_IMPACT, NO_IMPACT | DIVERGED, NO_IMPACT | DIVERGED]
 
 
 def test_infinity_is_not_ok():

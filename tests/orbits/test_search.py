@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 
@@ -85,3 +87,20 @@ def test_an_orbit_that_goes_twice_round_one_of_half_a_period_is_a_repetition():
     assert found.tally.converged == 1
     other = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=1.1, offset=0.12, cos=(1e-9, 1.0)), single.reset)
     assert len(Solutions(other, Tally()).add(3, (WHOLE,) * 2, x)) == 1
+
+
+def test_guesses_are_not_decided_in_ball_arithmetic(monkeypatch):
+    """Without a periodic force all orbits come to graze: thousands of guesses were settled one by one."""
+    asked = []
+    monkeypatch.setattr("grazing.maps.map.settle_orbits", lambda *args: asked.append(args))
+    rig = gz.Oscillator.from_si(m=0.8, c=0.0, k=3200, gap="1 mm", load=-10.0, frequency=12, reset=gz.newton(0.7))
+    P = gz.stroboscopic_map(rig)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = gz.periodic_orbits(P, period=1, starts=100)
+        (orbit,) = found
+        branch = gz.continuation(P, orbit, "offset", (10.0, 14.0))
+    assert not asked and orbit.neutral and orbit.admissible
+    assert abs(orbit.points[0, 0] - 12.5 / 4000.0) < 1e-12 and abs(orbit.points[0, 1]) < 1e-12  # it hangs at F/k
+    (piece,) = branch.pieces
+    assert piece.ends == ("bounds", "bounds")

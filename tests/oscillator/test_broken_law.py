@@ -128,3 +128,40 @@ def test_a_law_that_returns_nothing_somewhere_is_named():
     for run in (lambda: gz.trajectory(m, (1.0, -1.5), until=3.0), lambda: gz.stroboscopic_map(m).orbit((1.0, -1.5), 2)):
         with pytest.raises(UserCodeError, match="the reset law forgetful raised TypeError"):
             run()
+
+
+def fast_is_nan(v, p):
+    return float("nan") if -v > p.s else -0.8 * v
+
+
+def one_argument(v):
+    return -v
+
+
+def between_walls(law):
+    push = gz.Forcing(2.0, offset=-2.0, cos=())
+    return gz.Oscillator(0.0, 0.0, push, walls=(gz.wall(0.0, gz.reset(law, s=2.7)), gz.wall(50.0, gz.newton(0.5))))
+
+
+ENDING = {
+    "strobe": (lambda: gz.stroboscopic_map(falling(fast_is_nan, s=2.7)), (1.3575, -1.4495)),
+    "impact": (lambda: gz.impact_map(falling(fast_is_nan, s=2.7)), (0.2, 3.5)),
+    "walls": (lambda: gz.stroboscopic_map(between_walls(fast_is_nan)), (1.3575, -1.4495)),
+}
+
+
+@pytest.mark.parametrize("made", ENDING)
+def test_an_orbit_that_ended_stays_ended_and_the_warning_names_law_and_caller(made):
+    # later steps had outcome 0 beside NaN; only the strobe said anything, and it named a line of the package
+    P, state = ENDING[made][0](), ENDING[made][1]
+    with pytest.warns(RuntimeWarning, match=r"the reset law fast_is_nan returned nan .*test_broken_law\.py") as seen:
+        found = P.orbit(state, 5)
+    assert (found.outcomes == gz.Outcome.bad_law).all() and np.isnan(found.points[1:]).all()
+    assert f"line {fast_is_nan.__code__.co_firstlineno} of" in str(seen[0].message) and seen[0].filename == __file__
+
+
+def test_a_law_that_cannot_be_called_is_named_by_its_own_line():
+    with pytest.raises(UserCodeError) as error:
+        falling(one_argument, s=2.7)
+    said = str(error.value)
+    assert f"defined in line {one_argument.__code__.co_firstlineno} of {__file__}" in said and "reset.py" not in said

@@ -185,7 +185,8 @@ def test_a_ball_that_leaves_for_ever_has_diverged():
         gz.Oscillator(alpha=0.0, stiffness=-1e8, forcing=PUSHED, reset=gz.newton(0.7)),
     ):
         segment = gz.stroboscopic_map(m).orbit((6.0, 3.0), 2000)
-        (last,) = np.flatnonzero(segment.outcomes)
+        last, *later = np.flatnonzero(segment.outcomes)
+        assert later == [*range(last + 1, 2000)]  # an orbit that has ended keeps its outcome
         assert segment.outcomes[last] & DIVERGED
         assert np.isfinite(segment.points[: last + 1]).all() and np.isnan(segment.points[last + 1 :]).all()
         flown = gz.trajectory(m, (6.0, 3.0), until=2000.0, samples=4)
@@ -279,7 +280,6 @@ def test_branches_are_followed_through_zero_stiffness():
         lambda m: gz.discontinuity_map(m),
         lambda m: gz.zdm(m),
         lambda m: gz.response(gz.stroboscopic_map(m), "omega", [1.0, 1.1]),
-        lambda m: gz.enclose(gz.one_impact_orbits(m, 1)[0], "pd", "offset"),
     ],
 )
 @pytest.mark.parametrize("spring", [{"alpha": 0.4, "stiffness": -0.1}, {"alpha": -0.01, "k": 0.3}])

@@ -54,7 +54,7 @@ class Table(ByValue):
     params: Mapping[str, float] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        objects = tuple(self.objects) if isinstance(self.objects, Sequence) else ()
+        objects = tuple(self.objects) if isinstance(self.objects, (list, tuple)) else ()
         if not objects or not all(isinstance(one, Thing) for one in objects):
             raise InputError(
                 f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc and gz.drain"

@@ -192,7 +192,9 @@ def _tried_border(border: Function, name: str, state: tuple[float, ...], p: Any)
     try:
         b = border(state, p)
     except Exception as error:
-        raise UserCodeError(f"the border of {name} raised {told(error)} (state {state}, parameters {p})") from error
+        raise UserCodeError(
+            f"the border of {name} raised {told(error, border)} (state {state}, parameters {p})"
+        ) from error
     number = isinstance(b, (int, float, np.floating, np.integer)) and not isinstance(b, bool)
     if not number or math.isnan(b):
         raise UserCodeError(
@@ -209,7 +211,7 @@ def _tried_piece(
         new = given.pieces[k](state, p, root) if given.rooted[k] else given.pieces[k](state, p)
     except Exception as error:
         raise UserCodeError(
-            f"piece {letters[k]} of {name} raised {told(error)} (state {state}, parameters {p})"
+            f"piece {letters[k]} of {name} raised {told(error, given.pieces[k])} (state {state}, parameters {p})"
         ) from error
     _checked_image(new, letters[k], name, state)
 

@@ -68,6 +68,14 @@ def run_columns(
     ended = (np.bitwise_or.reduce(found.outcomes, axis=1) & FATAL) != 0
     lost = ~np.isfinite(lanes).all(axis=1) & ~ended
     found.outcomes[:, -1][lost] |= DIVERGED
+    stay_ended(found)
+
+
+def stay_ended(found: Columns) -> None:
+    """Let orbits that ended keep their outcome in the steps that follow, of which their steps know nothing."""
+    fatal = found.outcomes & FATAL
+    if fatal.shape[1] > 1 and fatal.any():
+        found.outcomes[...] |= np.bitwise_or.accumulate(fatal, axis=1)
 
 
 def step_tasks(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import nan
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NO_DOUBT, derivative, next_period
+from grazing.maps.settle import said_in_flight
 from grazing.maps.starting import impact_box
 from grazing.maps.walled_impact import walled_impact_map
 from grazing.oscillator.constants import constants_of, forcing
@@ -24,6 +25,7 @@ from grazing.oscillator.contact import (
     next_contact,
     placed,
 )
+from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
@@ -137,6 +139,13 @@ class Struck(OfOscillator):
             raise InputError(
                 f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0"
             )
+
+    def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
+        """Say what the reset law did wrong in the step from a state."""
+        model = self.model.replace(**dict(zip(self.model.params, row, strict=True)))
+        start, v = state
+        fly = partial(flown_legs, model, (model.sigma, v), start, start + MAX_PERIODS * model.period, MAX_IMPACTS)
+        return said_in_flight(fly, f"the reset law {model.reset.name}")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""

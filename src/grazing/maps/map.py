@@ -16,7 +16,7 @@ from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
-from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, step_tasks
+from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, stay_ended, step_tasks
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
@@ -396,7 +396,7 @@ class Map(ByValue):
         )
         block = algorithm == "block" or (algorithm is None and arithmetic == "fast")
         whole_lanes = np.ascontiguousarray(lanes, np.float64)
-        starts = None if self.origin.settle is None else whole_lanes.copy()
+        starts = None if self.origin.settle is None is self.origin.explain else whole_lanes.copy()
 
         def again(row: Floats, state: Floats, n: int) -> Columns:
             one, lane = empty_columns(1, self.dimension, 1, n, n), state.reshape(1, -1, 1).copy()
@@ -412,6 +412,7 @@ class Map(ByValue):
             found.undecided[...] = (np.bitwise_or.reduce(found.outcomes, axis=1) & AMBIGUOUS) != 0
         if self.origin.settle is not None and starts is not None and found.undecided.any():
             settle_orbits(table, starts, whole_lanes, transient, found, self.origin.settle, again)
+            stay_ended(found)
         if starts is not None and self.origin.explain is not None and (found.outcomes & BAD_LAW).any():
             warn_of_bad_law(table, starts, transient + keep, found, self.origin.explain, again)
         if whole_lanes is not lanes:
@@ -429,7 +430,7 @@ class Map(ByValue):
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
             tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
-        if self._linked:
+        if prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
         else:
             loop = runner(step, prepare, kind, self.dimension, arithmetic)
@@ -526,7 +527,7 @@ def _normalised(P: Map) -> Callable[..., Any]:
         result = step(middle, P.prepare(p) if P.prepare is not None else p)
     except Exception as error:
         raise UserCodeError(
-            f"the step of {P.name} raised {told(error)} (state {middle}, parameters {dict(P.params)})"
+            f"the step of {P.name} raised {told(error, P.step)} (state {middle}, parameters {dict(P.params)})"
         ) from error
     form = _form(result, dimension)
     if form == 0:
@@ -548,6 +549,14 @@ def _normalised(P: Map) -> Callable[..., Any]:
 
         return ending(lettered, escape)
     return ending(step, escape)
+
+
+def swift(P: Map) -> Map:
+    """Return the map without its exact arithmetic for steps that double precision cannot decide.
+
+    For states that are guesses, or lie at a cut that is bisected to rounding: there either decision is right.
+    """
+    return P if P.origin.settle is None else replace(P, origin=P.origin.unsettled())
 
 
 def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:

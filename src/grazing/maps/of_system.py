@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,14 @@ from grazing.maps.derivative import Derived
 from grazing.maps.hits import MANY, Hits, most_of
 from grazing.maps.map import Map, ending
 from grazing.maps.origin import Origin
+from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, OK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple, real
 from grazing.systems.contact import Asked, asked_of
 from grazing.systems.contract import System
 from grazing.systems.pointed import Place, pointed_of, system_address
 from grazing.systems.saltation import derivative_of, product_of, saltation_of
-from grazing.systems.trajectory import CHATTER_IMPACTS, CHATTER_SHARE
+from grazing.systems.trajectory import CHATTER_IMPACTS, CHATTER_SHARE, flights_of
 
 #: Impacts in one period after which the step gives up by name.
 MAX_IMPACTS = 10_000
@@ -154,6 +155,15 @@ class OfSystem(Origin):
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface."""
         self.system.refuse_inside(params["phase"], tuple(float(x) for x in state), params)
+
+    def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
+        """Say what a function of the system did wrong in the step from a state."""
+        names = [*self.system.params, "phase"]
+        params = dict(zip(names, row, strict=True))
+        phase = params.pop("phase")
+        system = self.system.replace(**params)
+        fly = partial(flights_of, system, state, phase, phase + system.period_at(params))
+        return said_in_flight(fly, f"a function of {system.name}")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time that orbits took for so many steps, each of a period."""

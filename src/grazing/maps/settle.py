@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.columns import CUT, Columns
-from grazing.outcome import AMBIGUOUS, BAD_LAW
+from grazing.outcome import AMBIGUOUS, BAD_LAW, InputError, UserCodeError, level_outside
 
 #: Steps of an orbit that are settled between two cuts; beyond, what is ambiguous stays so.
 LIMIT = 64
@@ -117,6 +118,16 @@ def settle_orbit(
     found.near_miss[q, i], found.slowest[q, i], found.undecided[q, i] = near, slow, undecided
 
 
+def said_in_flight(fly: Callable[[], Any], law: str) -> str:
+    """Return what a flight raises of a user's law, with its line; if it does not, what is known anyway."""
+    with suppress(InputError):
+        try:
+            fly()
+        except UserCodeError as error:
+            return str(error)
+    return f"{law} returned what it must not"
+
+
 def warn_of_bad_law(rows: Floats, starts: Floats, steps: int, found: Columns, explain: Explain, again: Again) -> None:
     """Warn, once a run, of orbits that ended because a reset law returned what it must not."""
     bad = np.argwhere((found.outcomes & BAD_LAW).any(axis=1))
@@ -127,4 +138,4 @@ def warn_of_bad_law(rows: Floats, starts: Floats, steps: int, found: Columns, ex
     state = part.points[0, n - 1, :, 0] if n > 0 else starts[q, :, i]
     said = explain(rows[q].tolist(), tuple(state.tolist()))
     many = f"{len(bad)} of {found.near_miss.size} orbits ended" if len(bad) > 1 else "the orbit ended"
-    warnings.warn(f"{said}; {many} there, with outcome bad_law", RuntimeWarning, stacklevel=4)
+    warnings.warn(f"{said}; {many} there, with outcome bad_law", RuntimeWarning, stacklevel=level_outside())

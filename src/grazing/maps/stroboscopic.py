@@ -24,7 +24,7 @@ from grazing.oscillator.exact import exact_period
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
-from grazing.outcome import CHATTER, told
+from grazing.outcome import CHATTER, defined, told
 from grazing.parameter import parameters
 from grazing.pool import Task
 from grazing.systems.contract import System
@@ -123,18 +123,19 @@ class Strobed(OfOscillator):
             try:
                 w: float = law.law(v, p)
             except Exception as error:
-                said.append(f"the reset law {law.name} raised {told(error)} for v_minus = {v:g}")
+                said.append(f"the reset law {law.name} raised {told(error, law.law)} for v_minus = {v:g}")
                 raise
             if not 0.0 <= w < INFINITY:
                 said.append(
                     f"the reset law {law.name} returned {w:g} for v_minus = {v:g}; allowed is a finite v_plus >= 0"
+                    f"{defined(law.law)}"
                 )
             return w
 
         period = period_of(watched, law.slope, law.contraction, False)
         with suppress(Exception):  # the law's own error has been noted, any other is one of plain Python alone
             period(state, constants_of(self.model.harmonics, section_phase)(parameters(params)))
-        return said[0] if said else f"the reset law {law.name} returned what it must not"
+        return said[0] if said else f"the reset law {law.name} returned what it must not{defined(law.law)}"
 
 
 def stroboscopic_map(model: Oscillator | Walled | System, phase: float = 0.0) -> Map:

@@ -17,6 +17,7 @@ from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
+from grazing.maps.settle import said_in_flight
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.facing import fill_frames
@@ -36,6 +37,7 @@ from grazing.oscillator.frames import (
 from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
+from grazing.oscillator.walled_trajectory import walled_legs
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -231,6 +233,13 @@ class Strobed(OfRig):
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a ball inside a wall."""
         self.walled.refuse_inside(float(state[0]), params["phase"])
+
+    def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
+        """Say what a reset law did wrong in the step from a state."""
+        own, phase = apart(dict(zip([*self.walled.params, "phase"], row, strict=True)))
+        model = self.walled.replace(**own)
+        fly = partial(walled_legs, model, (state[0], state[1]), phase, phase + model.period, MAX_IMPACTS)
+        return said_in_flight(fly, "a reset law")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time that orbits took for so many steps, each of a period."""

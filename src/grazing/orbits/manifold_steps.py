@@ -8,7 +8,6 @@ Newton's method along the curve.
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.map import Map
+from grazing.maps.map import Map, swift
 from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before
 from grazing.oscillator.model import Oscillator
 
@@ -90,14 +89,6 @@ def traced(steps: Steps, t: Floats, seed: Floats, order: int) -> Leaves:
     """Return what becomes of starts at distances ``seed`` (n,), of parameters ``t`` (n,), in ``order`` steps."""
     none = np.zeros(len(t), np.uint64), steps.ray.at(seed), np.empty((len(t), 0), np.int32)
     return steps.further(Leaves(t, seed, *none), order)
-
-
-def swift(P: Map) -> Map:
-    """Return the map without its exact arithmetic for steps that double precision cannot decide.
-
-    At a cut, bisected to rounding, all steps are of that kind, and either decision is right to within the cut's error.
-    """
-    return P if P.origin.settle is None else dataclasses.replace(P, origin=P.origin.unsettled())
 
 
 def mixed(code: Codes, letter: Any) -> Codes:

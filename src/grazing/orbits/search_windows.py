@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.random import mixed, uniform
-from grazing.maps.map import Map
+from grazing.maps.map import Map, swift
 from grazing.memory import refuse_too_large
 from grazing.outcome import FATAL
 
@@ -68,7 +68,7 @@ def refuse_many(P: Map, starts: int, longest: int) -> None:
 
 def simulated(P: Map, states: Floats, longest: int, threads: int | None) -> Runs:
     """Fly the starts, shape (dim, n), a while, skip a transient, and fly on for the longest period."""
-    row, lanes = P.packed()[1][None], states[None].copy()
+    row, lanes, P = P.packed()[1][None], states[None].copy(), swift(P)
     early = P.run_columns(row, lanes, 0, EARLY + longest, threads=threads, arithmetic="fast")
     points = np.concatenate([states[None], early.points[0]])
     late = P.run_columns(row, lanes, SETTLING, longest + 1, threads=threads, arithmetic="fast")

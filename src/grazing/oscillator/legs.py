@@ -17,7 +17,7 @@ from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
-from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError
+from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError, defined
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -126,7 +126,7 @@ def flown_legs(model: Oscillator, state: tuple[float, float], start: float, unti
             raise UserCodeError(
                 f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
                 f"at t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; "
-                "allowed is a finite v_plus >= 0, away from the wall"
+                f"allowed is a finite v_plus >= 0, away from the wall{defined(law.law)}"
             )
         impacts += int(np.count_nonzero(~np.isnan(legs[:count, V_MINUS])))
         if impacts > limit:

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from grazing.copies import ByValue, packed, plain
-from grazing.outcome import InputError, UserCodeError, listed, shown, told
+from grazing.outcome import InputError, UserCodeError, defined, listed, shown, told
 from grazing.parameter import Parameter, checked_params, parameters, real
 
 R = Parameter("r", "r", "coefficient of restitution", 0.0, 1.0)
@@ -313,7 +313,8 @@ def contraction_at(made: Reset, p: Any) -> tuple[float, float]:
         ratio, speed = (float(x) for x in made.contraction(p))
     except Exception as error:
         raise UserCodeError(
-            f"the contraction of the reset law {made.name} raised {told(error)}; it must return (ratio, speed)"
+            f"the contraction of the reset law {made.name} raised {told(error, made.contraction)}; "
+            "it must return (ratio, speed)"
         ) from error
     return ratio, speed
 
@@ -327,11 +328,11 @@ def checked_velocity(made: Reset, v_minus: float, params: Mapping[str, float]) -
     try:
         v_plus = made.law(v_minus, p)
     except Exception as error:
-        raise UserCodeError(_raised(made.name, error, v_minus, params)) from error
+        raise UserCodeError(_raised(made.name, made.law, error, v_minus, params)) from error
     if isinstance(v_plus, bool) or not isinstance(v_plus, (int, float)) or not 0.0 <= v_plus < inf:
         raise UserCodeError(
             f"the reset law {made.name} returned {shown(v_plus)} for v_minus = {v_minus:g}; "
-            "allowed is a finite v_plus >= 0, away from the wall"
+            f"allowed is a finite v_plus >= 0, away from the wall{defined(made.law)}"
         )
     return float(v_plus)
 
@@ -344,10 +345,10 @@ def in_python(law: Callable[..., float]) -> Callable[..., float]:
         try:
             return law(v, p)
         except Exception as error:
-            raise UserCodeError(_raised(getattr(law, "__name__", "law"), error, v, p._asdict())) from error
+            raise UserCodeError(_raised(getattr(law, "__name__", "law"), law, error, v, p._asdict())) from error
 
     return tried
 
 
-def _raised(name: str, error: Exception, v: float, params: Mapping[str, float]) -> str:
-    return f"the reset law {name} raised {told(error)} (v_minus = {v:g}, {dict(params)})"
+def _raised(name: str, law: Callable[..., float], error: Exception, v: float, params: Mapping[str, float]) -> str:
+    return f"the reset law {name} raised {told(error, law)} (v_minus = {v:g}, {dict(params)})"

@@ -28,7 +28,7 @@ from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.reset import in_python, newton
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.walled import Walled
-from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, InputError, Trust, UserCodeError
+from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, DIVERGED, InputError, Trust, UserCodeError, defined
 from grazing.parameter import parameters
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def walled_legs(model: Walled, state: tuple[float, float], start: float, until: 
             raise UserCodeError(
                 f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} at "
                 f"t = {start + bad[0, PERIOD] * model.period + bad[0, END]:g}; allowed is a finite v_plus >= 0, away "
-                "from the wall"
+                f"from the wall{defined(law.law)}"
             )
         impacts += int(np.count_nonzero(~np.isnan(legs[:count, V_MINUS])))
         if impacts > limit:

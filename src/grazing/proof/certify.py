@@ -226,8 +226,8 @@ def _undecided_stability(data: dict[str, Any]) -> str:
         )
     if not data["impacts"] and float.fromhex(data["model"]["alpha"]) == 0.0:
         return (
-            "stability is not decided: without damping and impacts both multipliers are on the unit circle, and nothing "
-            "attracts or repels"
+            "stability is not decided: without damping and impacts both multipliers are on the unit circle, "
+            "and nothing attracts or repels"
         )
     trace, det = (" to ".join(data["claims"][key]) for key in ("trace", "det"))
     return (

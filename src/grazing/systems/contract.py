@@ -216,7 +216,9 @@ class System(ByValue):
         except InputError:
             raise
         except Exception as error:
-            raise UserCodeError(f"the period of {self.name} raised {told(error)} ({dict(params)})") from error
+            raise UserCodeError(
+                f"the period of {self.name} raised {told(error, self.period)} ({dict(params)})"
+            ) from error
 
     def gaps(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Return gap and rate of each surface by its name, in plain Python."""
@@ -312,7 +314,7 @@ def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: 
     try:
         found = function(*args)
     except Exception as error:
-        raise UserCodeError(f"{what} raised {told(error)} (called with {shown(args)})") from error
+        raise UserCodeError(f"{what} raised {told(error, function)} (called with {shown(args)})") from error
     several = found if n else (found,)
     fits = isinstance(several, tuple) and len(several) == max(n, 1)
     if not fits or not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in several):
