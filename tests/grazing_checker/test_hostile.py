@@ -138,6 +138,17 @@ HOSTILE = {
 }
 
 
+def test_flights_to_two_walls_take_no_more_memory_than_those_to_one(tmp_path):
+    """As many steps to each wall as one wall may have."""
+    forged, path = documents()["pair"], tmp_path / "c.json"
+    for place, new in {("precision",): 1024, ("periods",): 1550}.items():
+        forged = changed(forged, ("data", *place), lambda _old, new=new: new)
+    forged["data"]["centre"][1] = "0x1307p0"  # 4871, half of 1550 periods after the first
+    path.write_text(json.dumps(claiming(forged)))
+    refusal, memory, _time, _yard = measured(path)
+    assert "too much work" in refusal and memory < 16 * LARGEST
+
+
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_certificate_that_keeps_the_checker_busy_is_rejected_before(tmp_path, name):
     forged = documents()["free"]

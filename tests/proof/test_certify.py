@@ -1,4 +1,5 @@
 import json
+from copy import copy
 from dataclasses import replace
 from time import process_time
 
@@ -204,3 +205,24 @@ def test_a_certificate_is_saved_and_checked_from_its_file(tmp_path):
         assert part in certificate.statement
     assert repr(certificate) == "<Certificate: periodic orbit with 1 impact in 3 periods, proven stable>"
     assert certificate.value is None
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e6])
+def test_an_orbit_that_is_another_one_than_was_given_is_told_in_any_unit(unit):
+    """The numbers given are off by a hundredth or by a millionth, whatever speeds are measured in."""
+    model = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=2.2, offset=0.12 * unit, cos=(unit,)), gz.newton(0.8))
+    orbit = next(one for one in gz.periodic_orbits(gz.stroboscopic_map(model), [1], starts=10) if one.impacts)
+
+    def reason(share):
+        other = copy(orbit)
+        object.__setattr__(other, "outgoing", orbit.outgoing * (1.0 + share))
+        return certify(other).reason
+
+    assert reason(1e-6) == "" and "to another orbit" in reason(1e-2)
+
+
+def test_a_free_swing_without_damping_is_not_said_to_be_near_a_bifurcation():
+    free = gz.Oscillator(0.0, 1.0, gz.Forcing(omega=2.2, offset=5.0, cos=(1.0,)), gz.newton(0.8))
+    found = certify(without_impacts(free))
+    assert found.proven and found.claims["stability"] == "undecided"
+    assert "without damping and impacts both multipliers are on the unit circle" in found.reason
