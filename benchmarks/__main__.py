@@ -1,4 +1,4 @@
-"""The command line: `python -m benchmarks [speed] [shallow] [chatter] [studies] [explorer] [forms] [options]`."""
+"""The command line: `python -m benchmarks [PART ...] [options]`; the parts are those of PARTS."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from .finders import FINDERS
 from .forms import forms, show_forms
 from .goals import goals
 from .measure import measure
+from .pinball import pinball, show_pinball
 from .report import write
 from .rows import rows
 from .shallow import shallow, show_shares
 from .speeds import show_goals, show_speeds
 from .studies import cost, show_costs
 
-PARTS = ("speed", "shallow", "chatter", "studies", "explorer", "forms")
+PARTS = ("speed", "shallow", "chatter", "studies", "explorer", "forms", "pinball")
 #: Parts that are no rows of programs, which --only could choose from.
-WHOLE = {"studies", "explorer", "forms"}
+WHOLE = {"studies", "explorer", "forms", "pinball"}
 #: Studies take seconds each: so many rounds are enough.
 STUDY_ROUNDS = 5
 QUICK = 0.2  # share of the work, of the fixed set and of the rounds in a quick run
@@ -118,8 +119,12 @@ def run(tokens: Sequence[str] | None = None) -> None:
     tell("")
     if brought:
         show_forms(out, brought)
+    balls = pinball(rounds, share, tell) if "pinball" in parts and not options.only else []
+    tell("")
+    if balls:
+        show_pinball(out, balls)
     if options.json is not None:
-        write(options.json, rounds, results, seen, bounces, costs, responses, brought)
+        write(options.json, rounds, results, seen, bounces, costs, responses, brought, balls)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

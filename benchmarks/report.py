@@ -17,6 +17,7 @@ from .chatter import Chatter
 from .explorer import Response
 from .forms import Brought
 from .measure import Result, beside, ratio
+from .pinball import Rate
 from .shallow import DEPTHS, Shallow
 from .studies import Cost
 
@@ -32,6 +33,7 @@ def write(
     costs: Sequence[Cost] = (),
     responses: Sequence[Response] = (),
     brought: Sequence[Brought] = (),
+    balls: Sequence[Rate] = (),
 ) -> None:
     """Write everything to a JSON file; docs/benchmarks.md says what the fields mean."""
     content = {
@@ -54,6 +56,7 @@ def write(
         "studies": [asdict(one) for one in costs],
         "explorer": [asdict(one) for one in responses],
         "forms": [asdict(one) for one in brought],
+        "pinball": [asdict(one) for one in balls],
     }
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 

@@ -211,3 +211,16 @@ def test_a_column_has_the_units_of_its_own_coordinate(tmp_path):
     )  # fmt: skip
     (file,) = gz.to_csv(both, tmp_path / "a.csv")
     assert file.read_text().splitlines()[0] == "n,state_u (mm),state_v (mm/s),same_u (s),same_v (s)"
+
+
+def test_a_column_of_texts_is_not_taken_for_names(tmp_path):
+    """Each text got a column of its own: of equal ones all but the last were lost, and 100,000 took minutes."""
+    words = xr.Dataset({"x": ("word", np.arange(3.0)), "y": ("n", [1.0])}, {"word": ["L", "R", "L"]})
+    assert to_csv(words, tmp_path / "a.csv")[0].read_text().splitlines() == ["word,x", "L,0.0", "R,1.0", "L,2.0"]
+    many = xr.Dataset({"x": ("word", np.arange(1e5))}, {"word": np.arange(100_000).astype(str)})
+    assert len(to_csv(many, tmp_path / "b.csv")[0].read_text().splitlines()) == 100_001
+    clash = xr.Dataset({"x": ("of", [1.0, 2.0]), "x_u": 3.0}, {"of": ["u", "v"]})
+    with pytest.raises(InputError, match="two columns would be called 'x_u'"):
+        to_csv(clash, tmp_path / "c.csv")
+    three = xr.Dataset({"x": ("of", [1.0, 2.0, 3.0], {"units": "m, s"})}, {"of": ["u", "v", "w"]})
+    assert to_csv(three, tmp_path / "d.csv")[0].read_text().startswith('"x_u (m, s)","x_v (m, s)","x_w (m, s)"')

@@ -26,6 +26,8 @@ Pieces = Iterator[list[NDArray[Any]]]
 FILLER = "no_further_"
 #: Letters of a dimension in the name of a file.
 LONGEST = 100
+#: Names along a dimension that get a column each.
+NAMES = 100
 #: Rows that are put together at a time.
 ROWS = 200_000
 
@@ -210,18 +212,27 @@ def _part(dims: tuple[str, ...]) -> str:
 
 def _spread_names(result: xr.Dataset) -> xr.Dataset:
     """Return a result with a variable ``point_u`` for each name along a dimension of names, such as coordinates."""
-    for dim in [str(dim) for dim in result.sizes if dim in result.coords and result[dim].dtype.kind in "OU"]:
+    for dim in [str(dim) for dim in result.sizes if dim in result.coords and _are_names(result[dim])]:
         spread: dict[str, Any] = {}  # in the places of those that they are made of
         for name in map(str, result.data_vars):
             if dim not in result[name].dims:
                 spread[name] = result[name]
                 continue
             units = str(result[name].attrs.get("units", "1")).split(", ")  # of each, where they differ
-            units *= result.sizes[dim] if len(units) == 1 else 1
+            if len(units) != result.sizes[dim]:
+                units = [", ".join(units)] * result.sizes[dim]
             for i, label in enumerate(result[dim].values):
-                spread[f"{name}_{label}"] = result[name].isel({dim: i}, drop=True).assign_attrs(units=units[i])
+                column = f"{name}_{label}"
+                if column in result.variables:
+                    raise InputError(f"two columns would be called {shown(column)}; rename that variable")
+                spread[column] = result[name].isel({dim: i}, drop=True).assign_attrs(units=units[i])
         result = result.drop_vars([*result.data_vars, dim]).assign(spread)
     return result
+
+
+def _are_names(labels: Any) -> bool:
+    """Whether a dimension is one of names, a column each; what is something else has a column of texts."""
+    return labels.dtype.kind in "OU" and labels.size <= NAMES and len({*map(str, labels.values)}) == labels.size
 
 
 def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:

@@ -81,7 +81,8 @@ class Parameter:
 
     def check(self, value: Any) -> float:
         """Return the value as a float, or raise InputError saying what is allowed."""
-        number = real(value, self.name, f"allowed is {self.allowed} ({self.meaning})")
+        usual = type(value) is float and math.isfinite(value)  # then no words are needed
+        number = value if usual else real(value, self.name, f"allowed is {self.allowed} ({self.meaning})")
         inside = self.low <= number <= self.high and not (self.open == "low" and number == self.low)
         if not inside:
             raise InputError(f"{self.name} = {number:g}; allowed is {self.allowed} ({self.meaning})")
@@ -151,6 +152,8 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
 
 def real(value: Any, name: str, allowed: str) -> float:
     """Return a finite float, or raise InputError; booleans, text, complex numbers and arrays are refused."""
+    if type(value) is float and math.isfinite(value):
+        return value
     try:
         if not _is_number(value):
             raise TypeError

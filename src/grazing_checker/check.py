@@ -10,7 +10,7 @@ from grazing_checker.envelope import VERSION, opened
 from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
 from grazing_checker.orbit import check_orbit, check_walled_orbit
 from grazing_checker.reading import Rejected, demand, quoted
-from grazing_checker.value import check_value
+from grazing_checker.value import check_value, check_walled_value
 
 #: All that is imported from the standard library.
 STANDARD_LIBRARY = (
@@ -45,6 +45,7 @@ KINDS = {
     "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
     "periodic orbit with walls": Kind(check_walled_orbit, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS)),
     "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
+    "bifurcation value with walls": Kind(check_walled_value, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS, BETWEEN)),
     "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
     "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
     "gap map without attracting orbits": Kind(check_no_attractor, (STRETCHING,)),

@@ -258,9 +258,12 @@ class Path:
     """A flight from (y, v) at time t over a length L, as a chain of series.
 
     A ball of states is carried on by E(h) and not by a series, in which its size would grow like e^(alpha h).
+    ``slopes`` are the derivatives of (y, v) by the unknown parameter.
     """
 
-    def __init__(self, flights: Checked, t: Ball, y: Ball, v: Ball, L: Ball) -> None:
+    def __init__(
+        self, flights: Checked, t: Ball, y: Ball, v: Ball, L: Ball, slopes: tuple[Ball, Ball] | None = None
+    ) -> None:  # fmt: skip
         self.flights, self.t, self.L = flights, t, L
         self.count = flights.count(L)
         flights.keep(self.count)
@@ -268,7 +271,7 @@ class Path:
         free = free_flights(flights, self.h)
         E = free.matrix
         self.pieces: list[Piece] = []
-        dy, dv = number(0), number(0)
+        dy, dv = slopes or (number(0), number(0))
         for i in range(self.count):
             at = t + i * self.h
             F = flights.forces(at)

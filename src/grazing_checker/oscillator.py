@@ -54,6 +54,16 @@ class Leg(NamedTuple):
         return self.turn * self.E[1], self.turn * self.E[3]
 
 
+class Dip(NamedTuple):
+    """A stretch of a flight above a wall, by their numbers, that may touch it, and a time inside."""
+
+    flight: int
+    wall: int
+    start: Ball
+    stop: Ball
+    time: Ball
+
+
 class Problem:
     """The equations of a certificate, built from its data; the last coordinate of a point may be a parameter.
 
@@ -91,13 +101,10 @@ class Problem:
         demand(p["omega"] > 0, "omega is out of range")
         demand("k" not in p or p["k"] >= 0, "k is out of range")
         demand(self.walls[0].name or p["alpha"] >= 0, "alpha is out of range")
-        slopes = self.slope("model")
-        if "k" in slopes:
-            slopes["k2"] = 2 * p["k"]
         for wall in self.walls:
             q = p if wall.place == "model" else self.parameters(wall.place, x)
             demand(all(value.is_finite() for value in (*p.values(), *q.values())), "a parameter is not finite")
-            found.append(frame(wall, p, q, slopes))
+            found.append(frame(wall, p, q, self.slope("model"), self.slope(wall.place)))
         return found
 
     def motion(self, x: Point) -> Motion:
@@ -137,7 +144,8 @@ class Problem:
         made = []
         for start in self._starts(x, frames):
             one, two, t, y, w, L, _end = start
-            path = Path(flights[two], t, *frames[one].seen_by(frames[two], t, y, w), L)
+            slopes = frames[one].slope_seen_by(frames[two], t) if sensitive else None
+            path = Path(flights[two], t, *frames[one].seen_by(frames[two], t, y, w), L, slopes)
             made.append(self._leg(x, frames, path, start, path.y, path.v, transition(flights[two], L)))
         return made
 
@@ -162,6 +170,15 @@ class Problem:
             v_end = last(late, 1) + E[2] * dy + E[3] * dw
             made.append(self._leg(x, frames, path, start, y_end, v_end, E))
         return made
+
+    def seen(self, x: Point, leg: Leg, to: int, resting: bool = False) -> Path:
+        """Return a flight as a wall sees it; ``resting`` says that it leaves with w = 0 exactly."""
+        if to == leg.two and not resting:
+            return leg.path
+        frames = self.frames(x)
+        start = number(0) if self.n else x[0], number(0) if resting else leg.w
+        flights = Checked(frames[to].motion, work=self.work)
+        return Path(flights, leg.t, *frames[leg.one].seen_by(frames[to], leg.t, *start), leg.end - leg.t)
 
     def _starts(self, x: Point, frames: list[Frame]) -> list[Start]:
         """Return the walls at both ends, time, height, velocity, length and end of every flight."""
@@ -274,7 +291,7 @@ def margins(trace: Ball, det: Ball) -> dict[str, Ball]:
 
 
 def check_flights(
-    problem: Problem, x: Point, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Any = None
+    problem: Problem, x: Point, legs: list[Leg], cuts: Any, rows: Inequalities, dip: Dip | None = None
 ) -> None:  # fmt: skip
     """Verify that all solutions in a box are motions: what happens at impacts, and no contact between them.
 
@@ -291,7 +308,7 @@ def check_flights(
     Without impacts y > 0 must hold on the whole of [0, N T] for each wall. Every bound holds for all solutions in the
     box at once.
     """
-    n, frames = problem.n, problem.frames(x)
+    n = problem.n
     if n == 0:
         demand(cuts == [], "an orbit without impacts has no cuts")
     for i, leg in enumerate(legs if n else ()):
@@ -299,7 +316,7 @@ def check_flights(
         demand(leg.after.x > 0 or leg.after.x.is_zero(), "the reset law does not surely return a velocity >= 0")
     demand(isinstance(cuts, list) and len(cuts) == n, "there are not two cuts for every flight")
     for i, leg in enumerate(legs):
-        L, w = leg.end - leg.t, leg.w
+        L = leg.end - leg.t
         start, end = numbers(cuts[i], 2, f"cuts of flight {i + 1}") if n else (number(0), L.upper())
         if n:
             ordered = end > start or leg.one != leg.two
@@ -308,16 +325,15 @@ def check_flights(
                 f"the cuts of flight {i + 1} are not in order",
             )
         resting = n > 0 and legs[i - 1].after.x.is_zero()
-        w = number(0) if resting else leg.w
-        y0 = number(0) if n else x[0]
-        paths = [_path(frames, leg, y0, w, L, to, resting) for to in range(len(frames))]
+        paths = [problem.seen(x, leg, to, resting) for to in range(len(problem.walls))]
         if n:
             first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
             shown = exceeds(paths[leg.one], number(0), start, 2 if resting else 1, rows.left(first, ">"))
             demand(shown, f"{first} is not proven")
         for j, path in enumerate(paths):
             low, high = start if j == leg.one else number(0), end if j == leg.two else L.upper()
-            _check_height(path, _height(problem, i, j), low, high, rows, dip, i + 1)
+            here = dip if dip is not None and dip[:2] == (i, j) else None
+            _check_height(path, _height(problem, i, j), low, high, rows, here)
         if n:
             last = f"velocity of flight {i + 1} after its last cut"
             shown = exceeds(paths[leg.two], end, L.upper(), 1, -rows.left(last, "<"), sign=-1)
@@ -333,23 +349,13 @@ def _height(problem: Problem, i: int, j: int) -> str:
     return f"height of {flight}{' between its cuts' if problem.n else ''}"
 
 
-def _path(frames: list[Frame], leg: Leg, y: Ball, w: Ball, L: Ball, to: int, anew: bool) -> Path:
-    """Return a flight as a wall sees it."""
-    if to == leg.two and not anew:
-        return leg.path
-    flights = Checked(frames[to].motion, work=leg.path.flights.work)
-    return Path(flights, leg.t, *frames[leg.one].seen_by(frames[to], leg.t, y, w), L)
-
-
-def _check_height(
-    path: Path, name: str, low: Ball, high: Ball, rows: Inequalities, dip: Any, flight: int = 1
-) -> None:  # fmt: skip
-    """Verify y > left >= 0 on a stretch, but for a dip of this flight, which must lie inside."""
+def _check_height(path: Path, name: str, low: Ball, high: Ball, rows: Inequalities, dip: Dip | None) -> None:
+    """Verify y > left >= 0 on a stretch, but for a dip, which must lie inside."""
     floor = rows.left(name, ">")
-    if dip is None or dip["flight"] != flight:
+    if dip is None:
         demand(exceeds(path, low, high, 0, floor), f"{name} is not proven")
         return
-    one, two = numbers([dip["from"], dip["to"]], 2, "the dip")
+    one, two = dip.start, dip.stop
     demand(one > low and two > one and high > two, "the dip is not inside its flight")
     demand(exceeds(path, low, one, 0, floor) and exceeds(path, two, high, 0, floor), f"{name} is not proven")
 

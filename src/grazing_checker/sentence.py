@@ -5,7 +5,7 @@ Text only: the checker writes the sentence after it has verified the data; the f
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import gcd
 from typing import Any
 
@@ -50,7 +50,7 @@ def walled_text(data: Mapping[str, Any]) -> str:
     model = data["model"]
     spring = "stiffness" if "stiffness" in model else "k"
     flat = {name: model[name] for name in ("alpha", spring, "omega", "t0", "offset")} | _amplitudes(model)
-    pull = "stiffness" if spring == "stiffness" else "k^2"
+    pull = {"k": "k^2"}.get(spring, spring)
     return (
         f"the oscillator u'' + alpha u' + {pull} u = offset + {_series()}, with {_values(flat)} and T = 2 pi/omega, "
         f"{', and '.join(_wall_text(one) for one in data['walls'])}"
@@ -79,23 +79,25 @@ def _wall_text(wall: Mapping[str, Any]) -> str:
     law, front = wall["law"], f"{name}."
     place = f"{front}sigma{f' + {_series(front)}' if wall['cos'] else ''}"
     speed = f"u' - z_{name}'" if below else f"z_{name}' - u'"
-    numbers = _values({f"{front}sigma": wall["sigma"]} | _amplitudes(wall))
-    said = (
-        f'u {">" if below else "<"} z_{name} at the wall "{name}", z_{name} = {place} with {numbers}, where an impact '
-        f"with {speed} = v < 0 makes {speed} = {law_text(law['after'])}"
-    )
+    known = _values({f"{front}sigma": wall["sigma"]} | _amplitudes(wall))
     inside = _values({f"p.{key}": x for key, x in law["parameters"].items()})
-    return f"{said}{' with ' if inside else ''}{inside}"
+    return (
+        f'u {">" if below else "<"} z_{name} at the wall "{name}", z_{name} = {place}{known and f" with {known}"}, '
+        f"where an impact with {speed} = v < 0 makes {speed} = {law_text(law['after'])}{inside and f' with {inside}'}"
+    )
 
 
 def parameter_text(data: Mapping[str, Any]) -> str:
     """Return the name of the parameter that is unknown, as the sentence calls it."""
-    of, name = data["parameter"]["of"], data["parameter"]["name"]
+    of, name = str(data["parameter"]["of"]), data["parameter"]["name"]
     if of == "law":
         return f"p.{name}"
+    if of.startswith("law of "):
+        return f'p.{name} of the wall "{of[7:]}"'
     if name == "offset":
-        return str(data["model"]["offset_name"])
-    return f"{name[:3]}_{name[3:]}" if name[:3] in ("cos", "sin") else str(name)
+        return str(data["model"].get("offset_name", name))
+    indexed = f"{name[:3]}_{name[3:]}" if name[:3] in ("cos", "sin") else str(name)
+    return indexed if of == "model" else f"{of}.{indexed}"
 
 
 def signature(n: int, N: int) -> str:
@@ -160,31 +162,53 @@ def _impacts(n: int) -> tuple[str, str, str]:
     return "meets the wall at no other time, and at each impact with a velocity < 0", names, ""
 
 
+#: What the coordinates of an orbit with walls of its own mean.
+MEANING = "t_i are the times of its impacts and w_i what the laws make of v at them"
+
+
 def _meetings(data: Mapping[str, Any], n: int) -> tuple[str, str, str]:
     """Return in words how an orbit meets its walls, what its coordinates mean, and its symmetry if that is claimed."""
     middle = " + ".join(f"{one['name']}.sigma" for one in data["walls"])
     image = f"; it is its own mirror image, u(t + {data['periods']} T/2) = {middle} - u(t)"
     image = image if data["claims"]["symmetric"] else ""
     if n == 0:
-        walls = " and ".join(f'"{one["name"]}"' for one in data["walls"])
-        return f"stays off the wall{'s' if len(data['walls']) > 1 else ''} {walls}", "", image
-    order = ", ".join(f'"{name}"' for name in data["impacts"])
-    names = "; t_i are the times of its impacts and w_i what the laws make of v at them"
-    return f"meets the walls {order}, in this order, and none at another time, each with v < 0", names, image
+        return f"stays off {_named(data['walls'])}", "", image
+    order = ", ".join(map(_quoted, data["impacts"]))
+    met = f"meets the walls {order}, in this order, and none at another time, each with v < 0"
+    return met, f"; {MEANING}", image
 
 
 def value_sentence(data: Mapping[str, Any]) -> str:
     """Return the sentence of a certificate of a bifurcation value."""
-    claims, n, name = data["claims"], data["impacts"], parameter_text(data)
+    claims, walls, name = data["claims"], data.get("walls", ()), parameter_text(data)
+    n = len(data["impacts"]) if walls else data["impacts"]
     low, high = claims["value"]
     ends = [STABILITY[one].partition(":")[0] for one in claims["ends"]]
-    grazes = data["type"] == "gr"
-    pinned = dict(enumerate([*coordinates(n), name])).get(data["pinned"])
+    grazes, first = data["type"] == "gr", walls[0] if walls else None
+    pinned = dict(enumerate([*coordinates(n, first), name])).get(data["pinned"])
     but = " but for that dip, in which they are continued as if there were no wall" if grazes else ""
     beside = "" if grazes else f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
+    event, off, at = EVENTS[data["type"]], "the wall", ""
+    if walls:
+        event = event.replace("touches the wall", f'touches the wall "{data["dip"]["wall"]}"') if grazes else event
+        event = event.replace("above it", "off it").replace("below it", "beyond it")
+        off, at = _named(walls), f" {_order(data)}," if n else ""
+    box = f"{box_text(n, claims['box'], first)}{f' ({MEANING})' if walls and n else ''}"
     return (
-        f"For {model_text(data)}, {EXACTLY} there is a value of {name} in "
-        f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T with "
-        f"{box_text(n, claims['box'])}, {EVENTS[data['type']]}; the curve is one of such orbits in that box, "
-        f"along which {pinned} grows, and they stay off the wall{' between their impacts' if n else ''}{but}{beside}."
+        f"For {walled_text(data) if walls else model_text(data)}, {EXACTLY} there is a value of {name} in "
+        f"[{low}, {high}] at which, for a periodic orbit {signature(n, data['periods'])} T{at} with "
+        f"{box}, {event}; the curve is one of such orbits in that box, "
+        f"along which {pinned} grows, and they stay off {off}{' between their impacts' if n else ''}{but}{beside}."
     )
+
+
+def _named(walls: Sequence[Mapping[str, Any]]) -> str:
+    return f"the wall{'s' if len(walls) > 1 else ''} {' and '.join(_quoted(one['name']) for one in walls)}"
+
+
+def _order(data: Mapping[str, Any]) -> str:
+    return f"at the walls {', '.join(map(_quoted, data['impacts']))}, in this order"
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"'

@@ -8,6 +8,7 @@ from typing import Any
 from grazing_checker.balls import Ball, precision
 from grazing_checker.flight import exceeds
 from grazing_checker.oscillator import (
+    Dip,
     Leg,
     Point,
     Problem,
@@ -24,7 +25,7 @@ from grazing_checker.reading import Inequalities, decimal, demand, exact, keys, 
 from grazing_checker.sentence import EVENTS, value_sentence
 
 KEYS = (
-    "model", "law", "impacts", "periods", "precision", "parameter", "type", "pinned", "centre", "radius",
+    "model", "impacts", "periods", "precision", "parameter", "type", "pinned", "centre", "radius",
     "preconditioner", "cuts", "dip", "ends", "claims",
 )  # fmt: skip
 CLAIMS = ("value", "box", "ends")
@@ -44,7 +45,17 @@ def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     3. A quantity that is continuous along the curve has opposite signs at its ends, so it is 0 between
        (:func:`_change_of_sign`). That it is 0 once only is not claimed.
     """
-    keys(data, KEYS, "the data")
+    keys(data, (*KEYS, "law"), "the data")
+    return _checked(data, inequalities)
+
+
+def check_walled_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
+    """Verify a certificate of a bifurcation value with walls of its own: :func:`check_value` with a list of walls."""
+    keys(data, (*KEYS, "walls"), "the data")
+    return _checked(data, inequalities)
+
+
+def _checked(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     keys(data["claims"], CLAIMS, "the claims")
     demand(
         isinstance(data["type"], str) and data["type"] in EVENTS, f"the type of bifurcation is {quoted(data['type'])}"
@@ -57,7 +68,7 @@ def check_value(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         demand(problem.n > 0 or data["type"] == "gr", "an orbit without impacts has a graze only")
         rows = Inequalities(inequalities)
         curve = Curve(problem, data, rows)
-        dip = _dip(data, max(problem.n, 1))
+        dip = _dip(data, problem)
         check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
         ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
         _change_of_sign(problem, data, curve, ends, dip, rows)
@@ -125,19 +136,24 @@ class Curve:
         return box, problem.legs(box)
 
 
-def _dip(data: Mapping[str, Any], flights: int) -> Any:
-    """Return the dip that touches the wall; None where none should."""
+def _dip(data: Mapping[str, Any], problem: Problem) -> Dip | None:
+    """Return the dip that touches a wall; None where none should."""
     if data["type"] != "gr":
         demand(data["dip"] == {}, "there is a dip in a certificate that needs none")
         return None
-    keys(data["dip"], ("flight", "from", "to", "time"), "the dip")
-    demand(whole(data["dip"]["flight"], 1, "the flight of the dip") <= flights, "no such flight")
-    return data["dip"]
+    dip, names = data["dip"], [wall.name for wall in problem.walls]
+    named = ("wall",) if "walls" in data else ()
+    keys(dip, ("flight", "from", "to", "time", *named), "the dip")
+    flight = whole(dip["flight"], 1, "the flight of the dip")
+    demand(flight <= max(problem.n, 1), "no such flight")
+    demand(not named or (isinstance(dip["wall"], str) and dip["wall"] in names), "no such wall")
+    wall = names.index(dip["wall"]) if named else 0
+    return Dip(flight - 1, wall, *(exact(dip[name]) for name in ("from", "to", "time")))
 
 
 def _change_of_sign(
-    problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Any,
-    rows: Inequalities,
+    problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]],
+    dip: Dip | None, rows: Inequalities,
 ) -> None:  # fmt: skip
     """Verify that the test function has opposite signs at the ends of the curve.
 
@@ -162,24 +178,21 @@ def _change_of_sign(
         rows.less("trace^2/4 - det", trace * trace / 4 - det)
 
 
-def _heights(
-    curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Mapping[str, Any], rows: Inequalities
-) -> list[Ball]:
+def _heights(curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Dip, rows: Inequalities) -> list[Ball]:
     """Return bounds on the least height of the dip at both ends, from below where it is positive, else from above.
 
     With y'' > b > 0 on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it, and at most y(s) at its
     lowest. Demanded: s inside the stretch, the stretch inside its flight (``check_flights``), y'' > b over the whole
     curve, so that there is one lowest point, which depends continuously on the orbit.
     """
-    start, stop, time = (exact(dip[name]) for name in ("from", "to", "time"))
-    demand(start < time and time < stop, "the dip is not looked at where it is")
+    demand(dip.start < dip.time and dip.time < dip.stop, "the dip is not looked at where it is")
     b = rows.left("acceleration in the dip", ">")
-    leg = curve.legs[dip["flight"] - 1]
-    demand(b > 0 and exceeds(leg.path, start, stop, 2, b), "the acceleration in the dip is not proven")
+    path = curve.problem.seen(curve.box, curve.legs[dip.flight], dip.wall)
+    demand(b > 0 and exceeds(path, dip.start, dip.stop, 2, b), "the acceleration in the dip is not proven")
     heights = []
-    for _box, legs in ends:
-        path = legs[dip["flight"] - 1].path
-        y, v = path.at(time), path.at(time, 1)
+    for box, legs in ends:
+        path = curve.problem.seen(box, legs[dip.flight], dip.wall)
+        y, v = path.at(dip.time), path.at(dip.time, 1)
         least = y - v * v / (2 * b)
         heights.append(least if least > 0 else y)
     return heights

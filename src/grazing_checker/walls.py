@@ -43,13 +43,14 @@ class Wall(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """A wall at given parameters: its side, the motion as it sees it, and its own place."""
+    """A wall at given parameters: its side, the motion as it sees it, its place and that by the unknown parameter."""
 
     sign: int
     motion: Motion
     sigma: Ball
     cos: list[Ball]
     sin: list[Ball]
+    slopes: Mapping[str, Ball]
 
     def at(self, t: Ball) -> tuple[Ball, Ball]:
         """Return where the wall is at time t, and how fast it moves."""
@@ -59,6 +60,27 @@ class Frame(NamedTuple):
             sine, cosine = (W * (t + self.motion.t0)).sin_cos()
             place, rate = place + c * cosine + s * sine, rate + W * (s * cosine - c * sine)
         return place, rate
+
+    def at_slope(self, t: Ball) -> tuple[Ball, Ball]:
+        """Return the derivatives of place and speed at time t by the unknown parameter."""
+        m, nothing = self.motion, number(0)
+        place, rate = self.slopes.get("sigma", nothing), nothing
+        for j, (c, s) in enumerate(zip(self.cos, self.sin, strict=True), start=1):
+            W, faster = j * m.omega, j * m.slope("omega")
+            dc, ds = self.slopes.get(f"cos{j}", nothing), self.slopes.get(f"sin{j}", nothing)
+            sine, cosine = (W * (t + m.t0)).sin_cos()
+            ahead = faster * (t + m.t0) + W * m.slope("t0")
+            swing, turn = c * cosine + s * sine, s * cosine - c * sine
+            place += dc * cosine + ds * sine + turn * ahead
+            rate += faster * turn + W * (ds * cosine - dc * sine - swing * ahead)
+        return place, rate
+
+    def slope_seen_by(self, other: Frame, t: Ball) -> tuple[Ball, Ball]:
+        """Return the derivative by the unknown parameter of what another sees, if nothing changes for this one."""
+        if other is self:
+            return number(0), number(0)
+        (one, fast), (two, late) = self.at_slope(t), other.at_slope(t)
+        return other.sign * (one - two), other.sign * (fast - late)
 
     def seen_by(self, other: Frame, t: Ball, x: Ball, v: Ball) -> tuple[Ball, Ball]:
         """Return distance and velocity, as this wall sees them at time t, as another sees them."""
@@ -127,23 +149,33 @@ def amplitudes(p: Mapping[str, Ball]) -> tuple[list[Ball], list[Ball]]:
     return [p[f"cos{j}"] for j in js], [p[f"sin{j}"] for j in js]
 
 
-def frame(wall: Wall, p: Mapping[str, Ball], q: Mapping[str, Ball], slopes: Mapping[str, Ball]) -> Frame:
+def frame(
+    wall: Wall, p: Mapping[str, Ball], q: Mapping[str, Ball], dp: Mapping[str, Ball], dq: Mapping[str, Ball]
+) -> Frame:  # fmt: skip
     """Return a wall at parameters p of the model and q of its place; see above for what it sees.
 
-    ``slopes`` are the derivatives of the numbers of the motion by an unknown parameter, where there is one.
+    ``dp`` and ``dq`` are their derivatives by an unknown parameter: 1 where it is one of them, else left out.
     """
-    alpha, omega, nothing = p["alpha"], p["omega"], number(0)
+    alpha, omega, nothing, sign = p["alpha"], p["omega"], number(0), wall.sign
     k2 = p["stiffness"] if "stiffness" in p else p["k"] * p["k"]
+    slopes = {name: dp.get(name, nothing) for name in ("alpha", "omega", "t0")}
+    slopes["k2"] = dp.get("stiffness", nothing) if "stiffness" in p else 2 * p["k"] * dp.get("k", nothing)
+    slopes |= {"offset": sign * dp.get("offset", nothing), "sigma": sign * dq.get("sigma", nothing)}
     own = amplitudes(q) if q is not p else ([], [])
     cos, sin = [], []
     for j, (a, b, c, s) in enumerate(zip_longest(*amplitudes(p), *own, fillvalue=nothing), start=1):
-        W = j * omega
+        W, faster = j * omega, j * slopes["omega"]
         lift, drag = k2 - W * W, alpha * W
-        cos.append(wall.sign * (a - (lift * c + drag * s)))
-        sin.append(wall.sign * (b - (lift * s - drag * c)))
-    offset, sigma = wall.sign * p["offset"], wall.sign * q["sigma"]
-    seen = Motion(alpha, k2, omega, p["t0"], offset, sigma, cos=cos, sin=sin, slopes=dict(slopes))
-    return Frame(wall.sign, seen, q["sigma"], *own)
+        cos.append(sign * (a - (lift * c + drag * s)))
+        sin.append(sign * (b - (lift * s - drag * c)))
+        lifts, drags = slopes["k2"] - 2 * W * faster, slopes["alpha"] * W + alpha * faster
+        dc, ds = (dq.get(f"{kind}{j}", nothing) if q is not p else nothing for kind in ("cos", "sin"))
+        da, db = dp.get(f"cos{j}", nothing), dp.get(f"sin{j}", nothing)
+        slopes[f"cos{j}"] = sign * (da - (lifts * c + lift * dc + drags * s + drag * ds))
+        slopes[f"sin{j}"] = sign * (db - (lifts * s + lift * ds - drags * c - drag * dc))
+    offset, sigma = sign * p["offset"], sign * q["sigma"]
+    seen = Motion(alpha, k2, omega, p["t0"], offset, sigma, cos=cos, sin=sin, slopes=slopes)
+    return Frame(sign, seen, q["sigma"], *own, dq)
 
 
 def mirrored(data: Mapping[str, Any]) -> bool:

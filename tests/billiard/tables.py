@@ -75,7 +75,10 @@ def grazing(kind, depth, random):
         else:
             one = gz.arc("A", (x, y), radius, angle - half, angle + half, law)
         table = gz.table([one], rho=rho, g=max(g, 1.0), tilt=0.5 * pi if g else 0.0)
-        return table, state, t
+        before = np.linspace(0.0, t - 0.2, 40)
+        way = zip(state[0] + state[2] * before, state[1] + (state[3] - 0.5 * g * before) * before, strict=True)
+        if all(table.distances(*place)["A"] > rho + 1e-3 for place in way):  # it meets nothing else before
+            return table, state, t
 
 
 def least_gap(table, state, t):

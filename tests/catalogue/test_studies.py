@@ -37,17 +37,28 @@ def below(P, name, values, *, starts=100, seed=0, level=0.0, threads=None, progr
 STUDY = Study(
     name="below", place=65, compute="grazing.catalogue.below:below",
     least=1, most=1, says="how many orbits end below a level", help="Count the orbits that end below a level.",
-    example="mu=0:1:5", prints="the greatest share", figure="",
+    example="mu=0:1:5", prints="the greatest share",
     options={"level": ("number", "where to cut")},
     found=lambda result: {"greatest": float(result["share"].max())},
     words=lambda found, *_of: [f"at most {found['greatest']:.3g} of them"],
 )
 """
+DRAWN = """
+from grazing.plot.style import axes, root
+
+
+def below(result, ax=None, *, colour="#ff0000"):
+    ax = axes(ax)
+    ax.plot(result["share"].values, color=colour)
+    return {"figure": root(ax)}
+"""
 ASKED = """
 import sys
 from pathlib import Path
 import grazing.catalogue
+import grazing.plot
 grazing.catalogue.__path__.append(sys.argv[1])
+grazing.plot.__path__.append(sys.argv[1] + "/plot")
 from grazing.cli.app import app, main
 def run(*tokens):
     code = main(list(tokens))
@@ -58,7 +69,9 @@ gap = ["--map", "gap", "--lam", "0.5", "--l", "0.1", "-q"]
 
 @pytest.fixture
 def asked(tmp_path):
+    (tmp_path / "plot").mkdir()
     (tmp_path / "below.py").write_text(OWN)
+    (tmp_path / "plot" / "below.py").write_text(DRAWN)
 
     def run(code):
         done = python(ASKED + code, tmp_path, cwd=tmp_path)
@@ -74,7 +87,7 @@ def test_a_study_of_ones_own_has_a_command_and_help(asked):
     assert listed.index("coexistence") < listed.index("below") < listed.index("trajectory")
     assert "--level NUMBER" in out and "where to cut" in out and "--dry-run" in out and "at most " in out
     words = " ".join(out.replace("\u2502", "").split())
-    assert "Its ending chooses the format: nc (result, NetCDF), csv or parquet" in words  # it has no figure
+    assert "Its ending chooses the format: png, pdf, svg (figure), nc (result, NetCDF), csv or parquet" in words
 
 
 def test_it_is_in_the_schema_and_completed(asked):
@@ -93,6 +106,15 @@ def test_it_is_swept_and_the_command_is_known_again(asked):
         "run('sweep', 'run', 'a.toml', 'a.zarr', '-q'); run('info', 'a.zarr')"
     )
     assert "grazing below mu=0:1:4 --map gap --lam 0.5 --l 0.1 --starts 10 --level 0.2" in out
+
+
+def test_it_is_drawn_by_the_function_of_its_name(asked):
+    asked(
+        "run('below', 'mu=0.1:0.3:3', *gap, '-o', 'a.svg', '-o', 'a.nc')\n"
+        "run('plot', 'a.nc', '-o', 'b.svg', '--style', 'colour=#00ff00')\n"
+        "a, b = (Path(file).read_text() for file in ('a.svg', 'b.svg'))\n"
+        "assert '#00ff00' in b and '#00ff00' not in a and '#ff0000' in a"
+    )
 
 
 def test_it_is_in_the_table_of_the_documentation(asked):

@@ -177,16 +177,6 @@ def test_a_law_of_ones_own_is_proven_and_verified_with_its_file(folder, capsys):
     said(capsys, 1, "orbit", "check", "own.json", "--model", "other.py:ball")
 
 
-def test_orbits_between_walls_are_proven_by_the_same_calls(folder, capsys):
-    walls = ["--walls", "A=newton,B=newton", "A.sigma=-0.5", "A.r=0.8", "B.sigma=0.5", "B.r=0.6"]
-    model = ["--alpha", "0.1", "--k", "0.5", "--omega", "2", "--cos", "2", "-q"]
-    found = told(capsys, "orbit", "--word", "(AB)", *walls, *model, "--starts", "20", "--save", "proofs")
-    ((row,), (orbit,)) = found["proofs"], found["orbits"]
-    assert row["proven"] and 'meets the walls "A", "B", in this order' in row["statement"] and not orbit["stable"]
-    assert "unstable" in row["statement"] and row["file"].endswith("(AB)-period-1.json")
-    assert "verified" in said(capsys, 0, "orbit", "check", row["file"])
-
-
 # ---- branch
 
 

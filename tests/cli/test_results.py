@@ -218,6 +218,13 @@ def test_a_stored_result_is_drawn(folder, capsys):
     assert "written: c.png" in said(capsys, 0, "plot", "c.zarr", "-o", "c.png")
 
 
+def test_a_motion_made_in_python_is_drawn_though_it_names_no_study(folder, capsys):
+    motion = gz.trajectory(gz.pinball(d=0.12, V=0.4), (0.1, 0.0), until=50.0)
+    for name, result in (("motion", motion), ("lines", gz.spectrum(gz.sample(motion, 20.0)))):
+        gz.save(result, f"{name}.nc")
+        assert f"written: {name}.svg" in said(capsys, 0, "plot", f"{name}.nc", "-o", f"{name}.svg")
+
+
 def test_arguments_of_the_figure(folder, capsys):
     main([*CHART, "-o", "a.nc", "-o", "a.png"])
     assert main(["plot", "a.nc", "-o", "b.png", "--style", "by=exponent", "--style", "legend=no"]) == 0
@@ -226,6 +233,9 @@ def test_arguments_of_the_figure(folder, capsys):
         capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "colour=red"
     )
     assert "allowed are true and false" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend=maybe")
+    for switch, there in (("yes", True), ("no", False)):
+        assert main(["plot", "a.nc", "-o", "c.svg", "--style", f"legend={switch}"]) == 0
+        assert ('id="legend_1"' in (folder / "c.svg").read_text()) is there
     assert "give NAME=VALUE" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "legend")
     assert "by" in said(capsys, 2, "plot", "a.nc", "-o", "b.png", "--style", "by=colour")
     main([*DIAGRAM, "-o", "d.nc"])

@@ -71,6 +71,7 @@ def test_frequencies_are_in_hertz_unless_rad_s_is_asked_for():
     assert given["frequency"].values == pytest.approx([12.0, 14.0]) and given["frequency"].attrs["units"] == "Hz"
     assert given.attrs["title"].endswith(" in frequency")
     assert "omega" in as_given(result, ["rad/s"]).coords
+    assert as_given(gz.in_units(result, "Hz"), ["Hz"])["frequency"].values == pytest.approx([12.0, 14.0])
     assert as_given(gz.in_units(result, "rpm"))["frequency"].values == pytest.approx([720.0, 840.0])
 
 

@@ -165,7 +165,9 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
     small = ["frequency=13:15:3", "--si", TEXT, "--r", "0.7", "--starts", "2", "-q"]
     assert main(["response", *small, "--units", "Hz,mm,N s", "-o", "a.nc", "-o", "a.png", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert "omega" in said["units"]["Hz"] and "amplitude" in said["units"]["mm"] and "impulse" in said["units"]["N s"]
+    assert (
+        "frequency" in said["units"]["Hz"] and "amplitude" in said["units"]["mm"] and "impulse" in said["units"]["N s"]
+    )
     np.testing.assert_allclose(load("a.nc").omega, [13.0, 14.0, 15.0], rtol=1e-14)
     assert main(["response", *small]) == 0
     out = capsys.readouterr().out
@@ -177,12 +179,12 @@ def test_the_shell_prints_and_writes_the_units_that_are_asked_for(capsys, tmp_pa
     out = capsys.readouterr().out
     assert "up and down differ at frequency = 14 to 15 Hz" in out and "greatest amplitude (mm)" in out
     assert main(["diagram", "sigma=-2e-3:-1e-3:3", *small[1:], "-o", "b.nc"]) == 0
-    assert "sigma (m) from" in capsys.readouterr().out
+    assert "gap (m) from" in capsys.readouterr().out
     assert main(["windows", "frequency=5:19", *small[1:5], "--N", "1", "--units", "Hz", "-q"]) == 0
     out = capsys.readouterr().out
-    assert "omega (Hz) from" in out and "searched: omega from 5 to 19 Hz\n" in out
+    assert "frequency (Hz) from" in out and "searched: frequency from 5 to 19 Hz\n" in out
     assert main(["lyapunov", *small, "--units", "Hz"]) == 0
-    assert " at omega = 15 Hz" in capsys.readouterr().out
+    assert " at frequency = 15 Hz" in capsys.readouterr().out
     assert main(["plot", "b.nc", "-o", "b.png", "--units", "mm"]) == 0
     assert main(["export", "b.nc", "b.csv", "--units", "mm"]) == 0
     assert any("\n-2.0," in file.read_text() for file in tmp_path.glob("b*.csv"))

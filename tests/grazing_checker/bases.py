@@ -10,6 +10,7 @@ KINDS = (
     "periodic orbit",
     "periodic orbit with walls",
     "bifurcation value",
+    "bifurcation value with walls",
     "gap map orbit",
     "gap map edge",
     "gap map without attracting orbits",

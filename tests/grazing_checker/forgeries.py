@@ -26,6 +26,7 @@ SENTENCES = {
     "periodic orbit": orbit_sentence,
     "periodic orbit with walls": orbit_sentence,
     "bifurcation value": value_sentence,
+    "bifurcation value with walls": value_sentence,
     "gap map orbit": gap.orbit_sentence,
     "gap map edge": gap.edge_sentence,
     "gap map without attracting orbits": gap.no_attractor_sentence,
@@ -507,6 +508,9 @@ def law(rng, data, _others):
 def unknown(rng, data, _others):
     """Another parameter is said to be the unknown one."""
     old = data["parameter"]
+    if "walls" in data:
+        unknown_of_a_wall(rng, data, old)
+        return
     places = {"offset": ("model", "offset"), "alpha": ("model", "alpha"), "r": ("law", "r"), "V": ("law", "V")}
     of, name = rng.choice(list(places.values()))
     where = data["model"] if of == "model" else data["law"]["parameters"]
@@ -515,6 +519,19 @@ def unknown(rng, data, _others):
         before[old["name"]] = where[name]
         where[name] = None
     data["parameter"] = {"of": of, "name": name}
+
+
+def unknown_of_a_wall(rng, data, old):
+    """Another parameter of the model, of a wall or of its law has no value, or is said to have none."""
+    groups = {"model": data["model"]}
+    for wall in data["walls"]:
+        groups |= {wall["name"]: wall, f"law of {wall['name']}": wall["law"]["parameters"]}
+    of = rng.choice(list(groups))
+    name = rng.choice([key for key, text in groups[of].items() if text is None or is_double(text)])
+    before = groups[old["of"]]
+    if old["name"] in before and rng.random() < 0.7:
+        before[old["name"]], groups[of][name] = groups[of][name], None
+    data["parameter"] = {"of": rng.choice((of, of, of, f"law of {of}", "law", "B")), "name": name}
 
 
 def event(rng, data, _others):
@@ -535,6 +552,9 @@ def cuts(rng, data, _others):
     """Cuts or the dip moved or swapped; impacts in another order of time."""
     if data.get("dip") and rng.random() < 0.5:
         dip = data["dip"]
+        if "wall" in dip and rng.random() < 0.4:
+            dip["wall"] = rng.choice([wall["name"] for wall in data["walls"]])
+            return
         a, b = rng.sample(("from", "to", "time"), 2)
         dip[a], dip[b] = dip[b], dip[a]
         return
@@ -797,6 +817,7 @@ WAYS = {
     "periodic orbit": (*OSCILLATOR, twice),
     "periodic orbit with walls": (*OSCILLATOR, twice, *WALLS, *WALLS),
     "bifurcation value": (*OSCILLATOR, unknown, event),
+    "bifurcation value with walls": (*OSCILLATOR, unknown, event, *WALLS),
     "gap map orbit": (*SOLVED, word, again),
     "gap map edge": (*SOLVED, word, edge, again),
     "gap map without attracting orbits": (*COMMON, turns, turns, interval),

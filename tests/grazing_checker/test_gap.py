@@ -15,7 +15,7 @@ from tests.grazing_checker.documents import resealed
 from tests.grazing_checker.forgeries import at, forgeries, is_decimal, leaves, orthogonal, put, sealed
 from tests.grazing_checker.truth import is_true
 
-ORBIT, EDGE, NO_ATTRACTOR = KINDS[2:]
+ORBIT, EDGE, NO_ATTRACTOR = KINDS[-3:]
 
 
 def forged(name, path, value):

@@ -28,7 +28,7 @@ def second():
 
 
 #: Certificates that this arithmetic confirms in less than a few seconds.
-QUICK = ("free", "ns", *WALLED, *GAP_NAMES)
+QUICK = ("free", "ns", *WALLED, "table pd", *GAP_NAMES)
 OF_THE_GAP_MAP = tuple(kind for kind in KINDS if kind.startswith("gap map"))
 OF_THE_OSCILLATOR = tuple(kind for kind in KINDS if kind not in OF_THE_GAP_MAP)
 

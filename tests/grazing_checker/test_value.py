@@ -5,9 +5,9 @@ import pytest
 from grazing_checker import Rejected, check
 from grazing_checker.balls import Ball, number, precision
 from grazing_checker.oscillator import inside
-from tests.grazing_checker.documents import changed, claiming, documents
+from tests.grazing_checker.documents import WALLED_VALUES, changed, claiming, documents
 
-VALUES = ("pd", "gr", "lp", "ns")
+VALUES = ("pd", "gr", "lp", "ns", *WALLED_VALUES)
 
 
 def refused(document, said=None):
@@ -81,7 +81,8 @@ def test_the_unknown_parameter_is_named_with_its_name_space(kind):
         {"of": "model", "name": "cos"}, {"of": "model", "name": "cos9"}, {"of": "", "name": parameter["name"]},
         {"of": parameter["of"], "name": ""}, {"of": ["law"], "name": "r"}, {"of": "law", "name": {}},
         {"of": "model" if parameter["of"] == "law" else "law", "name": parameter["name"]},
-        {"of": "model", "name": "alpha"},
+        {"of": "model", "name": "alpha"}, {"of": "A", "name": "alpha"}, {"of": "law of Z", "name": "r"},
+        {"of": "law of model", "name": "k"},
     ]  # fmt: skip
     for other in others:
         forged = changed(document, ("data", "parameter"), lambda _old, other=other: other)
@@ -93,7 +94,8 @@ def test_the_unknown_parameter_is_named_with_its_name_space(kind):
             continue
         with pytest.raises(Rejected):
             check(sealed)
-    for place in (("model", "alpha"), ("law", "parameters", "r")):
+    law = ("law",) if "law" in document["data"] else ("walls", 0, "law")
+    for place in (("model", "alpha"), (*law, "parameters", "r")):
         if place[-1] != parameter["name"]:
             refused(changed(document, ("data", *place), lambda _old: None), "no double")
 

@@ -12,13 +12,14 @@ from mpmath import mp, mpf
 import grazing as gz
 from grazing.proof.certify import certify
 from grazing_checker import Rejected, check
-from grazing_checker.balls import double, number, precision
+from grazing_checker.balls import around, double, number, precision
 from grazing_checker.flight import Checked
 from grazing_checker.flight import Path as Flight
 from grazing_checker.oscillator import Problem
+from grazing_checker.reading import exact
 from grazing_checker.walls import Wall, frame, mirrored, read
 from tests.examples import examples
-from tests.grazing_checker.documents import changed, claiming, documents, impact_pair
+from tests.grazing_checker.documents import WALLED, WALLED_VALUES, changed, claiming, documents, impact_pair
 
 OLD = sorted((Path(__file__).parent / "version2").glob("*.json"))
 NUMBERS = st.floats(-3.0, 3.0)
@@ -51,7 +52,7 @@ def test_a_wall_sees_the_force_less_its_own_inertia(sign, scalars, omega, force,
     wall = Wall("A", sign, "A", "law of A", "v", 1)
     with precision(200), mp.workdps(50):
         p_balls = {name: double(x) for name, x in p.items()} | names(force)
-        seen = frame(wall, p_balls, {"sigma": double(sigma)} | names(motion), {})
+        seen = frame(wall, p_balls, {"sigma": double(sigma)} | names(motion), {}, {})
 
         def series(pairs, s):
             phase = [j * mpf(omega) * (s + mpf(t0)) for j in range(1, len(pairs) + 1)]
@@ -68,6 +69,38 @@ def test_a_wall_sees_the_force_less_its_own_inertia(sign, scalars, omega, force,
         assert abs(float(place.mid()) - z(at)) < 1e-9 and abs(float(rate.mid()) - mp.diff(z, at)) < 1e-8
 
 
+UNKNOWN = [("model", name) for name in ("alpha", "stiffness", "omega", "t0", "offset", "cos1", "sin2")]
+UNKNOWN += [("wall", name) for name in ("sigma", "cos1", "sin2")]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("of", "unknown"), UNKNOWN)
+def test_what_a_wall_sees_has_its_derivatives_by_every_parameter(sign, of, unknown):
+    """Against difference quotients of places, speeds and forces."""
+    p = {"alpha": 0.3, "stiffness": -0.7, "omega": 1.3, "t0": 0.4, "offset": 0.2}
+    p |= {"cos1": 1.0, "sin1": 0.5, "cos2": -0.3, "sin2": 0.6}
+    q = {"sigma": 0.4, "cos1": 0.2, "sin1": -0.1, "cos2": 0.15, "sin2": 0.05}
+    wall, t, h = Wall("A", sign, "A", "law of A", "v", 1), number(7, -3), number(1, -60)
+
+    def made(late):
+        balls = [{name: double(x) for name, x in part.items()} for part in (p, q)]
+        part = balls[of == "wall"]
+        part[unknown] = part[unknown] + late
+        slopes = {unknown: number(1)}
+        return frame(wall, *balls, slopes if of == "model" else {}, slopes if of == "wall" else {})
+
+    with precision(256):
+        here, ahead, behind = (made(late) for late in (number(0), h, -h))
+        m = here.motion
+        for slope, one, two in zip(here.at_slope(t), ahead.at(t), behind.at(t), strict=True):
+            assert abs(float(((one - two) / (2 * h) - slope).mid())) < 1e-25
+        checked = Checked(m, sensitive=True)
+        force, _bound = checked.force_slopes(t, [number(0)] * checked.K)
+        quotient = (ahead.motion.force(t) - behind.motion.force(t)) / (2 * h)
+        assert abs(float((force[0] - quotient).mid())) < 1e-25
+        assert abs(float((m.slope("k2") - (unknown == "stiffness")).mid())) == 0.0
+
+
 @pytest.mark.parametrize("name", ["pair", "rattle", "aloft", "inverted"])
 def test_a_flight_is_the_same_for_both_walls(name):
     problem = Problem(documents()[name]["data"])
@@ -81,6 +114,26 @@ def test_a_flight_is_the_same_for_both_walls(name):
             assert a.overlaps(b) and a.rad() < 1e-60 and b.rad() < 1e-60
         back = two.seen_by(one, t, *one.seen_by(two, t, *start))
         assert all(a.overlaps(b) for a, b in zip(back, start, strict=True))
+
+
+@pytest.mark.parametrize("name", [*WALLED, *WALLED_VALUES])
+def test_the_derivative_of_the_equations_is_that_of_difference_quotients(name):
+    """By times, velocities and the unknown parameter, also over a box about the orbit."""
+    data = documents()[name]["data"]
+    unknown = (data["parameter"]["of"], data["parameter"]["name"]) if "parameter" in data else None
+    problem, h = Problem(data, unknown), number(1, -60)
+    with precision(256):
+        x = [exact(text) for text in data["centre"]]
+        D = problem.derivative(x, problem.legs(x, sensitive=unknown is not None))
+        tiny = [around(one, number(1, -200)) for one in x]
+        wide = None if unknown else problem.derivative(tiny, problem.wide_legs(x, tiny))
+        for j in range(len(x)):
+            ahead, behind = ([*x[:j], x[j] + by, *x[j + 1 :]] for by in (h, -h))
+            columns = (problem.defect(at, problem.legs(at)) for at in (ahead, behind))
+            for i, (one, two) in enumerate(zip(*columns, strict=True)):
+                quotient = ((one - two) / (2 * h)).mid()
+                assert abs(float((D[i][j] - quotient).mid())) < 1e-24 and D[i][j].rad() < 1e-40
+                assert wide is None or (wide[i][j].overlaps(D[i][j]) and wide[i][j].rad() < 1e-40)
 
 
 def shaken(**changes):

@@ -306,8 +306,11 @@ class Rig:
         """Wall, time and velocity after every impact."""
         return [(0, x[i], x[self.n + i]) for i in range(self.n)]
 
-    def off_the_walls(self, x):
-        off_the_wall(self, x)
+    def off_the_walls(self, x, dip=None):
+        off_the_wall(self, x, dip["flight"] - 1 if dip else None)
+
+    def height_of(self, x, dip, time):
+        return self.lowest(x, dip["flight"] - 1, time)
 
     def dips(self, x, flight, count=400):
         """The lowest heights of a flight: by floats on a grid, and each dip between to all digits."""
@@ -359,8 +362,13 @@ def check_stability(claimed, trace, det):
     hold(claimed == "undecided" or (claimed == "stable") == (largest < 1), f"it is not {claimed}: {largest}")
 
 
+def rig_of(data, value=None):
+    """The model of a certificate at a value of its unknown parameter."""
+    return WalledRig(data, hold, tree, value) if "walls" in data else Rig(data, value)
+
+
 def oscillator_orbit(data):
-    rig = WalledRig(data, hold, tree) if "walls" in data else Rig(data)
+    rig = rig_of(data)
     claims, n = data["claims"], rig.n
     start = [middle(one) for one in claims["box"]]
     x = solved(rig.equations, start)
@@ -416,14 +424,14 @@ def oscillator_value(data):
 
         def equations(z):
             full = fixed(z)
-            return Rig(data, full[size]).equations(full[:size])
+            return rig_of(data, full[size]).equations(full[:size])
 
         return fixed(solved(equations, guess[:pinned] + guess[pinned + 1 :]))
 
     def test(full):
-        rig = Rig(data, full[size])
+        rig = rig_of(data, full[size])
         if kind == "gr":
-            return rig.lowest(full[:size], data["dip"]["flight"] - 1, exact(data["dip"]["time"]))
+            return rig.height_of(full[:size], data["dip"], exact(data["dip"]["time"]))
         trace, det = rig.trace_and_det(full[:size])
         return {"pd": 1 + trace + det, "lp": 1 - trace + det, "ns": 1 - det}[kind]
 
@@ -442,13 +450,13 @@ def oscillator_value(data):
     for one, text in zip(zero, texts, strict=True):
         low, high = map(mpf, text)
         hold(low - mpf(10) ** -18 <= one <= high + mpf(10) ** -18, "the bifurcation lies elsewhere")
-    rig = Rig(data, zero[size])
-    off_the_wall(rig, zero[:size], data["dip"]["flight"] - 1 if kind == "gr" else None)
+    rig = rig_of(data, zero[size])
+    rig.off_the_walls(zero[:size], data["dip"] or None)
     if kind == "ns":
         trace, det = rig.trace_and_det(zero[:size])
         hold(trace**2 / 4 < det, "the multipliers are real")
     for claimed, end in zip(claims["ends"], ends, strict=True):
-        trace, det = Rig(data, end[size]).trace_and_det(end[:size])
+        trace, det = rig_of(data, end[size]).trace_and_det(end[:size])
         check_stability(claimed, trace, det)
     hold(n or kind == "gr", "a free ball bifurcates nowhere")
 
@@ -469,4 +477,5 @@ TRUTHS = {
     "periodic orbit": oscillator_orbit,
     "periodic orbit with walls": oscillator_orbit,
     "bifurcation value": oscillator_value,
+    "bifurcation value with walls": oscillator_value,
 }

@@ -15,9 +15,9 @@ TINY = mpf(10) ** -15
 class WalledRig:
     """The model of a certificate of an orbit with walls."""
 
-    def __init__(self, data, hold, tree):
+    def __init__(self, data, hold, tree, value=None):
         def number(text):
-            return mpf(float.fromhex(text))
+            return value if text is None else mpf(float.fromhex(text))
 
         model = data["model"]
         self.hold, self.tree, self.walls = hold, tree, data["walls"]
@@ -39,6 +39,7 @@ class WalledRig:
             if j < len(self.cos):
                 M[1, 3 + 2 * j], M[1, 4 + 2 * j] = self.cos[j], self.sin[j]
         self.M, self.rows = M, []
+        self.laws = [{name: number(text) for name, text in w["law"]["parameters"].items()} for w in self.walls]
         for sign, wall in zip(self.signs, self.walls, strict=True):
             row = mp.zeros(1, 3 + 2 * self.H)
             row[0], row[2] = sign, -sign * number(wall["sigma"])
@@ -66,9 +67,7 @@ class WalledRig:
         return z
 
     def after(self, wall, v):
-        law = self.walls[wall]["law"]
-        p = {name: mpf(float.fromhex(text)) for name, text in law["parameters"].items()}
-        return self.tree(law["after"], v, p)
+        return self.tree(self.walls[wall]["law"]["after"], v, self.laws[wall])
 
     def flights(self, x):
         """Walls at both ends, the state at the start, the length and the state at the end of every flight."""
@@ -120,8 +119,12 @@ class WalledRig:
             total = mp.matrix(rows) * total
         return total[0, 0] + total[1, 1], total[0, 0] * total[1, 1] - total[0, 1] * total[1, 0]
 
-    def off_the_walls(self, x, count=400):
-        """Every impact from its own side, and no distance that is 0 between: on a grid, and each dip to all digits."""
+    def off_the_walls(self, x, dip=None, count=400):
+        """Every impact from its own side, and no distance that is 0 between: on a grid, and each dip to all digits.
+
+        Where a dip is to touch a wall, its flight may be a rounding inside that.
+        """
+        touching = (dip["flight"] - 1, self.names.index(dip["wall"])) if dip else None
         for i, (one, two, z, L, end) in enumerate(self.flights(x)):
             if self.n:
                 v = self.seen(two, end)[1]
@@ -134,11 +137,16 @@ class WalledRig:
             for wall, row in enumerate(self.rows):
                 of, rate = (np.array(r.tolist(), dtype=float)[0] for r in (row, row * self.M))
                 inner = states[1 if self.n and wall == one else 0 : -1 if self.n and wall == two else None]
-                self.hold(min(float(of @ s) for s in inner) > 0, f"flight {i + 1} meets wall {self.names[wall]}")
+                least = -1e-10 if touching == (i, wall) else 0
+                self.hold(min(float(of @ s) for s in inner) > least, f"flight {i + 1} meets wall {self.names[wall]}")
                 for j, (a, b) in enumerate(pairwise(states)):
                     if rate @ a < 0 < rate @ b:
                         low = self.lowest(wall, z, L * (j + mpf(0.5)) / count)
-                        self.hold(low > 0, f"flight {i + 1} meets wall {self.names[wall]} in a dip")
+                        self.hold(low > least, f"flight {i + 1} meets wall {self.names[wall]} in a dip")
+
+    def height_of(self, x, dip, time):
+        """The height of the local minimum that is near a time of a flight."""
+        return self.lowest(self.names.index(dip["wall"]), self.flights(x)[dip["flight"] - 1][2], time)
 
     def lowest(self, wall, z, time):
         row = self.rows[wall]

@@ -379,12 +379,6 @@ def test_the_flip_of_a_moving_table_is_followed_in_two_parameters(r):
     assert len(a) > 5 and (b.min(), b.max()) == pytest.approx((0.2, 0.6))
 
 
-def test_an_enclosure_of_a_bifurcation_between_walls_is_refused_by_name():
-    (orbit,) = (one for one in in_turn(impact_pair(0.5, 3.0)) if one.stable)
-    with pytest.raises(InputError, match="over one wall, below the ball and at rest"):
-        gz.enclose(orbit, "pd", "B.sigma")
-
-
 def test_a_ball_that_loses_no_speed_is_searched_too():
     found = gz.periodic_orbits(gz.stroboscopic_map(impact_pair(1.0, 3.0)), 1, starts=20, virtual=True)
     assert all(orbit.residual < 1e-9 for orbit in found) and any(orbit.walls in ("AB", "BA") for orbit in found)

@@ -88,3 +88,83 @@ def test_an_orbit_that_is_released_elsewhere_is_refused():
     )  # fmt: skip
     with pytest.raises(gz.InputError, match="it cannot be followed"):
         continuation(orbit.map, moved, "d", (-0.5, 0.0))
+
+
+# ---- between walls
+
+
+def walled(turned):
+    """The model with two harmonics over one wall among walls, or its mirror image below a wall."""
+    f, sign = TWO.forcing, -1.0 if turned else 1.0
+    force = gz.Forcing(f.omega, offset=sign * f.offset, cos=sign * np.array(f.cos), sin=sign * np.array(f.sin))
+    wall = gz.wall(sign * 0.2, gz.newton(r=0.4), "above" if turned else "below")
+    return gz.Oscillator(alpha=0.4, k=0.8, forcing=force, walls=[wall])
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["below", "above"])
+def test_at_one_wall_of_walls_the_branch_is_that_over_one_wall(turned):
+    orbit = resting(TWO)
+    known = continuation(orbit.map, orbit, "r", (0.0, 0.95))
+    P = gz.stroboscopic_map(walled(turned))
+    (found,) = (one for one in gz.periodic_orbits(P, 1, starts=50) if "C" in one.word)
+    branch = continuation(P, found, "r", (0.0, 0.95))
+    assert [(one.type, one.value) for one in branch.special] == [
+        (one.type, pytest.approx(one.value, abs=1e-12)) for one in known.special
+    ]
+    assert branch.special and [one.word for one in branch] == [one.word for one in known]
+
+
+def rattle(**more):
+    """Between stops that take much speed: pushed to and fro, so that the ball rests on either."""
+    walls = gz.wall(-0.3, gz.newton(0.1)), gz.wall(0.3, gz.newton(0.1))
+    force = gz.Forcing(omega=1.0, **({"cos": (0.6,)} | more))
+    return gz.Oscillator(0.1, 0.5, force, walls=walls)
+
+
+@pytest.mark.parametrize(("more", "word"), [({"offset": -0.4}, "A"), ({}, "AB")], ids=["one wall", "both"])
+def test_between_walls_an_orbit_rests_until_chatter_is_complete_no_longer(more, word):
+    model = rattle(**more)
+    P = gz.stroboscopic_map(model)
+    found = [one for one in gz.periodic_orbits(P, 1, starts=50) if "C" in one.word or "S" in one.word]
+    flown = gz.trajectory(model, tuple(found[0].points[0]), until=6 * model.period)
+    rested = {str(name) for name, at in zip("AB", flown.wall_position.values, strict=True)
+              if (np.isclose(flown.u.values, at) & (flown.v.values == 0.0)).sum() > 10}  # fmt: skip
+    assert rested == {*word}
+    branch = continuation(P, found[0], "A.r", (0.0, 0.95))
+    assert all(one.residual < 1e-9 for one in branch)
+    (onset,) = (one for one in branch.special if one.type == "ch")
+    assert onset.converged and onset.high - onset.low < 1e-12 and 0.1 < onset.value < 0.95
+    rests = []
+    for value in (onset.value - 1e-3, onset.value + 1e-3):  # brute force: flights from anywhere
+        there = model.replace(**{"A.r": value})
+        state = gz.stroboscopic_map(there).iterate((0.0, 0.1), 200)[-1]
+        rests.append(gz.trajectory(there, tuple(state), until=8 * model.period).sizes["rest"])
+    assert 8 * len(word) <= rests[0] <= 8 * len(word) + 1 and rests[1] < rests[0] - 4
+
+
+def test_the_rests_of_a_symmetric_orbit_are_half_a_period_apart():
+    model = rattle()
+    P = gz.stroboscopic_map(model)
+    orbit = next(one for one in gz.periodic_orbits(P, 1, starts=50) if "C" in one.word or "S" in one.word)
+    equations = continuation(P, orbit, "A.r", (0.05, 0.15)).pieces[0].equations
+    found = equations.rest(np.array([0.1]))
+    flown = gz.trajectory(model, tuple(orbit.points[0]), until=4 * model.period)
+    rests = flown.rest_time.values
+    rests = rests[(rests[:, 0] > model.period) & (rests[:, 1] < 3.5 * model.period)]
+    assert np.diff(rests[:, 1]) == pytest.approx(np.full(len(rests) - 1, 0.5 * model.period), abs=1e-9)
+    assert found.next - found.release == pytest.approx(model.period, abs=1e-9)
+    assert found.left == pytest.approx(float((rests[:, 1] - rests[:, 0]).min()), rel=1e-6)
+
+
+def test_an_orbit_that_is_released_twice_a_period_is_followed_over_one_wall():
+    force = gz.Forcing(omega=1.0, offset=-0.6, cos=(0.1, 1.0))
+    model = gz.Oscillator(alpha=0.4, k=0.0, forcing=force, reset=gz.newton(r=0.2))
+    P = gz.stroboscopic_map(model)
+    (orbit,) = [one for one in gz.periodic_orbits(P, 1, starts=50) if "C" in one.word]
+    state = tuple(orbit.points[0])
+    flown = gz.trajectory(model, state, until=4 * model.period)
+    lies = (flown.u.values == 0.0) & (flown.v.values == 0.0)
+    assert np.diff(lies.astype(int)).clip(0).sum() == 8  # two rests a period
+    branch = continuation(P, orbit, "r", (0.0, 0.9))
+    (onset,) = (one for one in branch.special if one.type == "ch")
+    assert onset.converged and onset.value > 0.2 and all(one.residual < 1e-9 for one in branch)

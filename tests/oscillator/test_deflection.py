@@ -70,3 +70,25 @@ def test_files_and_the_shell_warn_of_the_least_gap():
         checked(table({"gap": "0.5 mm:3:30"}, frequency=14.0))
         checked(table({"gap": [0.7, 0.1]}, frequency=14.0))
         checked(table({"k": "3000:3200:3"}, gap=1.45, frequency=14.0))  # what holds it varies
+
+
+def test_stops_on_either_side_are_warned_of_if_neither_is_reached():
+    def between(low, high):
+        return gz.Oscillator.from_si(**RIG, force=2.5, frequency=14, walls=(gz.wall(low, LAW), gz.wall(high, LAW)))
+
+    with pytest.warns(UserWarning, match=r"the gap is 0\.61 m"):
+        between(-0.8, 0.61)
+    si = {"m": 0.8, "c": 2.4, "k": 3200.0, "force": 2.5, "frequency": 14.0}
+    config = {"study": "diagram", "walls": {"A": "newton", "B": "newton"}, "si": si, "vary": {"r": "0.5:0.7:3"}}
+    with pytest.warns(UserWarning, match=r"the gap is 0\.62 m"):
+        checked(config | {"parameters": {"A.gap": 0.62, "B.gap": 0.7}})
+    with pytest.warns(UserWarning, match=r"the gap is 0\.64 m"):
+        checked(config | {"parameters": {"A.gap": 0.7, "r": 0.5}, "vary": {"B.gap": "0.64:0.9:3"}})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        between(-0.8, 0.01)  # one of them is
+        between(-0.8, -0.1)  # the spring presses the mass onto the upper one
+        checked(config | {"parameters": {"A.gap": 0.62, "B.gap": "0.6 mm"}})
+    for odd in ("abc", None, {"a": 1}, [1, "x"]):
+        with pytest.raises(gz.InputError):
+            checked(config | {"parameters": {"A.sigma": odd, "B.sigma": 0.6}})

@@ -67,7 +67,8 @@ def rests(dh: float, k: float, e: float) -> bool:
 
 def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -> float:
     """Return the root of h + dh s + k s^2 + c3 s^3 + a4 s^4 in [0, reach], in which it falls throughout."""
-    a, b, s = 0.0, reach, 0.0
+    a, b, D = 0.0, reach, dh * dh - 4.0 * k * h
+    s = min(2.0 * h / (sqrt(D) - dh), reach) if D > 0.0 else 0.0
     for _ in range(ROOTS):
         value = (((a4 * s + c3) * s + k) * s + dh) * s + h
         rate = ((4.0 * a4 * s + 3.0 * c3) * s + 2.0 * k) * s + dh
@@ -78,7 +79,7 @@ def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -
         new = s - value / rate if rate < 0.0 else 0.5 * (a + b)
         if not a <= new <= b:
             new = 0.5 * (a + b)
-        if abs(new - s) <= EPS * s or not a < b:
+        if abs(new - s) <= 2.0 * EPS * s or not a < b:
             return new
         s = new
     return s
@@ -132,16 +133,17 @@ def crossing(
             if t + w >= end:
                 return INFINITY, 0.0, flags
             step = w
-        wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
-        if fall != 0.0:
-            wide = min(wide, 4.0 * e / abs(fall))
-        if not t + step > t or (step < LEAST * wide and low < e and not fresh):
-            flags |= GRAZE | AMBIGUOUS
-            doubt, step = t, max(wide, 4.0 * EPS * t)
-            if not t + step > t:
-                return t, 0.0, flags | TOO_MANY_IMPACTS
-        elif low > 0.0:
+        if low > 0.0:
             doubt = INFINITY
+        if not t + step > t or (low < e and not fresh):
+            wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
+            if fall != 0.0:
+                wide = min(wide, 4.0 * e / abs(fall))
+            if not t + step > t or step < LEAST * wide:
+                flags |= GRAZE | AMBIGUOUS
+                doubt, step = t, max(wide, 4.0 * EPS * t)
+                if not t + step > t:
+                    return t, 0.0, flags | TOO_MANY_IMPACTS
         t, fresh = t + step, False
     return t, 0.0, flags | TOO_MANY_SWINGS
 

@@ -84,7 +84,9 @@ def prove(of: Any, found: Any) -> list[Row]:
     for w, side, proof in edge_proofs(of, found):
         row = found.isel(window=w)
         N, kind = int(row["N"]), str(row[f"{side}_type"].values)
-        head: Row = {"of": f"N = {N}, {side} edge, {kind}", "window": w, "side": side, "stem": f"N{N}-{side}-{kind}"}
+        word = f" {row['word'].item()}" if "word" in row else ""
+        stem = f"N{N}{word.replace(' ', '-')}-{side}-{kind}"
+        head: Row = {"of": f"N = {N}{word}, {side} edge, {kind}", "window": w, "side": side, "stem": stem}
         provable = not (isinstance(proof, str) and proof.startswith("a proof needs"))
         told = {"proven": False, "reason": proof} if isinstance(proof, str) else proof_row(proof)
         proofs.append({**head, "due": provable, **told})

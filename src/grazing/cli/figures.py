@@ -28,9 +28,18 @@ def figure(result: Any, **style: Any) -> Mapping[str, Any]:
             f"there is no figure of {shown(study) if study else 'a result that does not say its study'}; "
             f"allowed are {', '.join(drawn())}"
         )
-    module = import_module(f"grazing.plot.{study}")  # where the figure of a result is more than its axes, it says so
-    draw: Callable[..., Mapping[str, Any]] = getattr(module, "whole", getattr(module, study))
-    return draw(result, **style)
+    whole: Callable[..., Mapping[str, Any]] = getattr(module_of(study), "whole", drawing(study))
+    return whole(result, **style)
+
+
+def module_of(name: str) -> Any:
+    """Return the module of a figure; where that of a result is more than its axes, it has a function ``whole``."""
+    return import_module(f"grazing.plot.{name}")
+
+
+def drawing(name: str) -> Callable[..., Mapping[str, Any]]:
+    """Return the function that draws a figure on axes."""
+    return getattr(module_of(name), name)  # type: ignore[no-any-return]
 
 
 def drawn() -> list[str]:

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from grazing.catalogue import studies
 from grazing.cli import output
-from grazing.cli.figures import drawn, study_of, style_of
+from grazing.cli.figures import drawing, drawn, study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.stored import Missing, axes_of, curve_in, loaded
 from grazing.cli.streams import printable
@@ -142,14 +142,13 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
     """Return arguments for the function of a figure, refusing those that it does not have."""
     import inspect
 
-    from grazing import plot as figures
     from grazing.config.problems import unknown_key
 
-    function = getattr(figures, study) if study in drawn() else None
+    function = drawing(study) if study in drawn() else None
     if not given or function is None:
         return {}
     known = {
-        name: item.default
+        name: item
         for name, item in inspect.signature(function).parameters.items()
         if item.default is not item.empty and name != "ax"
     }
@@ -160,7 +159,8 @@ def styled(given: list[str], study: str) -> dict[str, Any]:
             raise InputError(f"--style {item}; give NAME=VALUE, such as {next(iter(known), 'ax')}=...")
         if name not in known:
             raise InputError(f"--style {item}: {unknown_key(name, known, 'unknown argument')}")
-        found[name] = _typed(value, known[name], item)
+        switch = str(known[name].annotation).startswith("bool")  # which may be left to the figure: None
+        found[name] = _typed(value, True if switch else known[name].default, item)
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from grazing.measured import STOP, WALLS
 from grazing.outcome import InputError
+from grazing.units import TURN
 
 #: The rig's own names of parameters of the model.
 NAMES = {"sigma": "gap", "omega": "frequency"}
@@ -43,7 +44,8 @@ def given_names(result: Any, recipe: Any) -> dict[str, Any]:
 
 def _of(result: Any, symbol: str) -> list[str]:
     """Return the variables that hold values of a parameter; a wall over time is none."""
-    found = [str(name) for name, one in result.variables.items() if str(one.attrs.get("symbol", "")) == symbol]
+    symbols = {str(name): str(one.attrs.get("symbol", "")) for name, one in result.variables.items()}
+    found = [name for name, said in symbols.items() if said.removesuffix(TURN) == symbol]
     name = symbol.removeprefix("\\")
     about = [str(key) for key in ("before", "after") if key in result and name in result.dims]
     return [one for one in [*found, *about] if one != "wall"]

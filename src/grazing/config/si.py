@@ -128,18 +128,28 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         found["stop"] = side
         found.setdefault("law", LAW)
     problems += _renamed(found, _sides(made, side, gaps), made.mass)
-    if gaps is None and not problems:
-        warn_of_gap(made, _least_gap(found["vary"] if vary else {}, -made.sigma))
+    if not problems:
+        warn_of_gap(
+            made, _least_gap(found, {own.name: own.factor for own in gaps.values()} if gaps else {"sigma": -1.0})
+        )
     return found, problems
 
 
-def _least_gap(vary: Any, gap: float) -> float:
-    """Return the least gap of a study; 0 where forces or what holds the mass vary, so that its deflection is open."""
-    if {"alpha", "k", "d", "cos1", "sin1"} & {*vary}:
+def _least_gap(found: Mapping[str, Any], stops: Mapping[str, float]) -> float:
+    """Return the least gap of a study; 0 where it is open, as forces, what holds the mass, or a stop itself vary."""
+    places = {name: found[name] if isinstance(found.get(name), Mapping) else {} for name in ("parameters", "vary")}
+    moving = any(last_of(name) != name and last_of(name) in ("cos", "sin") for name in places["parameters"])
+    if moving or {"alpha", "k", "d", "offset", "cos1", "sin1"} & {*places["vary"]}:
         return 0.0
-    written = vary.get("sigma", gap)
-    ends = written.split(":")[:2] if isinstance(written, str) else written
-    return min(abs(float(end)) for end in (ends if isinstance(ends, list) else [ends]))
+    gaps = [0.0] if not stops else []
+    for name, side in stops.items():
+        written = places["vary"].get(name, places["parameters"].get(name, 0.0))
+        ends = written.split(":")[:2] if isinstance(written, str) else written
+        try:
+            gaps += [side * float(end) for end in (ends if isinstance(ends, list) else [ends])]
+        except (TypeError, ValueError):  # which is said elsewhere
+            return 0.0
+    return max(0.0, min(gaps))
 
 
 def _gaps(walls: Any) -> dict[str, Own] | None:

@@ -430,7 +430,7 @@ class Map(ByValue):
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
             tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
-        if self._linked:
+        if prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
         else:
             loop = runner(step, prepare, kind, self.dimension, arithmetic)

@@ -15,20 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.contacts import addresses, on_wall
+from grazing.orbits.contacts import PIECES, Model, addresses, framer, model_of, numbers_seen, on_wall, walls_of
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
-from grazing.oscillator.constants import constants_of, forcing
-from grazing.oscillator.contact import next_contact, placed, window_of, window_sign
+from grazing.oscillator.constants import forcing
+from grazing.oscillator.contact import placed, window_of, window_sign
+from grazing.oscillator.frames import first_contact, frame_of
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import flight_kind
 from grazing.oscillator.trajectory import trajectory
+from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
@@ -37,53 +37,64 @@ Floats = NDArray[np.float64]
 SLOW = 1e-9
 #: Impacts and periods after which a ball counts as never at rest.
 IMPACTS, PERIODS = 10_000, 64
+#: Rests on the way from a release to the same one again, and how near to it, in periods, a release is the same.
+STAGES, ROUNDING = 8, 1e-9
 #: Parts into which a range is cut to look for the onset of chatter.
 PARTS = 100
 
 
 class Rest(NamedTuple):
-    """From one release to the next: when the impacts accumulate, the next release, how many impacts were followed."""
+    """From a release to the same one again.
+
+    When the impacts last accumulate, the next release, how many impacts were followed, and how long the shortest rest
+    is on the way.
+    """
 
     release: float
     accumulation: float
     next: float
     impacts: int
+    left: float
 
 
 @lru_cache(maxsize=64)
-def settler(harmonics: int) -> Callable[..., None]:
-    """Compile ``settle(row, release, laws, out)``: fly a ball from its release until it rests.
+def settler(harmonics: int, walled: bool) -> Callable[..., None]:
+    """Compile ``settle(row, release, wall, laws, out)``: fly a ball from its release until it rests.
 
-    ``laws`` (3,): address of the law, of its slope, of their numbers. ``out`` (4,): time of accumulation, end of the
-    window in which F presses the ball down, number of impacts, and 1 if it comes to rest, else 0.
+    ``wall`` is 1 for a release from the second wall, else 0. ``laws`` (2, 3): of each wall the address of the law, of
+    its slope, of their numbers. ``out`` (5,): time of accumulation, end of the window in which F presses the ball down,
+    number of impacts, 1 if it comes to rest, else 0, and on which wall.
     """
-    unpack, constants = unpacker(flight_kind(harmonics)), constants_of(harmonics)
+    frames = framer(harmonics, walled)
 
-    def settle(row: Any, release: float, laws: Any, out: Any) -> None:
-        c = constants(unpack(row))
-        ball = placed(release, 0.0, 0.0, window_of(release, 0, c))
+    def settle(row: Any, release: float, wall: float, laws: Any, out: Any) -> None:
+        c = frames(row)
+        b = wall > 0.5
+        ball = placed(release, 0.0, 0.0, window_of(release, 0, frame_of(b, c)))
         out[3], impacts, period = 0.0, 0, 0
         while impacts < IMPACTS and period < PERIODS:
-            hit, ball, _flags, _near = next_contact(ball, c)
+            hit, b, ball, _flags, _near = first_contact(ball, b, c)
             if not hit:
                 ball = placed(0.0, ball.y, ball.v, 0)
                 period += 1
                 continue
             impacts += 1
-            w = called(laws[0], ball.v, laws[2])
-            F, _dF = forcing(ball.t, c)
-            i = window_of(ball.t, ball.i, c)
-            if F < 0.0 and w <= SLOW * c.size * c.rate:
-                ratio = -called(laws[1], 0.0, laws[2])
-                end = c.edges[i + 1]
-                if end >= c.T and window_sign(0, c) < 0.0:
-                    end = c.T + c.edges[1]
+            here, j = frame_of(b, c), 1 if b else 0
+            w = called(laws[j, 0], ball.v, laws[j, 2])
+            F, _dF = forcing(ball.t, here)
+            i = window_of(ball.t, ball.i, here)
+            if F < 0.0 and w <= SLOW * here.size * here.rate:
+                ratio = -called(laws[j, 1], 0.0, laws[j, 2])
+                end = here.edges[i + 1]
+                if end >= here.T and window_sign(0, here) < 0.0:
+                    end = here.T + here.edges[1]
                 at = ball.t + (2.0 * w / (-F * (1.0 - ratio)) if w > 0.0 else 0.0)
-                if window_sign(i, c) < 0.0 and at <= end:
-                    out[0], out[1], out[2], out[3] = period * c.T + at, period * c.T + end, impacts, 1.0
+                if window_sign(i, here) < 0.0 and at <= end:
+                    out[0], out[1] = period * here.T + at, period * here.T + end
+                    out[2], out[3], out[4] = impacts, 1.0, j
                     return
             ball = placed(ball.t, 0.0, w, i)
-            if ball.t >= c.T:
+            if ball.t >= here.T:
                 ball = placed(0.0, 0.0, w, 0)
                 period += 1
 
@@ -93,9 +104,7 @@ def settler(harmonics: int) -> Callable[..., None]:
 class RestEquations(FlightEquations):
     """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
 
-    model: Oscillator
-
-    def __init__(self, model: Oscillator, names: tuple[str, ...], release: int, spans: Any = None) -> None:
+    def __init__(self, model: Model, names: tuple[str, ...], release: int, spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.release = release
         self.scale = np.array([model.period])
@@ -104,22 +113,37 @@ class RestEquations(FlightEquations):
 
     @property
     def size(self) -> float:
-        """How far the forcing moves the ball."""
-        return float(self.model.period**2 * sum(np.hypot(self.model.forcing.cos, self.model.forcing.sin)))
+        """How far the forcing moves the ball, as the first wall sees it."""
+        c = self.frames(self.own).a
+        return float(self.model.period**2 * sum(np.hypot(c.cos, c.sin)))
+
+    def begun(self, p: Floats) -> tuple[float, int] | None:
+        """Return when and from which wall the ball is released; None where that release is none any more."""
+        c = self.frames(p)
+        known = [(time, j) for j, one in enumerate((c.a, c.b) if c.two else (c.a,)) for time in releases(one)]
+        return known[self.release] if self.release < len(known) else None
 
     def rest(self, p: Floats) -> Rest | None:
-        """Return what happens from one release to the next; None where the ball does not come to rest."""
-        values, c = self.values(p), self.constants(p)
-        times = releases(c)
-        if self.release >= len(times):
+        """Return what happens until the ball is released there again; None where it is not, or never rests."""
+        values, first = self.values(p), self.begun(p)
+        if first is None or not self.apart(values):
             return None
-        start = times[self.release]
-        ((at, slope, first),) = addresses(self.model, (0,))
-        laws, out = np.array([at, slope, float(values.ctypes.data + first)]), np.zeros(4)
-        call(settler(self.model.harmonics), self.row(values), start, laws, out, who="the chatter")
-        if out[3] == 0.0:
-            return None
-        return Rest(start, float(out[0]), float(out[1]), int(out[2]))
+        (start, wall), T = first, self.period_at(p)
+        rows, laws, out = numbers_seen(self.model, values), np.zeros((2, 3)), np.zeros(5)
+        for j, (at, slope, place) in enumerate(addresses(self.model, [PIECES * j for j in range(len(rows))])):
+            laws[j] = at, slope, float(rows[j].ctypes.data + place)
+        settle, row = settler(self.model.harmonics, isinstance(self.model, Walled)), self.row(values)
+        begun, time, impacts, left = start, start, 0, np.inf
+        for _ in range(STAGES):
+            call(settle, row, begun, float(wall), laws, out, who="the chatter")
+            if out[3] == 0.0:
+                return None
+            impacts, left, wall = impacts + int(out[2]), min(left, float(out[1] - out[0])), int(out[4])
+            rested, time = time - begun + float(out[0]), time - begun + float(out[1])
+            begun = time - T * np.floor(time / T + ROUNDING)
+            if wall == first[1] and abs(begun - start) <= ROUNDING * T:
+                return Rest(start, rested, time, impacts, left)
+        return None
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the time of accumulation differs."""
@@ -129,7 +153,7 @@ class RestEquations(FlightEquations):
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return how long the ball rests before its release."""
         found = self.rest(p)
-        return (Test("ch", float("nan") if found is None else found.next - found.accumulation),)
+        return (Test("ch", float("nan") if found is None else found.left),)
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether the ball comes to rest no longer, or is released elsewhere."""
@@ -143,18 +167,20 @@ class RestEquations(FlightEquations):
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit as the stroboscopic map sees it; its multipliers are 0."""
         model = self.model_at(p)
-        found = self.rest(p)
-        if found is None:
+        found, begun = self.rest(p), self.begun(p)
+        if found is None or begun is None:
             raise InputError("the ball does not come to rest")
         P = stroboscopic_map(model)
-        start = on_wall(model, 0, found.release)
+        start = on_wall(model, begun[1], found.release)
         flown = trajectory(model, start, start=found.release, until=model.period)
         first = np.array([float(flown.u.values[-1]), float(flown.v.values[-1])])
-        path = P.orbit(np.maximum(first, [start[0], -np.inf]), max(self.N, 1))
+        if isinstance(model, Oscillator):
+            first[0] = max(first[0], model.sigma)
+        path = P.orbit(first, max(self.N, 1))
         return Orbit(
             map=P,
             points=path.points[:-1],
-            word=word(path.letters.tolist()),
+            word=word(path.letters.tolist(), P.letters),
             period=max(self.N, 1),
             multipliers=np.zeros(2, np.complex128),
             admissible=True,
@@ -181,10 +207,10 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
         For an orbit that is not released where it was released before: with several windows in which the forcing
         presses the ball down it can go from one to another.
     """
-    model = P.model
+    model = model_of(P)
     assert model is not None
     p = np.array([model.params[name] for name in names])
-    for release in range(2 * model.harmonics + 1):
+    for release in range(len(walls_of(model)) * (2 * model.harmonics + 1)):
         equations = RestEquations(model, names, release, spans)
         if equations.rest(p) is None:
             continue
@@ -193,7 +219,7 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
         if apart.max() < 1e-6 * equations.size:
             return equations
     raise InputError(
-        "the orbit rests on the wall and is not released where it was released before: it cannot be followed; "
+        "the orbit rests on a wall and is not released where it was released before: it cannot be followed; "
         "scan the parameter with gz.orbit_diagram"
     )
 
@@ -252,5 +278,4 @@ def bisected(equations: RestEquations, inside: float, outside: float, width: flo
             inside = middle
     found = equations.rest(np.array([inside]))
     assert found is not None
-    left = found.next - found.accumulation
-    return Onset(inside, outside, left, equations.broken(nothing, np.array([outside])))
+    return Onset(inside, outside, found.left, equations.broken(nothing, np.array([outside])))

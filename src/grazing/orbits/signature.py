@@ -60,12 +60,22 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
         return equations, np.concatenate([orbit.times, orbit.outgoing])
     if model_of(P) is not None:
         if section_of(P) == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
-            if P.walled is not None:
-                return mapped(orbit, names, spans)
-            return resting_equations(P, names, orbit.points, spans), np.zeros(1)
+            if P.walled is None:
+                return resting_equations(P, names, orbit.points, spans), np.zeros(1)
+            return _rested(orbit, names, spans)
         return equations_of(flown(orbit), names, spans)
     if P.formulas is not None:
         return equations_of_pieces(orbit, names, spans)
+    return mapped(orbit, names, spans)
+
+
+def _rested(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
+    """Return the equations of an orbit that rests between walls: those of its releases, or as its map has it."""
+    try:
+        if orbit.map.params.get("phase") == 0.0:
+            return resting_equations(orbit.map, names, orbit.points, spans), np.zeros(1)
+    except InputError:  # it lies throughout, or is released elsewhere
+        pass
     return mapped(orbit, names, spans)
 
 

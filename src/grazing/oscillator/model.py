@@ -45,7 +45,7 @@ class Oscillator(Rig):
         away from u = 0, as gravity does an inverted pendulum; one that nothing holds has *diverged*.
     walls : sequence of wall, optional
         One or two of :func:`wall`, instead of ``reset`` and ``sigma``: walls on either side of the ball, which may
-        move. The model is then of another class, for trajectories and stroboscopic maps.
+        move. The model is then of another class; what is for one wall at rest alone refuses it.
 
     Raises
     ------
@@ -213,7 +213,10 @@ class Oscillator(Rig):
             cls._refuse_beside(beside)
             found = si_numbers(**numbers, gap=0.0, side="below")
             forcing = Forcing(found.omega, offset=found.offset, cos=found.cos, sin=found.sin)
-            return Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
+            model = Walled(found.alpha, found.k, forcing, walls, mass=found.mass, base=found.base)
+            still = not model.moves
+            warn_of_gap(found, min(-one.sign * one.position for one in model.walls) if still else 0.0)
+            return model
         if gap is None or reset is None:
             one = "gap is missing; give the distance to the stop, such as gap='1.2 mm'"
             one = one if gap is None else "reset is missing; give the law of the stop, such as reset=gz.newton(r=0.7)"
@@ -318,8 +321,8 @@ def checked_model(model: Any) -> None:
     """Raise InputError for anything that is not an oscillator."""
     if hasattr(model, "walls"):
         raise InputError(
-            f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits and branches "
-            "of others: gz.periodic_orbits and gz.continuation of gz.stroboscopic_map(model)"
+            f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits, branches "
+            "and windows of others: gz.periodic_orbits and gz.continuation of their maps, gz.windows"
         )
     if not isinstance(model, Oscillator):
         raise InputError(f"model is {shown(model)}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")

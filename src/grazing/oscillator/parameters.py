@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from math import inf
 
 from grazing.oscillator.reset import KNOWN
@@ -42,6 +43,7 @@ MASS = Parameter("mass", "m", "mass in kg", 0.0, inf, "low", "kg")
 LAWS_OWN = "parameter of the reset law"
 
 
+@lru_cache(maxsize=256)
 def describe_parameter(name: str) -> Parameter:
     """Return what is known of a parameter of the oscillator or of a reset law; units are those of :func:`from_si`."""
     if name in PARAMETERS:

@@ -86,20 +86,23 @@ class Rig:
 
     def changed(self, changes: Mapping[str, Any]) -> dict[str, float]:
         """Return all parameters with other values for some, and with the forces that a base then makes."""
-        named = spread(changes, self.params, "the model")  # names before units, which others have not
+        params = self.params
+        named = spread(changes, params, "the model")  # names before units, which others have not
         given = {name: self._number(name, value) for name, value in named.items()}
-        new = updated(self.params, given, "the model")
+        new = updated(params, given, "the model")
         if self.base is not None:
             refuse_out_of_range(new["omega"])  # before forces are divided by its square
             made = self.base.forces(new["alpha"], new["k"], new["omega"])
             for name, value in zip(self.base.made, (x for pair in made for x in pair), strict=True):
-                if name in given and new[name] not in (value, self.params[name]):
+                if name in given and new[name] not in (value, params[name]):
                     self.refuse_made([name])
                 new[name] = value
         return new
 
     def _number(self, name: str, value: Any) -> Any:
         """Return what a parameter is changed to, in its units."""
+        if type(value) is float:  # it has none
+            return value
         try:
             return magnitude(value, self.describe(name).units, name)
         except InputError as error:

@@ -40,6 +40,17 @@ class Place(NamedTuple):
     law: slice
 
 
+def places_of(walls: Sequence[Wall], forcing: Forcing) -> tuple[Place, ...]:
+    """Return where the numbers of each wall stand in a row of :attr:`Walled.params`."""
+    found, at = [], HEAD + 2 * len(forcing.cos)
+    for one in walls:
+        moving = 0 if one.motion is None else 2 * len(harmonics_of(one.motion, forcing)[0])
+        law = at + 1 + moving
+        found.append(Place(at, slice(at + 1, law), slice(law, law + len(one.law.params))))
+        at = law + len(one.law.params)
+    return tuple(found)
+
+
 @dataclass(frozen=True, slots=True)
 class Walled(Rig):
     """A forced linear oscillator with its walls: what ``gz.Oscillator(..., walls=...)`` makes.
@@ -86,6 +97,9 @@ class Walled(Rig):
     stiffness: float | None = field(default=None, kw_only=True)
     mass: float | None = field(default=None, kw_only=True, repr=False)
     base: Base | None = field(default=None, kw_only=True, repr=False)
+    #: Where the numbers of each wall stand in a row of :attr:`params`; the number of harmonics of force and motions.
+    places: tuple[Place, ...] = field(init=False, repr=False, compare=False)
+    harmonics: int = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         walls = checked_walls(self.walls)
@@ -106,6 +120,10 @@ class Walled(Rig):
                     f"the parameter {min(clash)!r} of the law of wall {one.name} has the name of a model parameter; "
                     "rename it"
                 )
+        places = places_of(walls, self.forcing)
+        moving = [(place.motion.stop - place.motion.start) // 2 for place in places]
+        object.__setattr__(self, "places", places)
+        object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
         for j in range(len(walls)):
             self.seen_from(j)  # checks ranges, and the law at speeds of this model
         room = float(self.rooms(np.array([list(self.params.values())]))[0])
@@ -136,23 +154,6 @@ class Walled(Rig):
                     values |= {f"{one.name}.cos{j}": c, f"{one.name}.sin{j}": s}
             values |= {f"{front}{name}": value for name, value in one.law.params.items()}
         return values
-
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """Where the numbers of each wall stand in a row of :attr:`params`."""
-        found, at = [], HEAD + 2 * len(self.forcing.cos)
-        for one in self.walls:
-            moving = 0 if one.motion is None else 2 * len(harmonics_of(one.motion, self.forcing)[0])
-            law = at + 1 + moving
-            found.append(Place(at, slice(at + 1, law), slice(law, law + len(one.law.params))))
-            at = law + len(one.law.params)
-        return tuple(found)
-
-    @property
-    def harmonics(self) -> int:
-        """Number of harmonics of force and motions."""
-        moving: list[int] = [(place.motion.stop - place.motion.start) // 2 for place in self.places]
-        return max(len(self.forcing.cos), *moving)
 
     @property
     def stop(self) -> str | None:  # type: ignore[override]  # each wall has its own side

@@ -40,7 +40,7 @@ def gap_panel(
     drawn = panel(ax, data["diagram"], data["windows"], "x", size, longest)
     ax.set_xlabel(r"$\mu$")
     ax.set_ylabel("$x_n$")
-    if ax.get_xlim()[0] < 0.0:
+    if float(data["diagram"]["mu"].min()) < 0.0:
         drawn["graze"] = mark(ax, 0.0, r"graze, $\mu = 0$", height=0.12, side="right")
     grey = ("; " if low else "\n") + "grey: no period found" if 0 in drawn["points"] else ""
     drawn["note"] = note(ax, rf"$\lambda = {data['lam']:g}$, $l = {data['l']:g}${grey}", 0.012, 0.02 if low else 0.96)

@@ -246,25 +246,31 @@ def check_impacts(flights: list[Flight], n: int) -> None:
             raise Undecided
 
 
-def cleared_flight(
-    equations: Equations, flights: list[Flight], i: int, box: list[arb], touch: bool = False
-) -> Cleared:  # fmt: skip
-    """Return the proof that a flight is off all walls, or raise NotProven or Open."""
+def started(equations: Equations, f: Flight, box: list[arb], flow: Flow, wall: int) -> arb_mat:
+    """Return the state in which a flight starts, as a wall sees it."""
     from flint import arb
 
-    f, n, flows, nothing = flights[i], equations.n, equations.flows(box), arb(0)
-    y, w = (nothing, f.w) if n else (box[0], box[1])
-    w = flights[i - 1].g if n and flights[i - 1].g.is_zero() else w
+    nothing = arb(0)
+    y, w = (Dual(x, nothing) for x in ((nothing, f.w) if equations.n else (box[0], box[1])))
+    seen = flow.seen.across(f.one, wall, f.t, y, w)
+    return flow.start(f.t, seen[0].x, seen[1].x)
+
+
+def cleared_flight(
+    equations: Equations, flights: list[Flight], i: int, box: list[arb], touch: int | None = None
+) -> Cleared:  # fmt: skip
+    """Return the proof that a flight is off all walls, or raise NotProven or Open; it may touch the wall ``touch``."""
+    f, n, flows = flights[i], equations.n, equations.flows(box)
+    f = f._replace(w=flights[i - 1].g) if n and flights[i - 1].g.is_zero() else f
     label = f"flight {i + 1}" if n else "the orbit"
     found = []
     for wall, flow in enumerate(flows):
-        seen = flow.seen.across(f.one, wall, f.t, Dual(y, nothing), Dual(w, nothing))
-        start = flow.start(f.t, seen[0].x, seen[1].x)
+        start = started(equations, f, box, flow, wall)
         named = "the wall" if alone(equations.model) else f"wall {flow.seen.walls[wall].name}"
         leaves, meets = n > 0 and wall == f.one, n > 0 and wall == f.two
         with Stage(f"{label} comes closer to {named} than can be told from a touch, or leaves it too slowly"):
             try:
-                found.append(clear(flow, start, f.t, f.L, leaves, meets, touch))
+                found.append(clear(flow, start, f.t, f.L, leaves, meets, wall == touch))
             except Through as below:
                 lower = "u - sigma" if alone(equations.model) else "the distance"
                 raise Virtual(

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from grazing.maps.stroboscopic import stroboscopic_map
+from grazing.orbits.contacts import Model
+from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
+from grazing.orbits.word_windows import met
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import GrazingError
 from grazing.proof.certify import Certificate
@@ -19,12 +23,12 @@ if TYPE_CHECKING:
 INSIDE = (1e-3, 1e-2, 1e-4)
 
 
-def edge_proofs(model: Oscillator, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
+def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
     """Yield a proof of every edge of every window: the window, the side, and the proof or why there is none.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or Walled
         That of the windows.
     table : xarray.Dataset
         What :func:`grazing.windows` returned.
@@ -51,15 +55,21 @@ def edge_proofs(model: Oscillator, table: xr.Dataset) -> Iterator[tuple[int, str
                 why = f"a proof needs an edge of type {', '.join(EVENTS)}; this one is of type {kind}"
                 yield w, side, why
                 continue
-            yield w, side, _enclosed(model, name, N, kind, ends[side], ends[other] - ends[side])
+            word = str(row["word"].values) if "word" in row else ""
+            yield w, side, _enclosed(model, name, N, word, kind, ends[side], ends[other] - ends[side])
 
 
-def _enclosed(model: Oscillator, name: str, N: int, kind: str, edge: float, across: float) -> Certificate | str:
+def _orbits(model: Model, N: int, word: str) -> Sequence[ImpactOrbit]:
+    """Return orbits of N periods: with one impact, or between walls that hit them in the order of a word."""
+    return one_impact_orbits(model, N) if isinstance(model, Oscillator) else met(stroboscopic_map(model), N, [word])
+
+
+def _enclosed(model: Model, name: str, N: int, word: str, kind: str, edge: float, across: float) -> Certificate | str:
     """Return the proof of one edge, begun from an orbit inside the window, or why there is none."""
     why = "no orbit was found beside it"
     for part in INSIDE:
         value = edge + part * across
-        for orbit in one_impact_orbits(model.replace(**{name: value}), N):
+        for orbit in _orbits(model.replace(**{name: value}), N, word):
             if not (orbit.admissible and orbit.stable):
                 continue
             try:

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.orbits.contacts import sizes_of
+from grazing.orbits.contacts import numbered, sizes_of, walls_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import impact_equations
 from grazing.oscillator.exact import Undecided
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name
 from grazing.proof.certify import (
@@ -24,13 +23,14 @@ from grazing.proof.certify import (
     not_proven,
     with_impacts,
 )
-from grazing.proof.clearance import Cleared, check_impacts, cleared_flight
+from grazing.proof.clearance import Cleared, check_impacts, cleared_flight, started
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.gap import GapProof, certify_gap_edge
 from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
 from grazing.proof.reasons import NotProven, Stage
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
-from grazing.proof.search import Search, dips_of
+from grazing.proof.search import Dip, Search, dips_of
+from grazing.proof.seen import alone
 from grazing.proof.text import about, enclosed, exact_text, short
 from grazing_checker.check import trusted_base
 from grazing_checker.envelope import seal
@@ -64,8 +64,9 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Parameters
     ----------
     orbit : Orbit
-        An orbit near the bifurcation, of the oscillator or of the gap map; from it the search starts. It may be that of
-        the special point of a branch. Of an orbit at a graze, an impact without speed is taken for the touch.
+        An orbit near the bifurcation, of the oscillator, over one wall or between walls which may move, or of the gap
+        map; from it the search starts. It may be that of the special point of a branch. Of an orbit at a graze, an
+        impact without speed is taken for the touch.
     kind : str
         ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map
         ``"pd"``, ``"lp"``, ``"gr"`` or ``"bcb"``, the border collision.
@@ -105,9 +106,10 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
-    model = _over_one_wall(orbit)
+    model = orbit.model
     checked_name(name, model.params, "the model")
-    model.refuse_base("a proof", [name])
+    if isinstance(model, Oscillator):
+        model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
@@ -118,21 +120,9 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
         data, inequalities = at_some_precision(lambda bits: _proof(orbit, kind, name, bits))
     except NotProven as error:
         return not_proven(title, error)
-    statement = value_sentence(data)
-    document = seal("bifurcation value", statement, trusted_base("bifurcation value"), data, inequalities)
+    statement, of = value_sentence(data), "bifurcation value" if alone(model) else "bifurcation value with walls"
+    document = seal(of, statement, trusted_base(of), data, inequalities)
     return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
-
-
-def _over_one_wall(orbit: ImpactOrbit) -> Oscillator:
-    """Return the oscillator of an orbit, or raise InputError for one of which no bifurcation is enclosed."""
-    model = orbit.model
-    if not isinstance(model, Oscillator):
-        raise InputError(
-            f"{orbit!r} is one of {shown(model)}; bifurcations are enclosed for an oscillator over one wall, below the "
-            "ball and at rest. gz.certify(orbit) proves orbits of others"
-        )
-    refuse_stiffness(model, "an enclosure of a bifurcation")
-    return model
 
 
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
@@ -156,7 +146,8 @@ def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
     if hits.all():
         return orbit
     p = np.array([orbit.model.params[name]])
-    equations = impact_equations(orbit.model, (name,), orbit.period, orbit.incoming[hits])
+    walls = [wall for wall, hit in zip(numbered(orbit.model, orbit.walls), hits, strict=True) if hit]
+    equations = impact_equations(orbit.model, (name,), orbit.period, orbit.incoming[hits], walls)
     if isinstance(equations, FreeEquations):
         return equations.orbit(equations.start(p), p)
     return equations.orbit(np.concatenate([orbit.times[hits], orbit.outgoing[hits]]), p)
@@ -167,14 +158,14 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     from flint import arb
 
     model, n, N = orbit.model, orbit.impacts, orbit.period
-    equations = Equations(model, n, N, name, orbit.incoming.tolist())
+    equations = Equations(model, n, N, name, orbit.incoming.tolist(), numbered(model, orbit.walls))
     size = equations.size
     with Stage("the orbit near the bifurcation is singular"):
         start = [*guess_of(orbit), arb(model.params[name])]
         search = Search(equations, kind, start)
         centre = search.zero()
-    centre = [short(x, bits // 2) for x in centre]
-    pinned = search.pinned
+    centre, pinned = [short(x, bits // 2) for x in centre], search.pinned
+    centre[pinned] = short(centre[pinned] + 1, bits // 2) - 1  # the ends of the curve, beside it, are then exact
     with Stage("the curve of orbits through the bifurcation is not enclosed"):
         C, radius, rows = enclosed_curve(equations, centre, pinned, bits)
         ends = [end_of(equations, centre, radius, C, rows, pinned, sign, bits) for sign in (-1, 1)]
@@ -183,8 +174,9 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         flights = equations.flights(box)
         check_impacts(flights, n)
     flow = equations.flow(box)
-    dip = search.dip.flight if search.dip else -1
-    cleared = [cleared_flight(equations, flights, i, box, touch=i == dip) for i in range(len(flights))]
+    dip = search.dip
+    touches = {dip.flight: dip.wall} if dip else {}
+    cleared = [cleared_flight(equations, flights, i, box, touches.get(i)) for i in range(len(flights))]
     trace, det = equations.trace_and_det(flights, flow)
     with Stage("the test function of the bifurcation does not surely change its sign"):
         tests, time = sign_rows(equations, kind, ends, cleared, dip)
@@ -201,7 +193,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         "radius": [exact_text(x) for x in radius],
         "preconditioner": [[x.hex() for x in row] for row in C],
         "cuts": [[exact_text(one.start), exact_text(one.end)] for one in cleared] if n else [],
-        "dip": dip_text(dip, cleared, time),
+        "dip": dip_text(equations, dip, cleared, time),
         "ends": [
             {"centre": [exact_text(x) for x in end.centre], "radius": [exact_text(x) for x in end.radius]}
             for end in ends
@@ -313,27 +305,30 @@ def end_of(
 
 
 def sign_rows(
-    equations: Equations, kind: str, ends: list[End], cleared: list[Cleared], dip: int
+    equations: Equations, kind: str, ends: list[End], cleared: list[Cleared], dip: Dip | None
 ) -> tuple[list[dict[str, str]], arb | None]:
     """Return the inequalities that show the change of sign, and for a graze the time at which heights are taken."""
     if kind != "gr":
         column = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}[kind]
         values = [jury(end.trace, end.det)[column] for end in ends]
         return [_signed(f"{column} at end {i + 1}", x) for i, x in enumerate(_opposite(values))], None
-    found = cleared[dip]
+    assert dip is not None
+    found = cleared[dip.flight]
     if found.dip is None or found.bend is None:
-        raise NotProven("the orbit has no dip at the wall where one was found by numbers")
+        raise NotProven("the orbit has no dip at a wall where one was found by numbers")
     times = [
-        min(dips_of(equations, end.flights, dip, end.centre), key=lambda one: float(one.height)).time for end in ends
+        min(
+            (one for one in dips_of(equations, end.flights, dip.flight, end.centre) if one.wall == dip.wall),
+            key=lambda one: float(one.height),
+        ).time
+        for end in ends
     ]
     time = short((times[0] + times[1]) / 2, 128)
     heights = []
     for end in ends:
-        f = end.flights[dip]
-        x = balls(end.centre, end.radius)
-        flow = equations.flow(x)
-        y0 = 0 * time if equations.n else x[0]
-        moment = flow.read(flow.fly(flow.start(f.t, y0, f.w), f.t, time))
+        f, x = end.flights[dip.flight], balls(end.centre, end.radius)
+        flow = equations.flow(x, wall=dip.wall)
+        moment = flow.read(flow.fly(started(equations, f, x, flow, dip.wall), f.t, time))
         least = moment.y - moment.v**2 / (2 * found.bend)
         heights.append(least if least > 0 else moment.y)
     rows = [_signed(f"height of the dip at end {i + 1}", x) for i, x in enumerate(_opposite(heights))]
@@ -352,10 +347,12 @@ def _signed(name: str, x: arb) -> dict[str, str]:
     return bound(name, x, ">" if x > 0 else "<", 0)
 
 
-def dip_text(dip: int, cleared: list[Cleared], time: arb | None) -> dict[str, Any]:
+def dip_text(equations: Equations, dip: Dip | None, cleared: list[Cleared], time: arb | None) -> dict[str, Any]:
     """Return the dip that touches, as text; empty if none does."""
-    if dip < 0 or time is None:
+    if dip is None or time is None:
         return {}
-    one = cleared[dip].dip
+    one = cleared[dip.flight].dip
     assert one is not None
-    return {"flight": dip + 1, "from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
+    wall = {} if alone(equations.model) else {"wall": walls_of(equations.model)[dip.wall].name}
+    stretch = {"from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
+    return {"flight": dip.flight + 1, **wall, **stretch}

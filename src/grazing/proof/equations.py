@@ -16,7 +16,7 @@ from grazing.orbits.contacts import Model, oscillators_of
 from grazing.proof.expression import expression
 from grazing.proof.flow import Flow, Moment
 from grazing.proof.law import Law
-from grazing.proof.seen import Dual
+from grazing.proof.seen import Dual, alone
 
 if TYPE_CHECKING:
     from flint import arb
@@ -237,7 +237,8 @@ def _met(flow: Flow, leg: Leg, t: arb, end: Moment) -> Moment:
 def _allowed(model: Model, name: str, value: arb) -> bool:
     """Return whether a parameter surely is in its range."""
     known = model.describe(name)
-    above = value > known.low if known.open == "low" else value >= known.low
+    low = max(known.low, 0.0) if name == "alpha" and alone(model) else known.low
+    above = value > low if known.open == "low" else value >= low
     return bool(above and value <= known.high)
 
 

@@ -24,7 +24,8 @@ def described(equations: Equations, bits: int) -> dict[str, Any]:
     text = {key: None if key == name else float(x).hex() for key, x in model.params.items()}
     said: dict[str, Any] = {"periods": equations.N, "precision": bits}
     if not alone(model):
-        return {**_walled(equations, text), **said}
+        found = _walled(equations, text)
+        return {**found, **said} if name is None else {**found, **said, "parameter": _unknown(equations, name)}
     assert isinstance(model, Oscillator)
     known: dict[str, Any] = {key: text[key] for key in ("alpha", "k", "omega", "t0")}
     known |= {"offset": text[model.offset_name], "sigma": text["sigma"], "offset_name": model.offset_name}
@@ -51,6 +52,19 @@ def _walled(equations: Equations, text: dict[str, str | None]) -> dict[str, Any]
         place = {"sigma": text[f"{front}sigma"], **_waves(text, own)}
         walls.append({"name": wall.name, "side": wall.side, **place, "law": law})
     return {"model": known, "walls": walls, "impacts": [walls[hit]["name"] for hit in equations.hits]}
+
+
+def _unknown(equations: Equations, name: str) -> dict[str, str]:
+    """Return the group and the name of the unknown parameter among those of a model with walls of its own."""
+    seen, model = Seen(equations.model), equations.model
+    for j, wall in enumerate(seen.walls):
+        front, own = seen.place_of(j)
+        if name in {f"{front}{key}" for key in wall.law.params}:
+            return {"of": f"law of {wall.name}", "name": name.removeprefix(front)}
+        if name == f"{front}sigma" or name.startswith(own):
+            return {"of": str(wall.name), "name": name.removeprefix(own).removeprefix(front)}
+    offset = isinstance(model, Oscillator) and name == model.offset_name
+    return {"of": "model", "name": "offset" if offset else name}
 
 
 def _waves(text: dict[str, str | None], front: str = "") -> dict[str, list[str | None]]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from grazing.proof.clearance import started
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import TooLong
 from grazing.proof.krawczyk import NoConvergence, newton
@@ -25,9 +26,10 @@ STRIDE = 0.05
 
 
 class Dip(NamedTuple):
-    """A local minimum of a flight: which flight, how long after its start, how high, and its acceleration."""
+    """A local minimum of a flight above a wall: which they are, how long after the start, how high, how fast."""
 
     flight: int
+    wall: int
     time: arb
     height: arb
     speed: arb
@@ -69,14 +71,14 @@ class Search:
         if self.kind == "gr":
             dips = [dip for i in range(len(flights)) for dip in dips_of(self.equations, flights, i, x)]
             if not dips:
-                raise NotProven("the orbit has no dip between its impacts that could touch the wall")
+                raise NotProven("the orbit has no dip between its impacts that could touch a wall")
             was = self.dip
             if was is None:
                 self.dip = min(dips, key=lambda dip: float(dip.height))
             else:
-                here = [dip for dip in dips if dip.flight == was.flight]
+                here = [dip for dip in dips if (dip.flight, dip.wall) == (was.flight, was.wall)]
                 if not here:
-                    raise NotProven("the dip that was to touch the wall vanishes; give an orbit nearer to the graze")
+                    raise NotProven("the dip that was to touch a wall vanishes; give an orbit nearer to the graze")
                 self.dip = min(here, key=lambda dip: abs(float(dip.time - was.time)))
             return self.dip.height
         trace, det = self.equations.trace_and_det(flights, flow)
@@ -119,7 +121,11 @@ class Search:
         return self._lost()
 
     def _unit(self, x: Point) -> float:
-        return float(abs(x[self.pinned])) or 1.0
+        """Return the size of the coordinate that is varied; of a time that is 0 by chance that of the motion."""
+        size = float(abs(x[self.pinned]))
+        if self.pinned < self.equations.n:
+            size = max(size, 1.0 / float(self.equations.flow(x).scale))
+        return size or 1.0
 
     def _lost(self) -> Point:
         raise NotProven(
@@ -146,11 +152,13 @@ class Search:
 
 
 def dips_of(equations: Equations, flights: list[Flight], i: int, x: Point) -> list[Dip]:
-    """Return the local minima of one flight, by numbers."""
-    from flint import arb
+    """Return the local minima of one flight above every wall, by numbers."""
+    return [dip for wall in equations.walls for dip in _dips_above(equations, flights[i], i, x, wall)]
 
-    flow, f = equations.flow(x), flights[i]
-    z = flow.start(f.t, arb(0) if equations.n else x[0], f.w)
+
+def _dips_above(equations: Equations, f: Flight, i: int, x: Point, wall: int) -> list[Dip]:
+    flow = equations.flow(x, wall=wall)
+    z = started(equations, f, x, flow, wall)
     count = flow.count(f.L)
     h = (f.L / count).mid()
     step = flow.step(h)
@@ -158,12 +166,12 @@ def dips_of(equations: Equations, flights: list[Flight], i: int, x: Point) -> li
     for k in range(count):
         after = step * z
         if z[1, 0] < 0 and after[1, 0] > 0:
-            found.append(_lowest(flow, z, h, i, k * h))
+            found.append(_lowest(flow, z, h, (i, wall), k * h))
         z = after
     return found
 
 
-def _lowest(flow: Any, z: Any, h: arb, i: int, before: arb) -> Dip:
+def _lowest(flow: Any, z: Any, h: arb, at: tuple[int, int], before: arb) -> Dip:
     """Return the minimum within a step in which the velocity passes from below 0 to above, by bisection and Newton."""
     from flint import arb, ctx
 
@@ -180,4 +188,4 @@ def _lowest(flow: Any, z: Any, h: arb, i: int, before: arb) -> Dip:
         if done:
             break
     state = flow.shifted(z, s)
-    return Dip(i, (before + s).mid(), state[0, 0].mid(), (state[1, 0] * flow.scale).mid())
+    return Dip(*at, (before + s).mid(), state[0, 0].mid(), (state[1, 0] * flow.scale).mid())
