@@ -220,6 +220,14 @@ class System(ByValue):
                 f"the period of {self.name} raised {told(error, self.period)} ({dict(params)})"
             ) from error
 
+    @property
+    def span(self) -> float:
+        """A time of the system, in its own unit: the period, or twice that in which a velocity crosses the box."""
+        if self.period is not None:
+            return self.period_at(self.params)
+        n, widths = len(self.positions), [high - low for low, high in self.box]
+        return 2.0 * max(x / v for x, v in zip(widths[:n], widths[n:], strict=True))
+
     def gaps(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Return gap and rate of each surface by its name, in plain Python."""
         p, found = parameters(params), {}
@@ -247,15 +255,14 @@ class System(ByValue):
         """Try each function once, so that its own errors come with its own line."""
         p, middle = parameters(self.params), tuple(0.5 * (low + high) for low, high in self.box)
         n, state = len(middle), f"a state of {len(middle)} finite numbers ({', '.join(self.coordinates)})"
-        _numbers(self.flight, (0.25, 0.0, middle, p), n, "the flight", state)
-        if self.period is not None:
-            self.period_at(self.params)
+        soon = 1e-3 * self.span
+        _numbers(self.flight, (soon, 0.0, middle, p), n, "the flight", state)
         if self.rounding is not None:
             _numbers(self.rounding, (0.0, 0.0, middle, p), 2, "rounding", "(e, d), two finite numbers >= 0")
         for one in self.surfaces:
             of = f"of surface {one.name}"
             _numbers(one.gap, (0.0, middle, p), 2, f"the gap {of}", "(h, dh), two finite numbers")
-            M = _numbers(one.bound, (0.0, 0.25, middle, p), 0, f"the bound {of}", "one finite number >= 0")[0]
+            M = _numbers(one.bound, (0.0, soon, middle, p), 0, f"the bound {of}", "one finite number >= 0")[0]
             if M < 0.0:
                 raise UserCodeError(f"the bound {of} returned {M:g}; it bounds abs(h''), so allowed is M >= 0")
             if one.law is not None:
@@ -309,12 +316,17 @@ def _restitution(surface: str, names: list[str]) -> int:
     )
 
 
-def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: str, wanted: str) -> tuple[float, ...]:
-    """Call a user's function in plain Python; return its n numbers (0: one alone), or say what is wrong."""
+def tried(function: Callable[..., Any], args: tuple[Any, ...], what: str) -> Any:
+    """Call a user's function in plain Python: what it raises there comes with its own line."""
     try:
-        found = function(*args)
+        return function(*args)
     except Exception as error:
         raise UserCodeError(f"{what} raised {told(error, function)} (called with {shown(args)})") from error
+
+
+def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: str, wanted: str) -> tuple[float, ...]:
+    """Call a user's function in plain Python; return its n numbers (0: one alone), or say what is wrong."""
+    found = tried(function, args, what)
     several = found if n else (found,)
     fits = isinstance(several, tuple) and len(several) == max(n, 1)
     if not fits or not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in several):
