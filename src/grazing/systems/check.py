@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import AMBIGUOUS, InputError, UserCodeError, told
 from grazing.parameter import parameters
-from grazing.systems.contract import Surface, System, usual_rounding
+from grazing.systems.contract import Surface, System
 from grazing.systems.precise import STEP, balls, digits, in_balls, middle
 from grazing.systems.trajectory import AFTER, BEFORE, BEGIN, END, FLAGS, HEAD, HIT, flights_of
 
@@ -52,10 +52,7 @@ class Checked:
         """Return gap and rate as computed, and what is said of their errors."""
         now = self.system.flight(t, t0, state, self.p)
         h, dh = one.gap(t, now, self.p)
-        if self.system.rounding is None:
-            e, d = usual_rounding(t, state, now, h, dh, self.n)
-        else:
-            e, d = self.system.rounding(t, t0, state, self.p)
+        e, d = self.system.parts[2](t, t0, state, now, h, dh, self.p)
         return h, dh, e, d
 
     def said(self, t0: float, state: State) -> str:
