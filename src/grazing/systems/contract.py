@@ -107,8 +107,8 @@ class System(ByValue):
         ``period(p)`` of whatever drives flight and surfaces; needed for a stroboscopic map only.
     rounding : callable, optional
         ``rounding(t, t0, state, p) -> (e, d)``: how far gap and rate, as computed at t along the flight from t0, may be
-        from the exact ones. Default: 32 units in the last place of the sizes involved, a velocity counting as the way gone
-        in a radian of the period; then nothing is *certified*.
+        from the exact ones. Default: 32 units in the last place of the sizes involved, a velocity counting as the way
+        gone in a radian of the period; then nothing is *certified*.
     name : str, optional
         Shown in messages and figures.
 
