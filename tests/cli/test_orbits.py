@@ -191,7 +191,8 @@ def test_a_branch_has_the_edges_of_the_window(capsys):
 def test_virtual_parts_are_listed_on_request(capsys):
     tokens = ["branch", "d=0.1:0.13", "--word", "001", "--at", "0.11", *BALL, *FEW]
     text = said(capsys, 0, *tokens)
-    assert "1 more on virtual parts; --virtual lists them" in text and "fold" not in text
+    assert "2 more on virtual parts; --virtual lists them" in text and "fold" not in text
+    # the fold, and a dip that comes through the wall beside one that is below it
     assert "fold: two orbits meet" in said(capsys, 0, *tokens, "--virtual")
 
 

@@ -60,3 +60,43 @@ def test_letters_name_many_surfaces():
 def test_chatter_ends_the_orbit_by_name():
     orbit = gz.stroboscopic_map(bouncing(A=0.0, r=0.2)).orbit((0.3, 0.0), 3)
     assert orbit.outcomes[1] & gz.Outcome.too_many_impacts and np.isnan(orbit.points[-1]).all()
+
+
+def shown(walls, L, T):
+    """What the map of an oscillator written as a system says of it, without units."""
+    P, S = gz.stroboscopic_map(oscillator(walls=walls, L=L, T=T)[0], phase=0.4 * T), L / T
+    orbit = P.orbit((0.1 * L, 0.3 * S), 12)
+    J = np.array([P.jacobian(state) for state in orbit.points[:5]]) * [[1.0, 1.0 / T], [T, 1.0]]
+    starts = np.array([[0.1, 0.2], [0.2, -0.3]]) * (L, S)
+    found = gz.lyapunov(P, "A.r", [0.7, 0.75], starts=starts, transient=40, steps=40, threads=1, arithmetic="strict")
+    flown = gz.trajectory(P.origin.system, (0.1 * L, 0.3 * S), until=9.0 * T, samples=4)
+    return [
+        orbit.points / (L, S), orbit.letters, orbit.outcomes, J, found.exponent.values,
+        found.exponent_per_time.values * T, flown.impact_time.values / T, flown.v_plus.values / S,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_systems_are_the_same_in_any_unit(walls):
+    # errors were those of positions and velocities added up; differences in time reached over a thousandth of whatever
+    # unit, and a Jacobian was good to three digits in a slow one
+    plain = shown(walls, 1.0, 1.0)
+    for a, b in [(30, 0), (-30, 20), (0, 30), (25, -20)]:
+        for one, other in zip(plain, shown(walls, 2.0**a, 2.0**b), strict=True):
+            assert one.shape == other.shape and (one == other).all()
+    for one, other in zip(plain, shown(walls, 1e-6, 1e3), strict=True):
+        np.testing.assert_allclose(other, one, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("T", [2.0**-50, 2.0**50])
+def test_no_unit_of_time_makes_an_orbit_ambiguous(T):
+    P = gz.stroboscopic_map(oscillator(walls=2, T=T)[0])
+    assert not P.orbit((0.1, 0.3 / T), 12).outcomes.any()
+    assert gz.trajectory(P.origin.system, (0.1, 0.3 / T), until=20.0 * T, samples=2).trust == "numerical"
+
+
+def test_a_flight_is_tried_over_a_time_of_its_own():
+    # it was tried over a quarter of whatever unit, in which what is damped fast leaves the range of numbers
+    system, model = oscillator(alpha=30.0, T=1e-4)
+    P, Q = gz.stroboscopic_map(system), gz.stroboscopic_map(model)
+    assert np.allclose(P.orbit((0.1, 3e3), 4).points, Q.orbit((0.1, 3e3), 4).points, rtol=1e-9)

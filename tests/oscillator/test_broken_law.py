@@ -143,10 +143,19 @@ def between_walls(law):
     return gz.Oscillator(0.0, 0.0, push, walls=(gz.wall(0.0, gz.reset(law, s=2.7)), gz.wall(50.0, gz.newton(0.5))))
 
 
+def rising(law, *lower):
+    """A ball that falls upwards on a wall that moves."""
+    shaken = gz.wall(5.0, gz.reset(law, s=2.7), "above", motion=gz.Forcing(2.0, sin=(0.05,), cos=()))
+    return gz.Oscillator(0.0, 0.0, gz.Forcing(2.0, offset=2.0, cos=()), walls=(*lower, shaken))
+
+
 ENDING = {
     "strobe": (lambda: gz.stroboscopic_map(falling(fast_is_nan, s=2.7)), (1.3575, -1.4495)),
     "impact": (lambda: gz.impact_map(falling(fast_is_nan, s=2.7)), (0.2, 3.5)),
     "walls": (lambda: gz.stroboscopic_map(between_walls(fast_is_nan)), (1.3575, -1.4495)),
+    "impact between walls": (lambda: gz.impact_map(between_walls(fast_is_nan)), (0.2, 3.5)),
+    "impact above": (lambda: gz.impact_map(rising(fast_is_nan)), (0.2, -3.5)),
+    "impact with the upper": (lambda: gz.impact_map(rising(fast_is_nan, gz.wall(0.0, gz.newton(0.5)))), (0.2, -3.5)),
 }
 
 

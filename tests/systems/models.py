@@ -6,10 +6,10 @@ import grazing as gz
 
 
 def steady(t, p):
-    """The steady response to cos(omega t) + offset, with its rate."""
+    """The steady response to F cos(omega t) + offset, with its rate."""
     a, b = p.k * p.k - p.omega * p.omega, p.alpha * p.omega
     size = a * a + b * b
-    c, s = a / size, b / size
+    c, s = p.F * a / size, p.F * b / size
     x = c * cos(p.omega * t) + s * sin(p.omega * t)
     v = p.omega * (s * cos(p.omega * t) - c * sin(p.omega * t))
     return x + p.offset / (p.k * p.k), v
@@ -38,7 +38,7 @@ def oscillator_bound(t, w, state, p):
     x, z = steady(t, p)
     free = sqrt((v - z) ** 2 + p.k * p.k * (u - x) ** 2)
     a, b = p.k * p.k - p.omega * p.omega, p.alpha * p.omega
-    size = 1.0 / sqrt(a * a + b * b)
+    size = p.F / sqrt(a * a + b * b)
     return size * p.omega * p.omega + free * (p.alpha + p.k)
 
 
@@ -56,17 +56,21 @@ def period(p):
     return 6.283185307179586 / p.omega
 
 
-def oscillator(alpha=0.2, k=1.1, omega=1.7, offset=0.1, walls=1, r=0.8):
-    """Return an oscillator above one wall or between two, as a system and as this package has it."""
-    force = gz.Forcing(omega=omega, offset=offset)
-    params = {"alpha": alpha, "k": k, "omega": omega, "offset": offset, "A.sigma": -0.2, "A.r": r}
+def oscillator(alpha=0.2, k=1.1, omega=1.7, offset=0.1, walls=1, r=0.8, L=1.0, T=1.0):
+    """Return an oscillator above one wall or between two, as a system and as this package has it.
+
+    The units of length and of time are 1/L and 1/T.
+    """
+    alpha, k, omega, offset, F, S = alpha / T, k / T, omega / T, offset * L / T**2, L / T**2, L / T
+    force = gz.Forcing(omega=omega, offset=offset, cos=(F,))
+    params = {"alpha": alpha, "k": k, "omega": omega, "offset": offset, "F": F, "A.sigma": -0.2 * L, "A.r": r}
     surfaces = [gz.Surface("A", wall_below, oscillator_bound)]
     if walls == 1:
-        model = gz.Oscillator(alpha, k, force, gz.newton(r), sigma=-0.2)
+        model = gz.Oscillator(alpha, k, force, gz.newton(r), sigma=-0.2 * L)
     else:
-        pair = gz.wall(-0.2, gz.newton(r)), gz.wall(0.3, gz.newton(0.6))
+        pair = gz.wall(-0.2 * L, gz.newton(r)), gz.wall(0.3 * L, gz.newton(0.6))
         model = gz.Oscillator(alpha, k, force, walls=pair)
-        params |= {"B.sigma": 0.3, "B.r": 0.6}
+        params |= {"B.sigma": 0.3 * L, "B.r": 0.6}
         surfaces.append(gz.Surface("B", wall_above, oscillator_bound))
-    box = ((-0.15, 0.25), (-1.0, 1.0))
+    box = ((-0.15 * L, 0.25 * L), (-1.0 * S, 1.0 * S))
     return gz.System(("u",), ("v",), params, oscillator_flight, surfaces, box, period=period), model

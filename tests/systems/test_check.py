@@ -1,10 +1,12 @@
 """A promise that does not hold is found, with a counterexample; one that holds is not."""
 
+import dataclasses
+
 import pytest
 
 import grazing as gz
 from tests.systems.balls import beam, billiard, bouncing, parabola, table, table_bound
-from tests.systems.models import oscillator
+from tests.systems.models import oscillator, oscillator_bound, oscillator_flight, wall_below
 
 
 @pytest.mark.parametrize(
@@ -67,6 +69,27 @@ def coarse(t, t0, state, p):
 def test_what_is_wrong_is_shown_by_an_example(system, said):
     with pytest.raises(AssertionError, match=said):
         gz.testing.check_system(system, states=4)
+
+
+def drifting(t, t0, state, p):
+    u, v = oscillator_flight(t, t0, state, p)
+    return u + 1e-6 * v * (t - t0), v
+
+
+def no_bound(t, w, state, p):
+    return 0.0 * oscillator_bound(t, w, state, p)
+
+
+@pytest.mark.parametrize(("L", "T"), [(1e-6, 1e-3), (2.0**-40, 1.0), (1.0, 2.0**40), (2.0**-60, 2.0**-40)])
+def test_what_is_right_and_what_is_wrong_is_so_in_any_unit(L, T):
+    # errors were compared with 1 of whatever unit, and rates were differences over 2^-50 of it
+    right = oscillator(walls=2, L=L, T=T)[0]
+    gz.testing.check_system(right, states=2)
+    with pytest.raises(AssertionError, match=r"is at u = .* but flown to t = .* and on from there"):
+        gz.testing.check_system(dataclasses.replace(right, flight=drifting), states=1)
+    with pytest.raises(AssertionError, match=r"the bound of surface A is 0\.0 .* but h'' = "):
+        bad = gz.Surface("A", wall_below, no_bound)
+        gz.testing.check_system(dataclasses.replace(right, surfaces=[bad, right.surfaces[1]]), states=1)
 
 
 def test_only_systems_are_checked():

@@ -108,8 +108,17 @@ def test_a_law_of_ones_own_and_one_that_is_wrong():
     np.testing.assert_allclose(flown.v_plus.values, -0.5 * flown.v_minus.values + 0.3, rtol=1e-14)
     with pytest.raises(gz.UserCodeError, match=r"the law of surface A made .* rate of the gap is -1; allowed are"):
         gz.trajectory(ball(nothing), (0.5, 0.0), until=3.0)
-    with pytest.raises(gz.UserCodeError, match=r"the law of surface A made .*nan"):
+    with pytest.raises(gz.UserCodeError, match=r"the law of surface A raised ValueError.* in line \d+ of .* sqrt\(v\)"):
         gz.trajectory(ball(nothing).replace(V=-1.0), (0.5, 0.0), until=3.0)
+
+    def none(t, state, p):
+        return state[0], state[1] * (1.0 if state[1] >= 0.0 else float("nan"))
+
+    said = (
+        rf"the law of surface A made .*nan.*\(defined in line {none.__code__.co_firstlineno} of .*test_trajectory\.py"
+    )
+    with pytest.raises(gz.UserCodeError, match=said):
+        gz.trajectory(ball(none), (0.5, 0.0), until=3.0)
 
 
 def test_where_rounding_is_said_the_word_is_certified():

@@ -15,11 +15,14 @@ from grazing.maps.hits import LATER, Struck
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfRig
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
+from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, placed
 from grazing.oscillator.frames import Frames, first_contact, frame_of, frames_kind, frames_of, frames_rows, plain_frames
+from grazing.oscillator.legs import MAX_IMPACTS
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
+from grazing.oscillator.walled_trajectory import walled_legs
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
 Floats = NDArray[np.float64]
@@ -148,6 +151,14 @@ class Returned(OfRig):
         if not others and wall.sign * v < 0.0:
             allowed = "v_plus >= 0" if wall.sign > 0.0 else "v_plus <= 0"
             raise InputError(f"v_plus = {v:g} points into the wall; give the velocity after an impact, {allowed}")
+
+    def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
+        """Say what a reset law did wrong in the step from a state."""
+        model, (start, v) = self.walled.replace(**dict(zip(self.walled.params, row, strict=True))), state
+        wall = -1 if copysign(1.0, v) < 0.0 else 0
+        at, speed = (float(one[wall, 0]) for one in model.places_at(np.array([start])))
+        fly = partial(walled_legs, model, (at, speed + v), start, start + MAX_PERIODS * model.period, MAX_IMPACTS)
+        return said_in_flight(fly, "a reset law")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""

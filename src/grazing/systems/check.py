@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grazing.outcome import AMBIGUOUS, InputError, UserCodeError, told
 from grazing.parameter import parameters
-from grazing.systems.contract import Surface, System, usual_rounding
+from grazing.systems.contract import Surface, System
 from grazing.systems.precise import STEP, balls, digits, in_balls, middle
 from grazing.systems.trajectory import AFTER, BEFORE, BEGIN, END, FLAGS, HEAD, HIT, flights_of
 
@@ -30,6 +30,13 @@ class Checked:
         self.exact, self.n = balls(self.p), len(system.positions)
         self.flight = in_balls(system.flight)
         self.gap = {one.name: in_balls(one.gap) for one in system.surfaces}
+        self.widths, self.span = [high - low for low, high in system.box], system.span
+        self.step = arb(STEP * self.span)
+
+    def rate(self, along: Any, t: Any) -> Any:
+        """Return the rate at t of something of the time, by differences of the fourth order."""
+        near = [along(arb(t) + k * self.step) for k in (1, -1, 2, -2)]
+        return (8 * (near[0] - near[1]) - (near[2] - near[3])) / (12 * self.step)
 
     def gap_along(self, one: Surface, t: Any, t0: float, state: State) -> tuple[Any, Any]:
         """Return gap and rate at t along the exact flight, as balls."""
@@ -39,17 +46,13 @@ class Checked:
 
     def bend(self, one: Surface, t: float, t0: float, state: State) -> float:
         """Return h'' at t along the exact flight."""
-        rates = [self.gap_along(one, arb(t) + s * STEP, t0, state)[1] for s in (1, -1, 2, -2)]
-        return middle((8 * (rates[0] - rates[1]) - (rates[2] - rates[3])) / (12 * STEP))
+        return middle(self.rate(lambda at: self.gap_along(one, at, t0, state)[1], t))
 
     def gap_in_doubles(self, one: Surface, t: float, t0: float, state: State) -> tuple[float, float, float, float]:
         """Return gap and rate as computed, and what is said of their errors."""
         now = self.system.flight(t, t0, state, self.p)
         h, dh = one.gap(t, now, self.p)
-        if self.system.rounding is None:
-            e, d = usual_rounding(t, state, now, h, dh, self.n)
-        else:
-            e, d = self.system.rounding(t, t0, state, self.p)
+        e, d = self.system.parts[2](t, t0, state, now, h, dh, self.p)
         return h, dh, e, d
 
     def said(self, t0: float, state: State) -> str:
@@ -61,9 +64,7 @@ class Checked:
 def check(system: System, states: int, seed: int) -> None:
     """Raise AssertionError for a promise that does not hold; :func:`grazing.testing.check_system` calls this."""
     random, box = np.random.default_rng(seed), np.array(system.box)
-    widths, n = box[:, 1] - box[:, 0], len(system.positions)
-    span = system.period_at(system.params) if system.period is not None else float(2.0 * max(widths[:n] / widths[n:]))
-    one = Checked(system)
+    widths, span, one = box[:, 1] - box[:, 0], system.span, Checked(system)
     with digits():
         for _ in range(states):
             state: State = tuple(random.uniform(box[:, 0], box[:, 1]).tolist())
@@ -85,7 +86,7 @@ def check(system: System, states: int, seed: int) -> None:
 
 
 def _apart(a: Any, b: Any, size: float) -> bool:
-    return not abs(middle(arb(a) - b)) <= SAME * (size + 1.0)
+    return not abs(middle(arb(a) - b)) <= SAME * size
 
 
 def _check_flight(one: Checked, state: State, t0: float, s: float) -> None:
@@ -93,21 +94,20 @@ def _check_flight(one: Checked, state: State, t0: float, s: float) -> None:
     fly, p, start, names = one.flight, one.exact, balls(state), one.system.coordinates
     t, half, said = arb(t0) + s, arb(t0) + 0.375 * s, one.said(t0, state)
     at_once, there = fly(arb(t0), arb(t0), start, p), fly(t, arb(t0), start, p)
-    size = max(abs(middle(x)) for x in (*there, *start))
-    assert np.isfinite(size), f"the flight {said} is not finite {s:g} later: {[middle(x) for x in there]}"
+    sizes = [max(abs(middle(x)), abs(middle(y)), w) for x, y, w in zip(there, start, one.widths, strict=True)]
+    assert np.isfinite(sizes).all(), f"the flight {said} is not finite {s:g} later: {[middle(x) for x in there]}"
     by_halves = fly(t, half, fly(half, arb(t0), start, p), p)
     for i, name in enumerate(names):
-        assert not _apart(at_once[i], start[i], size), (
+        assert not _apart(at_once[i], start[i], sizes[i]), (
             f"the flight {said} to the same time has {name} = {middle(at_once[i])!r}; it must stay where it is"
         )
-        assert not _apart(by_halves[i], there[i], size), (
+        assert not _apart(by_halves[i], there[i], sizes[i]), (
             f"the flight {said} is at {name} = {middle(there[i])!r} at t = {middle(t)!r}, but flown to t = "
             f"{middle(half)!r} and on from there it is at {middle(by_halves[i])!r}"
         )
-    near = [fly(t + k * STEP, arb(t0), start, p) for k in (1, -1, 2, -2)]
     for i in range(one.n):
-        rate = (8 * (near[0][i] - near[1][i]) - (near[2][i] - near[3][i])) / (12 * STEP)
-        assert not _apart(rate, there[one.n + i], size), (
+        rate = one.rate(lambda at, i=i: fly(at, arb(t0), start, p)[i], t)
+        assert not _apart(rate, there[one.n + i], sizes[one.n + i]), (
             f"along the flight {said} {names[i]} changes at {middle(rate)!r} at t = {middle(t)!r}, where "
             f"{names[one.n + i]} = {middle(there[one.n + i])!r}"
         )
@@ -115,7 +115,7 @@ def _check_flight(one: Checked, state: State, t0: float, s: float) -> None:
         T = one.system.period_at(one.system.params)
         later = fly(t + T, arb(t0) + T, start, p)
         for i, name in enumerate(names):
-            assert not _apart(later[i], there[i], size * (1.0 + T)), (
+            assert not _apart(later[i], there[i], sizes[i]), (
                 f"the flight {said} is not the same a period, {T!r}, later: {name} = {middle(there[i])!r} and "
                 f"{middle(later[i])!r}"
             )
@@ -125,10 +125,11 @@ def _check_gap(one: Checked, surface: Surface, state: State, t0: float, s: float
     """Hold a gap to its rate, to what Newton's law asks of it, and to what is said of its rounding."""
     t, said = t0 + s, f"along the flight {one.said(t0, state)} the gap of surface {surface.name}"
     h, dh = one.gap_along(surface, arb(t), t0, state)
-    near = [one.gap_along(surface, arb(t) + k * STEP, t0, state)[0] for k in (1, -1, 2, -2)]
-    rate = (8 * (near[0] - near[1]) - (near[2] - near[3])) / (12 * STEP)
-    size = max(abs(middle(h)), abs(middle(dh)), abs(middle(rate)))
-    assert not _apart(rate, dh, size), f"{said} changes at {middle(rate)!r} at t = {t!r}, but says dh = {middle(dh)!r}"
+    rate = one.rate(lambda at: one.gap_along(surface, at, t0, state)[0], t)
+    size = max(abs(middle(h)), abs(middle(dh)) * one.span)
+    assert not _apart(rate, dh, size / one.span), (
+        f"{said} changes at {middle(rate)!r} at t = {t!r}, but says dh = {middle(dh)!r}"
+    )
     computed, computed_rate, e, d = one.gap_in_doubles(surface, t, t0, state)
     for what, got, true, allowed in (("h", computed, h, e), ("dh", computed_rate, dh, d)):
         error = abs(middle(true - got))
@@ -139,7 +140,7 @@ def _check_gap(one: Checked, surface: Surface, state: State, t0: float, s: float
     if one.system.period is not None:
         now, T = one.flight(arb(t), arb(t0), balls(state), one.exact), one.system.period_at(one.system.params)
         again = arb(one.gap[surface.name](arb(t) + T, now, one.exact)[0])
-        assert not _apart(again, h, size * (1.0 + T)), (
+        assert not _apart(again, h, size), (
             f"the gap of surface {surface.name} is not the same a period, {T!r}, later: {middle(h)!r} at t = {t!r}, "
             f"then {middle(again)!r}, for the state {tuple(middle(x) for x in now)}"
         )
@@ -148,7 +149,7 @@ def _check_gap(one: Checked, surface: Surface, state: State, t0: float, s: float
             one.gap[surface.name](arb(t), (*balls(state[: one.n]), *(k * arb(v) for v in state[one.n :])), one.exact)[1]
             for k in (0, 1, 2)
         )
-        assert not _apart(twice - once, once - rest, size), (
+        assert not _apart(twice - once, once - rest, max(size / one.span, abs(middle(once)))), (
             f"the rate of the gap of surface {surface.name} is not affine in the velocities at {state}, t = {t!r}; "
             "Newton's law cannot be read from it: give a law"
         )
@@ -160,8 +161,9 @@ def _check_bound(one: Checked, surface: Surface, state: State, t0: float, t: flo
     M = surface.bound(t, w, now, one.p)
     assert M >= 0.0, f"the bound of surface {surface.name} is {M!r} at t = {t!r}, w = {w!r}, state {now}"
     for s in np.linspace(0.0, w, PLACES).tolist():
-        bend = one.bend(surface, t + s, t, now)
-        assert abs(bend) <= M * (1.0 + SAME) + SAME, (
+        bend, (h, dh) = one.bend(surface, t + s, t, now), one.gap_along(surface, arb(t + s), t, now)
+        size = (abs(middle(h)) / one.span + abs(middle(dh))) / one.span
+        assert abs(bend) <= M * (1.0 + SAME) + SAME * size, (
             f"the bound of surface {surface.name} is {M!r} on [{t!r}, {t + w!r}] along the flight from {now}, but "
             f"h'' = {bend!r} at t = {t + s!r}"
         )

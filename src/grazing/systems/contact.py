@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from grazing.kernel.primitives import inlined
 from grazing.outcome import BAD_LAW, FATAL
+from grazing.systems.contract import constant
 from grazing.systems.march import BOUND_BROKEN, LAW_BROKEN, kernels_of, march_of
 
 NAN, INFINITY = float("nan"), float("inf")
@@ -28,22 +29,12 @@ class Asked(NamedTuple):
 def asked_of(period: Any, *parts: Any) -> Asked:
     """Return the functions of a system from its period and :attr:`grazing.systems.contract.System.parts`."""
     flight, gap, bound, law, _rounding = kernels_of(*parts)
-    T = period if callable(period) else _constant(period)
+    T = period if callable(period) else constant(period or 0.0)  # without one nobody asks
 
     def duration(p: Any) -> Any:
         return 1.0 * T(p)
 
     return Asked(flight, gap, bound, law, contact_of(*parts), duration)
-
-
-def _constant(T: float | None) -> Callable[..., float]:
-    """Return a period as a kernel that does not depend on the parameters; without one nobody asks."""
-    T = T or 0.0
-
-    def period(_p: Any) -> float:
-        return T
-
-    return period
 
 
 @lru_cache(maxsize=256)

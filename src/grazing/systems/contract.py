@@ -17,6 +17,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
+from math import pi
 from types import MappingProxyType
 from typing import Any
 
@@ -105,7 +107,8 @@ class System(ByValue):
         ``period(p)`` of whatever drives flight and surfaces; needed for a stroboscopic map only.
     rounding : callable, optional
         ``rounding(t, t0, state, p) -> (e, d)``: how far gap and rate, as computed at t along the flight from t0, may be
-        from the exact ones. Default: 32 units in the last place of the sizes involved; then nothing is *certified*.
+        from the exact ones. Default: 32 units in the last place of the sizes involved, a velocity counting as the way
+        gone in a radian of the period; then nothing is *certified*.
     name : str, optional
         Shown in messages and figures.
 
@@ -176,7 +179,9 @@ class System(ByValue):
         object.__setattr__(self, "name", self.name or "system")
         restitution = [-1 if one.law else _restitution(one.name, list(params)) for one in surfaces]
         flat = [(one.gap, one.bound, one.law, r) for one, r in zip(surfaces, restitution, strict=True)]
-        parts = (len(positions), self.flight, self.rounding, *(part for four in flat for part in four))
+        usual = usual_rounding(len(positions), 2.0 * pi * self.span if self.period is None else self.period)
+        rounding = usual if self.rounding is None else given_rounding(self.rounding)
+        parts = (len(positions), self.flight, rounding, *(part for four in flat for part in four))
         object.__setattr__(self, "_parts", parts)
         self._try()
 
@@ -220,6 +225,14 @@ class System(ByValue):
                 f"the period of {self.name} raised {told(error, self.period)} ({dict(params)})"
             ) from error
 
+    @property
+    def span(self) -> float:
+        """A time of the system, in its own unit: the period, or twice that in which a velocity crosses the box."""
+        if self.period is not None:
+            return self.period_at(self.params)
+        n, widths = len(self.positions), [high - low for low, high in self.box]
+        return 2.0 * max(x / v for x, v in zip(widths[:n], widths[n:], strict=True))
+
     def gaps(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Return gap and rate of each surface by its name, in plain Python."""
         p, found = parameters(params), {}
@@ -232,10 +245,9 @@ class System(ByValue):
         """Raise InputError for a start inside a surface by more than rounding."""
         p = parameters(params)
         for name, (h, dh) in self.gaps(t, state, params).items():
-            if self.rounding is None:
-                e, _d = usual_rounding(t, state, state, h, dh, len(self.positions))
-            else:
-                e, _d = _numbers(self.rounding, (t, t, state, p), 2, "rounding", "(e, d)")
+            if self.rounding is not None:  # what it raises comes with its own line
+                _numbers(self.rounding, (t, t, state, p), 2, "rounding", "(e, d)")
+            e, _d = self._parts[2](t, t, state, state, h, dh, p)
             if h < -e:
                 raise InputError(
                     f"the start is inside surface {name}: its gap is {h:g} at t = {t:g}, "
@@ -247,32 +259,64 @@ class System(ByValue):
         """Try each function once, so that its own errors come with its own line."""
         p, middle = parameters(self.params), tuple(0.5 * (low + high) for low, high in self.box)
         n, state = len(middle), f"a state of {len(middle)} finite numbers ({', '.join(self.coordinates)})"
-        _numbers(self.flight, (0.25, 0.0, middle, p), n, "the flight", state)
-        if self.period is not None:
-            self.period_at(self.params)
+        soon = 1e-3 * self.span
+        _numbers(self.flight, (soon, 0.0, middle, p), n, "the flight", state)
         if self.rounding is not None:
             _numbers(self.rounding, (0.0, 0.0, middle, p), 2, "rounding", "(e, d), two finite numbers >= 0")
         for one in self.surfaces:
             of = f"of surface {one.name}"
             _numbers(one.gap, (0.0, middle, p), 2, f"the gap {of}", "(h, dh), two finite numbers")
-            M = _numbers(one.bound, (0.0, 0.25, middle, p), 0, f"the bound {of}", "one finite number >= 0")[0]
+            M = _numbers(one.bound, (0.0, soon, middle, p), 0, f"the bound {of}", "one finite number >= 0")[0]
             if M < 0.0:
                 raise UserCodeError(f"the bound {of} returned {M:g}; it bounds abs(h''), so allowed is M >= 0")
             if one.law is not None:
                 _numbers(one.law, (0.0, middle, p), n, f"the law {of}", state)
 
 
-def usual_rounding(
-    t: float, before: tuple[float, ...], now: tuple[float, ...], h: float, dh: float, positions: int
-) -> tuple[float, float]:
-    """Return (e, d) for a system that does not say how its gap and rate are rounded: 32 units of all sizes involved."""
-    size, fast = abs(h) + abs(dh), abs(dh)
-    for i in range(len(now)):
-        size += abs(before[i]) + abs(now[i])
-        if i >= positions:
-            fast += abs(now[i])
-    e = 7.2e-15 * size + 9e-16 * abs(t) * fast
-    return e, e
+def constant(T: float) -> Callable[..., float]:
+    """Return a period as a kernel that does not depend on the parameters."""
+
+    def period(_p: Any) -> float:
+        return T
+
+    return period
+
+
+@lru_cache(maxsize=256)
+def usual_rounding(positions: int, period: Callable[..., float] | float) -> Callable[..., tuple[float, float]]:
+    """Return ``rounding(t, t0, before, now, h, dh, p) -> (e, d)`` of a system that does not say how it rounds.
+
+    That is 32 units in the last place of all sizes involved, a velocity counting as the way gone in a radian of the
+    period.
+    """
+    time = period if callable(period) else constant(period)
+
+    def rounding(t: float, t0: float, before: Any, now: Any, h: float, dh: float, p: Any) -> tuple[float, float]:
+        turn = time(p) / (2.0 * pi)
+        size, fast, moved = abs(h), abs(dh), 0.0
+        for i in range(2 * positions):
+            if i < positions:
+                size += abs(before[i]) + abs(now[i])
+            else:
+                moved += abs(before[i])
+                fast += abs(now[i])
+        e = 7.2e-15 * (size + turn * (fast + moved)) + 9e-16 * abs(t) * fast
+        return e, e / turn
+
+    rounding.made_by = usual_rounding, (positions, period)  # type: ignore[attr-defined]
+    return rounding
+
+
+@lru_cache(maxsize=256)
+def given_rounding(function: Callable[..., Any]) -> Callable[..., tuple[float, float]]:
+    """Return a user's ``rounding(t, t0, state, p)`` with the arguments of the usual one."""
+
+    def rounding(t: float, t0: float, before: Any, now: Any, h: float, dh: float, p: Any) -> tuple[float, float]:
+        e, d = function(t, t0, before, p)
+        return 1.0 * e, 1.0 * d
+
+    rounding.made_by = given_rounding, (function,)  # type: ignore[attr-defined]
+    return rounding
 
 
 def _made(kind: Any, items: tuple[Any, ...]) -> Any:
@@ -309,12 +353,17 @@ def _restitution(surface: str, names: list[str]) -> int:
     )
 
 
-def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: str, wanted: str) -> tuple[float, ...]:
-    """Call a user's function in plain Python; return its n numbers (0: one alone), or say what is wrong."""
+def tried(function: Callable[..., Any], args: tuple[Any, ...], what: str) -> Any:
+    """Call a user's function in plain Python: what it raises there comes with its own line."""
     try:
-        found = function(*args)
+        return function(*args)
     except Exception as error:
         raise UserCodeError(f"{what} raised {told(error, function)} (called with {shown(args)})") from error
+
+
+def _numbers(function: Callable[..., Any], args: tuple[Any, ...], n: int, what: str, wanted: str) -> tuple[float, ...]:
+    """Call a user's function in plain Python; return its n numbers (0: one alone), or say what is wrong."""
+    found = tried(function, args, what)
     several = found if n else (found,)
     fits = isinstance(several, tuple) and len(several) == max(n, 1)
     if not fits or not all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in several):

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 from grazing.kernel.primitives import replaced
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
-from grazing.systems.contract import usual_rounding
 
 INFINITY = float("inf")
 EPS = 2.0**-52
@@ -83,14 +82,7 @@ def kernels_of(positions: int, flight: Callable[..., Any], rounding: Any, *flat:
             found = replaced(found, i, new[i])
         return found
 
-    def usual(t: float, t0: float, before: Any, now: Any, h: float, dh: float, p: Any) -> Any:
-        return usual_rounding(t, before, now, h, dh, positions)
-
-    def given(t: float, t0: float, before: Any, now: Any, h: float, dh: float, p: Any) -> Any:
-        e, d = rounding(t, t0, before, p)
-        return 1.0 * e, 1.0 * d
-
-    return Kernels(fly, _gap_of(gaps), _bound_of(bounds), _law_of(laws, zero), usual if rounding is None else given)
+    return Kernels(fly, _gap_of(gaps), _bound_of(bounds), _law_of(laws, zero), rounding)
 
 
 def _gap_of(gaps: tuple[Any, ...], i: int = 0) -> Callable[..., Any]:

@@ -6,13 +6,14 @@ state just before an impact becomes, just after it and at the same time,
     S = L_x + (f_plus - L_x f_minus - L_t) h_x / h'
 
 with the flows f before and after. All are derivatives of closed forms, taken by five-point differences: good to about
-eleven digits.
+eleven digits, in any unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import pi
 from typing import Any
 
 from grazing.kernel.primitives import replaced
@@ -66,7 +67,7 @@ def derivative_of(fly: Callable[..., Any], n: int) -> Callable[..., Any]:
 @lru_cache(maxsize=256)
 def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
     """Return ``saltation(j, t, before, after, widths, p)``: of an impact with surface j; infinite where h' is 0."""
-    fly, gap, bound, law = asked[:4]
+    fly, gap, bound, law, _contact, period = asked
     flat, zero = (0.0,) * (n * n), (0.0,) * n
 
     def flow(t: float, state: Any, s: float, p: Any) -> Any:
@@ -82,7 +83,8 @@ def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
         for i in range(n // 2, n):
             speed += max(widths[i], abs(before[i]))
         M = bound(j, t, 0.0, before, p)
-        s = SHARE * min(speed / M, 1.0) if M > 0.0 else SHARE
+        turn = period(p) / (2.0 * pi)
+        s = SHARE * (min(speed / M, turn) if M > 0.0 else turn)
         first, then = flow(t, before, s, p), flow(t, after, s, p)
         Lx, hx = flat, zero
         for j2 in range(n):

@@ -25,10 +25,11 @@ from grazing.outcome import (
     InputError,
     Trust,
     UserCodeError,
+    defined,
     shown,
 )
 from grazing.parameter import parameters, real
-from grazing.systems.contract import System
+from grazing.systems.contract import System, tried
 from grazing.systems.march import LAW_BROKEN
 from grazing.systems.pointed import Place, place_of, pointed_of
 
@@ -138,9 +139,13 @@ def _broken(system: System, flight: Floats) -> str:
         surface = min(system.surfaces, key=lambda one: gaps[one.name][0])
     if flight[BROKEN] == LAW_BROKEN:
         before, after = (tuple(flight[HEAD + k * n : HEAD + (k + 1) * n].tolist()) for k in (1, 2))
+        if surface.law is not None:  # which says its line, if it raises
+            args = float(flight[END]), before, parameters(system.params)
+            tried(surface.law, args, f"the law of surface {surface.name}")
         return (
             f"the law of surface {surface.name} made {after} of {before} at t = {flight[END]:g}, whose rate of the gap "
             f"is {flight[AFTER]:g}; allowed are finite numbers and a rate >= 0, away from the surface"
+            f"{defined(surface.law)}"
         )
     return (
         f"the bound of surface {surface.name} is too small or negative, or its gap, the rounding or the flight are "
