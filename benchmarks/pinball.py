@@ -6,6 +6,7 @@ packed instructions in C++; neither accounts for rounding. Processor time is com
 
 from __future__ import annotations
 
+import atexit
 import shutil
 import subprocess
 import tempfile
@@ -175,12 +176,13 @@ def packed() -> Program:
     compiler = shutil.which("g++")
     if compiler is None:
         raise Missing("no g++ here: install a C++ compiler")
-    folder = tempfile.TemporaryDirectory()
-    file = Path(folder.name) / "pinball"
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    file = Path(folder) / "pinball"
     lanes = 8 if "avx512f" in Path("/proc/cpuinfo").read_text() else 4
     subprocess.run([compiler, *FLAGS, f"-DL={lanes}", str(SOURCE), "-o", str(file)], check=True)
 
-    def program(count: int, share: float, _kept: object = folder) -> float:
+    def program(count: int, share: float) -> float:
         work = str(max(round(4 * LAUNCHES * HITS * share), 1000))
         said = subprocess.run([str(file), str(count), work], check=True, capture_output=True, text=True).stdout
         return float(said.split()[0])

@@ -153,6 +153,7 @@ import numpy as np
 G, m, v = gz.gap_map(0.8, 0.5, 1.0), gz.pinball(d=0.12, V=0.4), np.linspace(0.4, 0.6, 3)
 saddle = gz.one_impact_orbits(gz.pinball(d=0.105, V=0.4), 2)[-1]
 one = gz.periodic_orbits(G, 2)[0]
+T = gz.table([gz.drain("out", (0, -1), (9, -1))], tilt=0.5)
 logistic = gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), {"a": 3.8})
 CALLS = {
     "adding_tree": dict(lam=0.5, l=0.1, depth=2), "basins": dict(P=G, grid={"x": v}),
@@ -160,6 +161,7 @@ CALLS = {
     "boundaries": dict(P=m, x=("d", 0.05, 0.15), y=("V", 0.3, 0.4), N=2),
     "chart": dict(P=G, params={"mu": v, "l": v}), "coexistence": dict(P=G, name="mu", values=v),
     "continuation": dict(P=G, orbit=one, name="mu", bounds=(0.4, 0.6)), "density": dict(P=G, name="mu", values=v),
+    "launch_map": dict(table=T, x=0.5, y=0.0), "launches": dict(table=T, point=(0.5, 0.0), angle=0.7, speed=[0.5, 1.5]),
     "grazing_curve": dict(model=m), "ladder": dict(model=m, name="d", N=2), "lyapunov": dict(P=G, name="mu", values=v),
     "manifolds": dict(orbit=saddle), "one_impact_orbits": dict(model=m, N=2),
     "orbit_diagram": dict(P=G, name="mu", values=v), "periodic_orbits": dict(P=logistic, period=2),
@@ -207,7 +209,7 @@ UNSIZED = {
     "active", "attractors", "certify", "check_certificate", "cite", "describe", "discontinuity_map", "enclose",
     "gap_map", "graph", "impact_map", "linearised_map", "load", "locus", "newton", "normal_form", "pinball", "reset",
     "in_units", "sample", "save", "spectrum", "stroboscopic_map", "to_csv", "to_dataframe", "to_parquet", "to_wav",
-    "triggered", "wall", "zdm", "zdm_points",
+    "arc", "collision_map", "disc", "drain", "segment", "table", "triggered", "wall", "zdm", "zdm_points",
 }  # fmt: skip
 #: What only takes time, or is an upper limit that other things end before; such a run is stopped at once by Ctrl-C.
 PASSING = {

@@ -5,6 +5,7 @@ Compiled code is never copied: a copy finds it again by its content.
 
 from __future__ import annotations
 
+import hashlib
 import pickle
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
@@ -16,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import digest, outline
+from grazing.kernel.content import below, coded, content, digest, named
 from grazing.outcome import InputError
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -112,8 +113,32 @@ class Code:
 def _code(function: Any) -> tuple[bytes, str] | None:
     """Return a hash of the code of a function that is not ours, with the Python that compiled it."""
     if isinstance(function, FunctionType) and not function.__module__.startswith("grazing."):
-        return MAGIC_NUMBER, outline(function)
+        return MAGIC_NUMBER, _outline(function)
     return None
+
+
+def _outline(function: FunctionType) -> str:
+    """Hash the code of a function and of those that it names, and the numbers and texts that they name.
+
+    Another process with the same Python gets the same for the same; functions of this package are left out, as are
+    values that no two processes can compare.
+    """
+    found, seen = [], [function]
+    for each in seen:  # which grows
+        cells = [cell.cell_contents for cell in each.__closure__ or ()]
+        values = [*named(each).items(), *enumerate([*cells, *(each.__defaults__ or ())])]
+        found.append(
+            (coded(each.__code__), [(key, content(value, (), {})) for key, value in values if _is_comparable(value)])
+        )
+        seen += [one for one in below(each) if one not in seen and not one.__module__.startswith("grazing.")]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+def _is_comparable(value: object) -> bool:
+    """Say whether a value is a number, a text or an array of them."""
+    return isinstance(value, (int, float, complex, str, bytes, np.generic)) or (
+        isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU"
+    )
 
 
 def still(function: Callable[..., Any], code: tuple[bytes, str] | None) -> Callable[..., Any]:

@@ -26,8 +26,9 @@ Matrix = tuple[Ball, Ball, Ball, Ball]
 STEP = 2
 #: Most work for one certificate, in coefficients of series and the like: about half a minute.
 MOST_WORK = 30_000_000
-#: Most coefficients kept of the flights of a box, some 200 MB of 1024 bits. A proof flies three boxes at least, each
-#: coefficient for 11 of the work or more: nothing that the work allows is refused by this.
+#: Most coefficients kept at a time, of the flights of a box and of one of them as other walls see it: some 230 MB of
+#: 1024 bits. Each is paid for with 11 of the work or more, a proof flies three boxes at least, and then looks along
+#: each flight for 10 a coefficient: nothing that the work allows is refused by this.
 MOST_KEPT = 1_000_000
 #: What is said of a certificate that asks for more.
 TOO_MUCH = (
@@ -40,12 +41,17 @@ class Work:
     """What may still be computed for a certificate: a hostile one is rejected, not followed for days."""
 
     def __init__(self) -> None:
-        self.left = MOST_WORK
+        self.left, self.kept = MOST_WORK, 0
 
     def spend(self, amount: int) -> None:
         """Take some of it; reject the certificate if none is left."""
         self.left -= amount
         demand(self.left >= 0, TOO_MUCH)
+
+    def keep(self, coefficients: int) -> None:
+        """Take memory; reject the certificate if it asks for too much at a time. Who lets go of it lowers ``kept``."""
+        self.kept += coefficients
+        demand(self.kept <= MOST_KEPT, TOO_MUCH)
 
 
 class Motion(NamedTuple):
@@ -131,12 +137,11 @@ class Checked:
         terms = 16
         while number(STEP) ** terms / factorial(terms) > number(1, -(working_bits() + 16)):
             terms += 4
-        self.K, self.kept = terms, 0
+        self.K = terms
 
     def keep(self, steps: int) -> None:
         """Take the work and the memory of so many steps, before they are made."""
-        self.kept += steps * self.K
-        demand(self.kept <= MOST_KEPT, TOO_MUCH)
+        self.work.keep(steps * self.K)
         self.work.spend(steps * self.K * (len(self.motion.cos) + 10) * (4 if self.sensitive else 1))
 
     def forces(self, t: Ball) -> list[Ball]:

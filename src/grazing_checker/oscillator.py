@@ -128,7 +128,7 @@ class Problem:
         must not throw these back, nor through the wall: it has to be smooth at small v <= 0, to make 0 of 0, and not to
         grow with v, so that it makes no velocity < 0.
         """
-        for wall in {self.hits[i - 1] for i in range(self.n) if not x[self.n + i] > 0}:
+        for wall in {hit for i, hit in enumerate(self.hits) if not x[self.n + i] > 0}:
             try:
                 slow = self.impact(x, between_0_and(number(-1, -1000)), self.walls[wall])
             except Rejected:
@@ -139,7 +139,7 @@ class Problem:
 
     def legs(self, x: Point, sensitive: bool = False) -> list[Leg]:
         """Return the flights of a point, or of a small box."""
-        frames = self.frames(x)
+        frames, self.work.kept = self.frames(x), 0
         flights = [Checked(one.motion, sensitive, self.work) for one in frames]
         made = []
         for start in self._starts(x, frames):
@@ -154,7 +154,7 @@ class Problem:
 
         The unforced one is what the flights differ by where they start, as the wall sees it that they leave.
         """
-        frames = self.frames(x)
+        frames, self.work.kept = self.frames(x), 0
         flights = [Checked(one.motion, work=self.work) for one in frames]
         made = []
         for mid, start in zip(self._starts(centre, frames), self._starts(x, frames), strict=True):
@@ -306,9 +306,9 @@ def check_flights(
     - as any other wall sees it, y > 0 on [0, L].
 
     Without impacts y > 0 must hold on the whole of [0, N T] for each wall. Every bound holds for all solutions in the
-    box at once.
+    box at once. A dip at a wall that the flight does not end at lies before L as well, for all of that ball.
     """
-    n = problem.n
+    n, kept = problem.n, problem.work.kept
     if n == 0:
         demand(cuts == [], "an orbit without impacts has no cuts")
     for i, leg in enumerate(legs if n else ()):
@@ -325,6 +325,7 @@ def check_flights(
                 f"the cuts of flight {i + 1} are not in order",
             )
         resting = n > 0 and legs[i - 1].after.x.is_zero()
+        problem.work.kept = kept
         paths = [problem.seen(x, leg, to, resting) for to in range(len(problem.walls))]
         if n:
             first = f"{'acceleration' if resting else 'velocity'} of flight {i + 1} up to its first cut"
@@ -333,6 +334,7 @@ def check_flights(
         for j, path in enumerate(paths):
             low, high = start if j == leg.one else number(0), end if j == leg.two else L.upper()
             here = dip if dip is not None and dip[:2] == (i, j) else None
+            demand(here is None or n == 0 or L > here.stop, "the dip is not inside its flight")
             _check_height(path, _height(problem, i, j), low, high, rows, here)
         if n:
             last = f"velocity of flight {i + 1} after its last cut"

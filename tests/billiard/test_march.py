@@ -107,14 +107,15 @@ def test_a_flight_that_touches_exactly_grazes_and_is_no_impact():
     assert int(flight[FLAGS]) & GRAZE and flight[SURFACE] < 0
 
 
-def test_two_objects_that_are_hit_at_once_are_ambiguous_and_the_first_one_is_taken():
+@pytest.mark.parametrize("rho", [0.0, 0.25])
+def test_two_objects_that_are_hit_at_once_are_ambiguous_and_the_first_one_is_taken(rho):
     walls = box(2.0, 2.0)
     for order in (walls, walls[::-1]):
-        table = gz.table(order, rho=0.25)
+        table = gz.table(order, rho=rho)
         state = (1.0, 1.0, 1.0, 1.0)  # into a corner
         assert contact(table, state)[2] & AMBIGUOUS
         surface, t, flags = exact_contact(table.blocks(table.row())[0], state, -1)
-        assert t == 0.75 and flags & AMBIGUOUS
+        assert t == 1.0 - rho and flags & AMBIGUOUS
         first = min(order, key=lambda one: order.index(one) if one.name in ("right", "ceiling") else 9)
         assert order[surface // 2].name == first.name
         flown = gz.trajectory(table, state, until=10.0)
@@ -124,6 +125,27 @@ def test_two_objects_that_are_hit_at_once_are_ambiguous_and_the_first_one_is_tak
             "ceiling",
             "left",
         }
+
+
+@pytest.mark.parametrize("kind", ["box", "wedge", "reflex", "arc", "straight"])
+def test_a_ball_without_a_radius_comes_out_of_a_corner(kind):
+    """Shot exactly into the point in which two objects meet, it goes on, inside, and hits nothing for ever."""
+    tip = 2.0, 1.0
+    objects, start = {
+        "box": ([gz.segment("A", (2, -3), tip, ELASTIC), gz.segment("B", tip, (-3, 1), ELASTIC)], (1.0, 0.0)),
+        "wedge": ([gz.segment("A", (-2, 2), tip, ELASTIC), gz.segment("B", tip, (-2, 0), ELASTIC)], (0.0, 1.0)),
+        "reflex": ([gz.segment("A", (2, -3), tip, ELASTIC), gz.segment("B", tip, (-3, 1), ELASTIC)], (3.0, 2.0)),
+        "arc": ([gz.arc("A", (0, 1), 2.0, -1.5, 0.0, ELASTIC), gz.segment("B", tip, (-3, 1), ELASTIC)], (1.0, 0.5)),
+        "straight": ([gz.segment("A", (-3, 1), tip, ELASTIC), gz.segment("B", tip, (7, 1), ELASTIC)], (2.0, 0.0)),
+    }[kind]
+    for order in (objects, objects[::-1]):
+        table = gz.table(order)
+        flown = gz.trajectory(table, (*start, tip[0] - start[0], tip[1] - start[1]), until=1.5)
+        assert 1 <= flown.sizes["impact"] <= 7 and flown.trust == "ambiguous"  # a wedge of angle a: pi/a at most
+        np.testing.assert_allclose(flown.impact_time, 1.0, atol=1e-12)
+        x, y = float(flown.x[-1]), float(flown.y[-1])
+        before = [gz.trajectory(gz.table([one]), (*start, x - start[0], y - start[1]), until=1.0) for one in order]
+        assert all(one.sizes["impact"] == 0 for one in before)  # the straight way there is free: the same side
 
 
 def test_two_contacts_a_hair_apart_are_told_apart_exactly():

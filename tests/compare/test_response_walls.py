@@ -144,20 +144,7 @@ def test_the_shell_and_the_figure(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rig = "--walls A=newton,B=newton A.r=0.8 B.r=0.6 --si m=0.8,c=2.4,k=3200,force=2.5".split()
     places = ["A.gap=0.8 mm", "B.gap=1.2 mm", "--units", "Hz,mm,N s", "--starts", "1", "--transient", "50"]
-    assert (
-        main(
-            [
-                "response",
-                "frequency=14:15:2",
-                *rig,
-                *places,
-                "-o",
-                "response.nc",
-                "-o",
-                "response.png",
-            ]
-        )
-        == 0
-    )
+    assert main(["response", "frequency=14:15:2", *rig, *places, "-o", "response.nc", "-o", "response.png"]) == 0
     assert gz.load("response.nc")["B.impulse"].attrs["units"] == "N s"
-    assert "omega" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "in frequency" in said and "omega" not in said

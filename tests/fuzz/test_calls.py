@@ -85,6 +85,7 @@ def soft(v, p):
     return -p.r * v / (1.0 - p.c * v)
 
 
+TABLE = gz.table([gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5)), gz.drain("out", (-9, -1), (9, -1))], rho=0.1, tilt=0.3)
 SMALL = {"starts": 2, "transient": 5, "keep": 4, "seed": 0, "threads": 1}
 
 
@@ -107,6 +108,17 @@ def calls():
         "newton": dict(r=0.5),
         "triggered": dict(r=0.5, V=0.4, trigger=0.1),
         "wall": dict(position=-0.5, law=gz.newton(0.5), side="below", motion=gz.Forcing(omega=2.0), name="A"),
+        "disc": dict(name="A", centre=(0.0, 2.0), radius=0.5, law=gz.newton(0.5)),
+        "segment": dict(name="A", start=(0.0, 2.0), stop=(1.0, 2.0), law=gz.newton(0.5)),
+        "arc": dict(name="A", centre=(0.0, 2.0), radius=0.5, start=0.0, stop=3.0, law=gz.newton(0.5)),
+        "drain": dict(name="A", start=(0.0, 2.0), stop=(1.0, 2.0)),
+        "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
+        "trajectory, table": dict(model=TABLE, state=(0.1, 3.0, 0.0, 0.0), start=0.0, until=9.0, samples=10),
+        "collision_map": dict(table=TABLE, on="A"),
+        "launch_map": dict(table=TABLE, x=0.5, y=0.0, hits=100),
+        "launches": dict(table=TABLE, point=(0.5, 0.0), angle=[0.7, 1.0], speed=[0.5, 1.5], hits=100),
+        "plot.table": dict(table=TABLE, names=True),
+        "testing.check_table": dict(table=TABLE, states=1, seed=0),
         "Surface": dict(name="A", gap=fallen, bound=gravity, law=None),
         "System": dict(
             positions=("x",),

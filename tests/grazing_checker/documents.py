@@ -12,7 +12,7 @@ from grazing_checker.sentence import orbit_sentence, value_sentence
 from tests.models import cubic
 from tests.proof.orbits import attractor, doubled, without_impacts
 
-WALLED = ("pair", "rattle", "table", "inverted", "aloft", "doubled table")
+WALLED = ("pair", "rattle", "table", "inverted", "aloft", "doubled table", "caught")
 WALLED_VALUES = ("table pd", "table lp", "rattle gr", "aloft gr", "law pd")
 NAMES = ("stable", "unstable", "free", "own", "pd", "gr", "lp", "ns", *WALLED, *WALLED_VALUES)
 SENTENCES = {
@@ -69,6 +69,12 @@ def inverted():
     return walled(0.3, {"stiffness": -1.0}, gz.Forcing(omega=2.0, cos=(1.5,)), *sides)
 
 
+def catching():
+    """The upper wall takes all speed, and the force lifts the ball off it at once."""
+    sides = gz.wall(-1.2, gz.newton(0.5)), gz.wall(1.2, gz.newton(0.0))
+    return walled(0.5, {"k": 1.0}, gz.Forcing(omega=1.5, offset=-0.5, cos=(2.0,)), *sides)
+
+
 def walled_orbits():
     """Orbits between walls that are at rest or move, with springs of either sign and without, by name."""
     nod = gz.Forcing(omega=4.0, cos=(0.1,), sin=(0.05,))
@@ -81,6 +87,7 @@ def walled_orbits():
         "inverted": found_in(inverted(), "A"),
         "aloft": found_in(aloft, "0"),
         "doubled table": found_in(vibrating_table(0.5, 1.6), "1", period=2),
+        "caught": found_in(catching(), "(BA)"),
     }
     assert tuple(found) == WALLED
     return found

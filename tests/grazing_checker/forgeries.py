@@ -505,6 +505,12 @@ def law(rng, data, _others):
         data["model"]["offset_name"] = rng.choice(("offset", "d", "k", "the offset, which is stable", ""))
 
 
+def kicked(rng, data, _others):
+    """Slow impacts at a wall are thrown back, which the orbit's own are not."""
+    one = rng.choice(laws_in(data))
+    one["after"] = ["if", [">", "v", (-(2.0**-60)).hex()], (0.5).hex(), one["after"]]
+
+
 def unknown(rng, data, _others):
     """Another parameter is said to be the unknown one."""
     old = data["parameter"]
@@ -811,7 +817,7 @@ def image(rng, data, others):
 
 COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
 SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
-OSCILLATOR = (*SOLVED, signature, law, cuts, later)
+OSCILLATOR = (*SOLVED, signature, law, kicked, cuts, later)
 WALLS = (wall_renamed, walls_exchanged, wall_dropped, side_flipped, wall_moved, image)
 WAYS = {
     "periodic orbit": (*OSCILLATOR, twice),

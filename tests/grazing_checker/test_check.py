@@ -9,6 +9,7 @@ import pytest
 
 import grazing as gz
 from grazing.proof.certify import certify
+from grazing.proof.gap import certify_gap_orbit
 from grazing_checker import Rejected, check
 from tests.grazing_checker.documents import (
     NAMES,
@@ -216,6 +217,19 @@ def test_a_law_given_is_held_against_the_one_in_the_certificate(made):
         gz.check_certificate(document, law=lambda v, p: int(v))
     with pytest.raises(gz.InputError, match="rejected"):
         gz.check_certificate({**document, "statement": "So it is."})
+
+
+def test_between_walls_a_law_given_is_held_against_that_of_each(made):
+    def law(v, p):
+        return -p.r * v
+
+    assert gz.check_certificate(made["rattle"], law=law) == made["rattle"]["statement"]
+    with pytest.raises(gz.InputError, match=r"no expression to hold against the certificate's at wall L: Attribute"):
+        gz.check_certificate(made["aloft"], law=law)
+    with pytest.raises(gz.InputError, match=r"another law at wall A: v\+ = \(-p\.r\)\*v; the one given is v\+ = -v"):
+        gz.check_certificate(made["rattle"], law=lambda v, p: -v)
+    with pytest.raises(gz.InputError, match="a map without a reset law; leave law away"):
+        gz.check_certificate(certify_gap_orbit("R", 0.5, 0.9, 0.0).document, law=law)
 
 
 def test_what_is_no_certificate_is_refused(made, tmp_path):

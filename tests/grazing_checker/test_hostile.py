@@ -17,6 +17,7 @@ from grazing_checker.envelope import LARGEST, VALUES
 from grazing_checker.flight import Checked, Motion, Work
 from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import changed, claiming, documents, resealed
+from tests.grazing_checker.truth import is_true
 from tests.proof.orbits import closed
 
 
@@ -54,6 +55,24 @@ def test_an_orbit_that_is_lifted_off_is_stable_only_if_slow_impacts_stay_slow():
     found = certify(_with(orbit, gz.Oscillator(0.3, 1.0, model.forcing, kicked)))
     assert found.proven and found.claims["stability"] == "undecided"
     assert "throw back" in found.reason and check(found.document) == found.statement
+
+
+def test_between_walls_it_is_the_wall_that_is_left_with_w_0_whose_law_is_asked():
+    """The other one may throw slow impacts back as it likes: none come there."""
+    good = documents()["caught"]
+    hits, claims = good["data"]["impacts"], good["data"]["claims"]
+    assert claims["stability"] == "stable" and float(claims["box"][2 + hits.index("B")][0]) < 1e-20
+    slow, back = [">", "v", (-0.01).hex()], (0.5).hex()
+
+    def kicking(law):
+        return {**law, "after": ["if", slow, back, law["after"]]}
+
+    forged, other = (changed(good, ("data", "walls", j, "law"), kicking) for j in (1, 0))
+    with pytest.raises(Rejected, match="throw slow impacts back"):
+        check(claiming(forged))
+    assert check(claiming(other)).endswith("inside the unit circle.")
+    assert is_true(forged["kind"], forged["data"]) == (False, "slow impacts beside one that leaves with w = 0 are not")
+    assert is_true(other["kind"], other["data"]) == (True, "")
 
 
 def _with(orbit, model):
@@ -117,6 +136,17 @@ HOSTILE = {
     "slow": {("model", "omega"): (1e-5).hex()},
     "harmonics": {("periods",): 10, ("model", "cos"): [(1e-3).hex()] * 1000, ("model", "sin"): [(1e-3).hex()] * 1000},
 }
+
+
+def test_flights_to_two_walls_take_no_more_memory_than_those_to_one(tmp_path):
+    """As many steps to each wall as one wall may have."""
+    forged, path = documents()["pair"], tmp_path / "c.json"
+    for place, new in {("precision",): 1024, ("periods",): 1550}.items():
+        forged = changed(forged, ("data", *place), lambda _old, new=new: new)
+    forged["data"]["centre"][1] = "0x1307p0"  # 4871, half of 1550 periods after the first
+    path.write_text(json.dumps(claiming(forged)))
+    refusal, memory, _time, _yard = measured(path)
+    assert "too much work" in refusal and memory < 16 * LARGEST
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -258,6 +258,9 @@ class Rig:
             tree(self.law["after"], v + h, self.p) - tree(self.law["after"], v - h, self.p)
         ) / (2 * h)
 
+    def law_of(self, _wall, v):
+        return self.after(v)[0]
+
     def flights(self, x):
         """Start, length, exponential and final state of every flight."""
         n = self.n
@@ -367,6 +370,14 @@ def rig_of(data, value=None):
     return WalledRig(data, hold, tree, value) if "walls" in data else Rig(data, value)
 
 
+def check_slow_impacts(rig, walls):
+    """Where an impact leaves with w = 0, motions beside the orbit meet the wall once more, as slowly as can be."""
+    for wall in walls:
+        for v in (-(mpf(10) ** -e) for e in (40, 60, 80)):
+            held = 0 <= rig.law_of(wall, v) <= mpf(10) ** 20 * -v
+            hold(held, "slow impacts beside one that leaves with w = 0 are not")
+
+
 def oscillator_orbit(data):
     rig = rig_of(data)
     claims, n = data["claims"], rig.n
@@ -384,8 +395,10 @@ def oscillator_orbit(data):
         inside(value.real, one["real"], "a multiplier")
         hold(abs(abs(value.imag) - abs(middle(one["imag"]))) < 1e-6, "a multiplier")
     check_stability(claims["stability"], trace, det)
+    steps = rig.steps(x)
+    if claims["stability"] == "stable":
+        check_slow_impacts(rig, [wall for i, (wall, _t, _speed) in enumerate(steps) if x[n + i] < mpf(10) ** -25])
     if claims["least_period"]:
-        steps = rig.steps(x)
         for q in range(2, n + 1):
             if n % q == 0:
                 shifts = [divmod(i + n // q, n) for i in range(n)]

@@ -66,7 +66,7 @@ class WalledRig:
         z[1] = sign * (w - rate)
         return z
 
-    def after(self, wall, v):
+    def law_of(self, wall, v):
         return self.tree(self.walls[wall]["law"]["after"], v, self.laws[wall])
 
     def flights(self, x):
@@ -91,7 +91,7 @@ class WalledRig:
             y, v = self.seen(0, flights[0][4])
             return [y - x[0], v - x[1]]
         ends = [self.seen(two, end) for _one, two, _z, _L, end in flights]
-        laws = [self.after(one[1], v) for one, (_y, v) in zip(flights, ends, strict=True)]
+        laws = [self.law_of(one[1], v) for one, (_y, v) in zip(flights, ends, strict=True)]
         after = [x[self.n + (i + 1) % self.n] for i in range(self.n)]
         return [y for y, _v in ends] + [w - g for w, g in zip(after, laws, strict=True)]
 
@@ -107,7 +107,7 @@ class WalledRig:
 
             def leg(t, w, end, one=one, two=two):
                 y, v = self.seen(two, mp.expm(self.M * (end - t)) * self.leaving(one, t, mpf(0), w))
-                return mp.matrix([y, self.after(two, v)])
+                return mp.matrix([y, self.law_of(two, v)])
 
             slopes = []
             for c in range(3):
@@ -129,7 +129,7 @@ class WalledRig:
             if self.n:
                 v = self.seen(two, end)[1]
                 self.hold(v < 0, "an impact does not arrive from the wall's own side")
-                self.hold(self.after(two, v) >= 0, "the law returns a velocity into the wall")
+                self.hold(self.law_of(two, v) >= 0, "the law returns a velocity into the wall")
             step = np.array(mp.expm(self.M * (L / count)).tolist(), dtype=float)
             states = [np.array(z.tolist(), dtype=float)[:, 0]]
             for _ in range(count):

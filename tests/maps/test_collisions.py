@@ -75,6 +75,18 @@ def test_jacobians_are_those_of_differences(rho):
     assert count > 30 and len(seen) > 3
 
 
+def test_active_discs_let_go_of_as_many_balls_as_is_known():
+    """Three discs at three radii, restitution 0.8 and no kick: 0.845 +- 0.01 an impact, impacts 3 to 9."""
+    table, n, most = three_discs(3.0), 400_000, 9
+    P = gz.collision_map(table.replace(**{"A.r": 0.8, "B.r": 0.8, "C.r": 0.8}))
+    random = np.random.default_rng(0)
+    lanes = np.array([random.uniform(0, 2 * pi, n), np.arcsin(random.uniform(-1, 1, n)), np.ones(n)])
+    letters = P.run(lanes, 0, most + 1)[1]
+    left = (letters < 3).sum(axis=1)[2:]  # not away
+    rate, error = np.polyfit(np.arange(len(left)), np.log(left), 1, w=np.sqrt(left), cov="unscaled")
+    assert -rate[0] == pytest.approx(0.845, abs=0.01 + 3.0 * sqrt(error[0, 0]))
+
+
 def test_phase_volume_is_kept_where_impacts_are_elastic():
     """cos(angle) speed^2 ds dangle dspeed is kept: at an elastic table without kicks."""
     P = gz.collision_map(gz.table([*layout(3), *box()], tilt=pi / 2))
@@ -185,6 +197,15 @@ def test_it_is_plain_python_too_equal_and_goes_through_a_pickle():
     assert P == Q and Q((0.3, 0.2, 1.0))[1] == letter
     assert P.replace(**{"P.V": 0.7}).params["P.V"] == 0.7 and P.describe("P.V").low == 0.0
     gz.testing.check_map(gz.collision_map(gz.table([*layout(3), *box()], tilt=pi / 2)), states=8, steps=4)
+
+
+def test_a_table_may_have_hundreds_of_objects():
+    discs = [gz.disc(f"d{i}_{j}", (i, j), 0.3, ELASTIC) for i in range(16) for j in range(16)]
+    P = gz.collision_map(gz.table(discs))
+    state, c = (1.0, 0.3, 1.0), P.prepare(tuple(P.params.values()))
+    new, letter, _outcome = P.step(state, c)
+    again = P.orbit(state, 1)
+    assert letter == again.letters[0] and np.abs(np.array(new) - again.points[1]).max() < 1e-12
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import copy
 
 import pytest
 
-from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
+from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits, Names
 from grazing.orbits.word import letters_of, word
 from grazing.outcome import InputError
 
@@ -66,3 +66,16 @@ def test_a_letter_grows_by_an_impact_until_it_tells_them_apart_no_more(names):
         assert hits.symbol(letter) == (text if len(text) == 1 else f"({text})")
         assert hits.walls(letter) == tuple(walls)
     assert hits.longer(letter, 0) == MANY == hits.longer(MANY, 1) and hits.walls(MANY) == hits.walls(0) == ()
+
+
+def test_names_of_objects_are_letters():
+    names = Names(("A", "bumper", "left_drain"))
+    for letter, symbol in enumerate(("A", "(bumper)", "(left_drain)")):
+        assert names.symbol(letter) == symbol and names.read(f"A{symbol}", 1) == (letter, 1 + len(symbol))
+    assert (len(names), list(names), names.most) == (3, ["A", "bumper", "left_drain"], 10)
+    assert word((1, 0, 1, 0), names) == "A(bumper)" and letters_of("(bumper)A", names) == (1, 0)
+    for text in ("B", "(A", "(bump)", "bumper"):
+        with pytest.raises(InputError, match=r"allowed are A, \(bumper\), \(left_drain\)"):
+            names.read(text, 0)
+    with pytest.raises(InputError, match="letter 3 has no name"):
+        names.symbol(3)

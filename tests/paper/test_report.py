@@ -214,7 +214,8 @@ def test_the_bifurcation_diagram_marks_its_graze(run):
     for ax in (main, close):
         dashed = [line for line in ax.lines if list(line.get_xdata()) == [data["graze"]] * 2]
         assert len(dashed) == 1
-    assert main.get_xlim() == (0.05, 0.16)
+    low, high = main.get_xlim()
+    assert 0.05 - 0.02 * 0.11 <= low < 0.05 and 0.16 < high <= 0.16 + 0.02 * 0.11  # the outermost columns are whole
     assert data["graze"] == pytest.approx(0.130961869350, abs=1e-12)
 
 
@@ -241,7 +242,9 @@ def test_diagrams_of_the_gap_map(run):
     assert len(axes) == 3
     for ax, each in zip(axes, data["panels"], strict=True):
         low, high = each["windows"][3]
-        assert any(p.get_x() == low and p.get_width() == pytest.approx(min(high, 0.35) - low) for p in ax.patches)
+        assert any(
+            p.get_x() == low and p.get_width() == pytest.approx(min(high, ax.get_xlim()[1]) - low) for p in ax.patches
+        )
 
 
 def test_edges_against_the_gap(run):

@@ -101,3 +101,13 @@ def test_the_outermost_columns_are_seen_whole(count):
     box = ax.get_window_extent()
     assert low - box.x0 >= radius and box.x1 - high >= radius
     assert low - box.x0 <= 0.025 * box.width
+
+
+def test_outermost_columns_are_whole_on_a_logarithmic_axis():
+    G = gz.gap_map(lam=0.34, mu=0.01, l=0.21)
+    result = gz.orbit_diagram(G, "mu", np.geomspace(1e-4, 1e-2, 21), starts=3, transient=50, keep=4)
+    _figure, ax = pyplot.subplots()
+    ax.set_xscale("log")
+    gz.plot.orbit_diagram(result, ax)
+    low, high = ax.get_xlim()
+    assert 1e-4 / low == pytest.approx(high / 1e-2) == pytest.approx(100.0**0.02)

@@ -1,4 +1,5 @@
 import json
+from copy import copy
 from dataclasses import replace
 from time import process_time
 
@@ -110,7 +111,8 @@ def test_orbits_without_impacts_are_proven(model):
     certificate = proven(without_impacts(model))
     assert certificate.claims["stability"] == ("stable" if model.alpha else "undecided")
     assert "no impacts" in certificate.statement
-    assert ("unit circle or too close" in certificate.reason) == (model.alpha == 0)
+    neutral = "without damping and impacts both multipliers are on the unit circle, and nothing attracts or repels"
+    assert certificate.reason == ("" if model.alpha else f"stability is not decided: {neutral}")
 
 
 def test_an_undamped_elastic_orbit_exists_but_nothing_is_claimed_of_its_stability():
@@ -204,3 +206,17 @@ def test_a_certificate_is_saved_and_checked_from_its_file(tmp_path):
         assert part in certificate.statement
     assert repr(certificate) == "<Certificate: periodic orbit with 1 impact in 3 periods, proven stable>"
     assert certificate.value is None
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e6])
+def test_an_orbit_that_is_another_one_than_was_given_is_told_in_any_unit(unit):
+    """The numbers given are off by a hundredth or by a millionth, whatever speeds are measured in."""
+    model = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=2.2, offset=0.12 * unit, cos=(unit,)), gz.newton(0.8))
+    orbit = next(one for one in gz.periodic_orbits(gz.stroboscopic_map(model), [1], starts=10) if one.impacts)
+
+    def reason(share):
+        other = copy(orbit)
+        object.__setattr__(other, "outgoing", orbit.outgoing * (1.0 + share))
+        return certify(other).reason
+
+    assert reason(1e-6) == "" and "to another orbit" in reason(1e-2)

@@ -169,3 +169,21 @@ def test_a_ball_that_comes_to_rest_is_refused_in_words():
     (resting,) = (one for one in orbits if not hasattr(one, "times"))
     with pytest.raises(gz.InputError, match="comes to rest on a wall"):
         certify(resting)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_a_parameter_of_a_law_may_begin_like_an_amplitude(count):
+    """The proof is that of the same law under another name."""
+
+    def claims(name):
+        law = gz.reset(lambda v, p: -getattr(p, name) * v, **{name: 0.6})
+        force, nod = gz.Forcing(omega=2.0, cos=(2.0,)), gz.Forcing(omega=4.0, cos=(0.01,))
+        sides = gz.wall(-0.5, law, motion=nod), gz.wall(0.5, law)
+        if count:
+            model = walled(0.1, {"k": 0.5}, force, *sides[:count])
+        else:
+            model = gz.Oscillator(0.1, 0.5, force, law, sigma=-0.5)
+        orbits = gz.periodic_orbits(gz.stroboscopic_map(model), [1], starts=20)
+        return proven(next(one for one in orbits if one.impacts)).claims
+
+    assert claims("cosine") == claims("e")

@@ -67,7 +67,7 @@ def test_the_shell_prints_what_was_found_and_writes_it(folder, capsys):
     assert "27 impacts, certified" in capsys.readouterr().out
     assert main(["sample", *rig, "--rate", "2000", "--since", "1", "-o", "b.csv", "-o", "b.nc", "-o", "b.pdf"]) == 0
     assert "2001 samples, 2000 per s, t from 1 to 2 s" in capsys.readouterr().out
-    assert (folder / "b.csv").read_text().startswith("t (s),u (mm),v (m/s)")
+    assert (folder / "b.csv").read_text().startswith("t (s),u (mm positive down),v (m/s positive down)")
     assert main(["spectrum", *rig, "--since", "1", "--window", "boxcar", "-o", "c.nc", "-o", "c.svg", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     first = said["found"]["lines"][0]

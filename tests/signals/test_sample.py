@@ -95,3 +95,14 @@ def test_what_is_wrong_is_said():
     del tr.attrs["parameter_k"]
     with pytest.raises(gz.InputError, match="does not say its parameter 'k'"):
         gz.sample(tr, 10.0)
+
+
+def test_a_parameter_of_a_law_may_begin_like_an_amplitude_of_a_wall():
+    law = gz.reset(lambda v, p: -p.cosine * v, cosine=0.6)
+    force = gz.Forcing(omega=2.0, cos=(2.0,))
+
+    def samples(law):
+        model = gz.Oscillator(0.1, 0.5, forcing=force, walls=(gz.wall(-0.5, law), gz.wall(0.5, law)))
+        return gz.sample(gz.trajectory(model, (0.1, 0.0), until=10.0), 20.0)
+
+    np.testing.assert_array_equal(samples(law).u, samples(gz.newton(0.6)).u)

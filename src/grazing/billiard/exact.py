@@ -16,7 +16,9 @@ import numpy as np
 from flint import arb, ctx, fmpq, fmpq_poly
 from numpy.typing import NDArray
 
+from grazing.billiard.march import body_of, face_corner, side_corner
 from grazing.billiard.rows import (
+    BARE,
     CIRCLES,
     COSINE,
     EX,
@@ -79,6 +81,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
     fall = -exact(block[GRAVITY]) / 2
     faces, circles, sides = (int(block[i]) for i in (FACES, CIRCLES, SIDES))
     rows = block[HEAD + THING * int(block[THINGS]) :]
+    body = body_of(left, faces, circles, rows)
     for i in range(faces + circles + sides):
         row = rows[WIDTH * i : WIDTH * (i + 1)]
         dx, dy = fmpq_poly([x - exact(row[PX]), vx]), fmpq_poly([y - exact(row[PY]), vy, fall])
@@ -88,8 +91,14 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
             ex, ey = exact(row[EX]), exact(row[EY])
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
             within = foot, fmpq_poly([exact(row[LONG])]) - foot
+            bare = left >= 0 and left // 2 != i and row[SIZE] == 0.0
+            corner, way = face_corner(row, state[0], state[1], state[2], state[3], body) if bare else (False, 0.0)
             for side, sign in enumerate((-1, 1)):
                 surface = 2 * i + side
+                if corner and sign * way < 0.0:
+                    continue
+                if corner:
+                    off -= off[0]
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
                 yield made(surface, owner, sign * off - size, within, fresh)
             continue
@@ -100,6 +109,10 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
+            if row[BARE] > 0.0 and left >= 0 and not fresh:
+                fresh, comes = side_corner(row, state[0], state[1], state[2], state[3], body)
+                if comes:
+                    continue
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh)
 
 
@@ -178,7 +191,7 @@ def exact_contact(block: Floats, state: tuple[float, ...], left: int) -> tuple[i
         with precision(bits):
             try:
                 return _first(gaps, state, last=bits == BITS[-1])
-            except Undecided:
+            except (Undecided, OverflowError):  # so large that it is infinite in doubles
                 continue
     raise Undecided
 

@@ -161,7 +161,8 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     t = np.concatenate([np.linspace(*of) for of in zip(begins, ends, each, strict=True)])
     s, (x, y, vx, vy) = t - begins[number], flights[number, FIRST:LAST].T
     a = table.gravity
-    path = dict(zip(names, (x + vx * s, y + (vy - 0.5 * a * s) * s, vx, vy - a * s), strict=True))
+    with np.errstate(over="ignore", invalid="ignore"):  # of a ball that has diverged
+        path = dict(zip(names, (x + vx * s, y + (vy - 0.5 * a * s) * s, vx, vy - a * s), strict=True))
     hits = ~np.isnan(flights[:, BEFORE]) & (begins + flights[:, TIME] <= until)
     gone = bool(flags & ESCAPED) and (flights[-1, OWNER] < 0.0 or begins[-1] + flights[-1, TIME] <= until)
     flags = flags if gone else flags & ~ESCAPED

@@ -120,11 +120,12 @@ def crossing(
                 most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
                 D = rate * rate - 4.0 * most * up
                 reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
-                late = (e + d * near) / -rate + 4.0 * EPS * t
-                if up <= 0.0:
-                    return (t, late, flags) if doubt == INFINITY else (doubt, t - doubt, flags)
-                if reach <= near:
-                    s = landing(h, dh, sign * bend, sign * c3, sign * a4, reach) if h > 0.0 else 0.0
+                if up <= 0.0 and doubt < INFINITY:
+                    return doubt, t - doubt, flags
+                if up <= 0.0 or reach <= near:
+                    late, s = (e + d * near) / -rate + 4.0 * EPS * t, 0.0
+                    if h > 0.0:
+                        s = landing(h, dh, sign * bend, sign * c3, sign * a4, reach)
                     return t + s, late, flags
         least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
         k = sign * bend + least - b

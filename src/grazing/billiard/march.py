@@ -10,6 +10,7 @@ from typing import Any
 
 from grazing.billiard.gaps import DEEP, EPS, GAP, crossing, face_crossing, first_step, lowest, side_contact
 from grazing.billiard.rows import (
+    BARE,
     CIRCLES,
     EX,
     EY,
@@ -17,10 +18,13 @@ from grazing.billiard.rows import (
     GRAVITY,
     HEAD,
     LONG,
+    MX,
+    MY,
     OWNER,
     PX,
     PY,
     SIDES,
+    SIGN,
     SIZE,
     THING,
     THINGS,
@@ -30,6 +34,8 @@ from grazing.kernel.primitives import behind, inlined
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
 
 INFINITY = float("inf")
+#: Errors of a gap within which a ball without a radius is in a corner.
+CORNER = 4.0
 
 
 @inlined
@@ -67,18 +73,62 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
     """
     g, faces, circles = table[GRAVITY], int(table[FACES]), int(table[CIRCLES])
     rows, last = behind(table, HEAD + THING * int(table[THINGS])), int(left)
-    found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, rows)
+    start = rows
+    found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, circles, rows)
     if not found[4] & FATAL:
         rows = behind(rows, WIDTH * faces)
         found = of_circles(found, x, y, vx, vy, g, last, 2 * faces, circles, rows)
     if not found[4] & FATAL:
         rows = behind(rows, WIDTH * circles)
-        found = of_sides(found, x, y, vx, vy, g, last, 2 * faces + circles, int(table[SIDES]), rows)
+        found = of_sides(found, x, y, vx, vy, g, last, faces, circles, int(table[SIDES]), rows, start)
     return found[0], found[1], found[4]
 
 
-def of_faces(found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, rows: Any) -> Any:
-    """Return the first contact with a face, or what was found before that."""
+@inlined
+def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
+    """Return a point of what lies at a surface: in a corner it says on which side of the other one the ball is."""
+    if surface < 0:
+        return 0.0, 0.0
+    if surface < 2 * faces:
+        row = behind(rows, WIDTH * (surface // 2))
+        return row[PX] + 0.5 * row[LONG] * row[EX], row[PY] + 0.5 * row[LONG] * row[EY]
+    row = behind(rows, WIDTH * (surface - faces))
+    far = row[SIZE] if surface >= 2 * faces + circles else 0.0
+    return row[PX] + far * row[MX], row[PY] + far * row[MY]
+
+
+@inlined
+def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
+    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-."""
+    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
+    e = CORNER * GAP * EPS * (abs(dx) + abs(dy))
+    way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
+    if abs(way) <= e:  # one line goes on as the other: it leaves both
+        way = ey * vx - ex * vy
+    return abs(ey * dx - ex * dy) <= e, way
+
+
+@inlined
+def side_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
+    """Return (passed, comes): whether a ball without a radius is on the circle of an arc, but not on this side of it.
+
+    ``comes``: it moves towards this side, and meets the other one.
+    """
+    dx, dy, size, sign = x - row[PX], y - row[PY], row[SIZE], row[SIGN]
+    far2, bx, by = dx * dx + dy * dy, body[0] - row[PX], body[1] - row[PY]
+    on = abs(far2 - size * size) <= CORNER * GAP * EPS * (far2 + size * size)
+    passed = on and sign * (bx * bx + by * by - size * size) < 0.0
+    return passed, passed and sign * (dx * vx + dy * vy) > 0.0
+
+
+def of_faces(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, circles: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return the first contact with a face, or what was found before that.
+
+    A ball without a radius that has just left something where a face begins is on the line of that face: it is on the
+    side on which the body of the other one is.
+    """
     for i in range(faces):
         row = behind(rows, WIDTH * i)
         dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
@@ -89,11 +139,17 @@ def of_faces(found: Any, x: float, y: float, vx: float, vy: float, g: float, las
         foot = ex * dx + ey * dy
         if deep > 0.0 and foot > e and foot < row[LONG] - e and last // 2 != i:
             return ended(found, 2 * i, 0.0, INSIDE_WALL)
+        corner, way = False, 0.0
+        if size == 0.0 and last >= 0 and abs(off) <= CORNER * e and last // 2 != i:
+            corner, way = face_corner(row, x, y, vx, vy, body_of(last, faces, circles, rows))
         for side in range(2):
             sign, surface, fresh = 2.0 * side - 1.0, 2 * i + side, last == 2 * i + side
             if size == 0.0 and last == 2 * i + 1 - side:
                 continue  # both sides are one line, and it leaves that from the other one
-            t, late, said = face_crossing(sign * off - size, sign * rate, sign * k, e, d, fresh)
+            if corner and sign * way < 0.0:
+                continue
+            h = max(sign * off, 0.0) if corner else sign * off - size
+            t, late, said = face_crossing(h, sign * rate, sign * k, e, d, fresh)
             if said & TOO_MANY_IMPACTS:
                 return ended(found, surface, 0.0, said)
             if said & GRAZE:
@@ -145,14 +201,23 @@ def of_circles(
 
 
 def of_sides(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, sides: int, rows: Any
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, circles: int, sides: int,
+    rows: Any, start: Any,
 ) -> Any:  # fmt: skip
-    """Return the first contact with a side of an arc, or what was found before; ``base`` is the first one's number."""
+    """Return the first contact with a side of an arc, or what was found before; ``start`` are the rows of all surfaces.
+
+    A ball without a radius that has just left something where an arc begins is treated as at a face.
+    """
+    base = 2 * faces + circles
     for i in range(sides):
         row, fresh, passed = behind(rows, WIDTH * i), last == base + i, False
         if not fresh and last >= base:  # without a radius both sides are one circle
             other = behind(rows, WIDTH * (last - base))
             passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
+        if row[BARE] > 0.0 and last >= 0 and not fresh and not passed:
+            passed, behind_it = side_corner(row, x, y, vx, vy, body_of(last, faces, circles, start))
+            if behind_it:
+                continue
         t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, found[1] + found[2])
         if said & FATAL:
             return ended(found, base + i, t, said)

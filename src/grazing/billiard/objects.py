@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import hypot, pi
 from types import MappingProxyType
 from typing import Any
@@ -103,10 +104,18 @@ class Thing(ByValue):
         return f"{self.kind}({self.name!r}, {values}{f', {self.law!r}' if self.law else ''})"
 
 
+def two_of(value: Any) -> list[Any]:
+    """Return what a point holds, two things; any other number of things for what is no point."""
+    try:
+        return [] if isinstance(value, str) else list(islice(iter(value), 3))
+    except Exception:  # of whatever object was given
+        return []
+
+
 def _point(value: Any, name: str, what: str) -> tuple[float, float]:
     """Return a point as two floats, or raise InputError."""
-    pair = list(value) if isinstance(value, Sequence) or hasattr(value, "tolist") else []
-    if isinstance(value, str) or len(pair) != 2:
+    pair = two_of(value)
+    if len(pair) != 2:
         raise InputError(f"{what} of {shown(name)} is {shown(value)}; give a point (x, y)")
     x, y = (real(number, f"{what} of {shown(name)}", "give a point (x, y) of finite numbers") for number in pair)
     return x, y

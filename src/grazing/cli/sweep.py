@@ -225,7 +225,8 @@ def unlock(
     from grazing import sweep
 
     removed = sweep.unlock(store, force)
-    words = "\n".join(f"removed the lock of {lock}" for lock in removed) or f"{store} is not locked"
+    none = f"{printable(str(store), newlines=False)} is not locked"
+    words = "\n".join(f"removed the lock of {lock}" for lock in removed) or none
     return _say({"removed": [asdict(lock) for lock in removed]}, words, json)
 
 

@@ -38,7 +38,7 @@ def digest(function: Callable[..., Any], known: Known | None = None) -> str:
     str
         64 hexadecimal digits; equal for equal code, whatever file or line it stands in.
     """
-    return hashlib.sha256(repr(_content(function, (), {} if known is None else known)).encode()).hexdigest()
+    return hashlib.sha256(repr(content(function, (), {} if known is None else known)).encode()).hexdigest()
 
 
 def is_kernel(value: object) -> bool:
@@ -60,30 +60,6 @@ def below(function: FunctionType) -> list[FunctionType]:
     return [value for value in (*named(function).values(), *cells) if is_kernel(value)]
 
 
-def outline(function: FunctionType) -> str:
-    """Hash the code of a function and of those that it names, and the numbers and texts that they name.
-
-    Another process with the same Python gets the same for the same; functions of this package are left out, as are
-    values that no two processes can compare.
-    """
-    found, seen = [], [function]
-    for each in seen:  # which grows
-        cells = [cell.cell_contents for cell in each.__closure__ or ()]
-        values = [*named(each).items(), *enumerate([*cells, *(each.__defaults__ or ())])]
-        found.append(
-            (_code(each.__code__), [(key, _content(value, (), {})) for key, value in values if is_comparable(value)])
-        )
-        seen += [one for one in below(each) if one not in seen and not one.__module__.startswith("grazing.")]
-    return hashlib.sha256(repr(found).encode()).hexdigest()
-
-
-def is_comparable(value: object) -> bool:
-    """Say whether a value is a number, a text or an array of them."""
-    return isinstance(value, (int, float, complex, str, bytes, np.generic)) or (
-        isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU"
-    )
-
-
 @lru_cache(maxsize=4096)
 def global_names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
@@ -92,7 +68,7 @@ def global_names(code: CodeType) -> frozenset[str]:
     return frozenset(own.union(*(global_names(const) for const in inner)))
 
 
-def _content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
+def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     """Return a value whose repr changes whenever the meaning of ``value`` inside a kernel changes."""
     if isinstance(value, FunctionType):
         if value in above:
@@ -102,7 +78,7 @@ def _content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return known[value]
     if isinstance(value, tuple):
         kind = (type(value).__name__, getattr(value, "_fields", ()))
-        return (kind, [_content(item, above, known) for item in value])
+        return (kind, [content(item, above, known) for item in value])
     if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
         return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
     if isinstance(value, float):
@@ -122,11 +98,11 @@ def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
         return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
-        _code(value.__code__),
-        [(name, _content(item, above, known)) for name, item in named(value).items()],
-        [_content(cell.cell_contents, above, known) for cell in value.__closure__ or ()],
-        [_content(default, above, known) for default in value.__defaults__ or ()],
-        sorted((name, _content(default, above, known)) for name, default in (value.__kwdefaults__ or {}).items()),
+        coded(value.__code__),
+        [(name, content(item, above, known)) for name, item in named(value).items()],
+        [content(cell.cell_contents, above, known) for cell in value.__closure__ or ()],
+        [content(default, above, known) for default in value.__defaults__ or ()],
+        sorted((name, content(default, above, known)) for name, default in (value.__kwdefaults__ or {}).items()),
     )
 
 
@@ -139,8 +115,9 @@ def text(module: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _code(code: CodeType) -> Any:
-    consts = [_code(c) if isinstance(c, CodeType) else (type(c).__name__, _said(c)) for c in code.co_consts]
+def coded(code: CodeType) -> Any:
+    """Return what the code of a function does, without the file and the lines that it stands in."""
+    consts = [coded(c) if isinstance(c, CodeType) else (type(c).__name__, _said(c)) for c in code.co_consts]
     return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)
 
 

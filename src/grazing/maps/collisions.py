@@ -120,15 +120,21 @@ def collision(state: Any, c: Place) -> Any:
     return new, letter, outcome
 
 
-def collision_tangent(state: Any, c: Place) -> Any:
-    """Return a step from impact to impact with its Jacobian."""
-    return collide(state, numbers_at(c.block), True)
-
-
 def derived(state: Any, c: Place) -> Any:
     """Return a step with its Jacobian, and nothing that is known of its determinant apart from that."""
     new, letter, outcome, J = collide(state, numbers_at(c.block), True)
     return new, letter, outcome, (*J, NAN)
+
+
+def plain_collision(state: Any, block: Any) -> Any:
+    """Return a step as plain Python takes it: with the block of a table itself, of whatever length."""
+    new, letter, outcome, _J = collide(state, block, False)
+    return new, letter, outcome
+
+
+def plain_tangent(state: Any, block: Any) -> Any:
+    """Return a step with its Jacobian as plain Python takes it."""
+    return collide(state, block, True)
 
 
 @lru_cache(maxsize=1)
@@ -144,20 +150,10 @@ def placer() -> Callable[..., float]:
     return compiled(start)
 
 
-#: What is kept for plain Python: a block must live as long as a kernel may look at it.
-_kept: dict[tuple[Any, ...], Floats] = {}
-
-
-def plain_block(table: Table, values: tuple[float, ...]) -> float:
-    """Return where a block lies whose laws are called in plain Python."""
-    key = table, values
-    if key not in _kept:
-        _kept[key] = table.blocks(np.array([values]), "python")
-    return float(_kept[key].ctypes.data)
-
-
-def _plain(table: Table, p: Any) -> Place:
-    return Place(plain_block(table, tuple(p)))
+def plain_block(table: Table, values: Any) -> Floats:
+    """Return the block of a table, at values of its parameters, whose laws are called in plain Python."""
+    blocks = table.blocks(np.array([list(values)]), "python")
+    return np.asarray(blocks[0])
 
 
 def blocks_at(blocks: Floats) -> Floats:
@@ -267,14 +263,14 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     >>> discs = [gz.disc(name, xy, 1.0, gz.newton(1.0)) for name, xy in (("A", (0, 0)), ("B", (6, 0)), ("C", (3, 5.2)))]
     >>> P = gz.collision_map(gz.table(discs))
     >>> state, letter = P((3.141592653589793, 0.0, 1.0))
-    >>> P.letters.symbol(letter), state.round(6).tolist()
+    >>> P.letters.symbol(letter), abs(state).round(6).tolist()
     ('B', [6.283185, 0.0, 1.0])
     """
     table = checked_table(table)
     solids = [one.name for one in table.objects if one.kind != DRAIN]
     if not solids:
         raise InputError("the table has drains only; a map from impact to impact needs something that is hit")
-    if on is not None and on not in solids:
+    if on is not None and not (isinstance(on, str) and on in solids):
         raise InputError(f"on is {shown(on)}; allowed are {', '.join(solids)}")
     on = solids[0] if on is None else on
     low, high = places_on(table, on, table.params)
@@ -289,13 +285,13 @@ def collision_map(table: Table, on: str | None = None) -> Map:
             "everywhere; make rho smaller, or give another object as on="
         )
     return Map(
-        collision,
+        plain_collision,
         params=table.params,
         coordinates=tuple(COORDINATES),
         box=box_of(table, on, table.params),
         letters=Names((*table.names, AWAY)),
-        prepare=partial(_plain, table),
-        tangent=collision_tangent,
+        prepare=partial(plain_block, table),
+        tangent=plain_tangent,
         name="collision map",
         origin=OfTable(table, on),
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from itertools import islice
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
@@ -33,6 +35,8 @@ Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
+#: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
+MOST = 1_000_000
 COORDINATES = {
     one.name: one
     for one in (
@@ -46,7 +50,7 @@ OWN = {
     for one in (
         Parameter("launch.x", "x_0", "x of the launch"),
         Parameter("launch.y", "y_0", "y of the launch"),
-        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0),
+        Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0, MOST),
     )
 }
 
@@ -54,7 +58,7 @@ OWN = {
 class Launch(NamedTuple):
     """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
 
-    block: float
+    block: Any
     x: float
     y: float
     hits: float
@@ -76,29 +80,39 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
     return -1, most, t, outcome | TOO_MANY_IMPACTS
 
 
-def launched(state: Any, c: Launch) -> Any:
+@inlined
+def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
     angle, speed = state
-    table = numbers_at(c.block)
     if speed == 0.0:
         way = min(max(int(angle), 0), int(table[THINGS]))
         return (1.0 * way, 0.0), way, ESCAPED
-    way, _hits, _t, outcome = launch(c.x, c.y, speed * cos(angle), speed * sin(angle), int(c.hits), table)
+    way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
     if outcome & FATAL:
         return (NAN, NAN), 0, outcome
     return (1.0 * way, 0.0), way, outcome
 
 
-def launched_tangent(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = launched(state, c)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+def launched(state: Any, c: Launch) -> Any:
+    """Return (state, letter, outcome) of a launch."""
+    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
 
 
 def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, letter, outcome = launched(state, c)
+    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
     return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
+
+
+def plain_launched(state: Any, c: Any) -> Any:
+    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
+    return way_out(state, c.x, c.y, int(c.hits), c.block)
+
+
+def plain_tangent(state: Any, c: Any) -> Any:
+    """Return a launch with its Jacobian as plain Python takes it."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
 
 
 @lru_cache(maxsize=1)
@@ -139,7 +153,7 @@ class OfLaunches(Origin):
         """Make the map at other values."""
         own = {name: value for name, value in params.items() if name not in OWN}
         x, y, hits = (params[name] for name in OWN)
-        return launch_map(self.table.replace(**own), x, y, hits)
+        return launch_map(self.table.replace(**own), x, y, int(hits))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
@@ -161,7 +175,7 @@ class OfLaunches(Origin):
         return Settled(new, max(way, 0), flags, INFINITY, INFINITY)
 
 
-def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
+def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
     """Return the map of launches from a point of a pinball table: one step is the whole way of a ball.
 
     Parameters
@@ -171,7 +185,7 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
     x, y : float
         Where the ball's centre is launched.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -206,13 +220,13 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
     params = {**table.params, **dict(zip(OWN, values, strict=True))}
     fast = fastest(table.params)
     return Map(
-        launched,
+        plain_launched,
         params=params,
         coordinates=tuple(COORDINATES),
         box=((0.0, pi), (0.1 * fast, fast)),
         letters=Names((*table.names, AWAY)),
         prepare=partial(_plain, table),
-        tangent=launched_tangent,
+        tangent=plain_tangent,
         name="launch map",
         origin=OfLaunches(table),
     )
@@ -220,25 +234,31 @@ def launch_map(table: Table, x: float, y: float, hits: float = HITS) -> Map:
 
 def _plain(table: Table, p: Any) -> Launch:
     n = len(table.params)
-    return Launch(plain_block(table, tuple(p[:n])), *p[n:])
+    return Launch(plain_block(table, p[:n]), *p[n:])  # itself, in place of where it lies
 
 
 def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, float, float]:
     """Return where a ball is launched and its most impacts, or raise InputError."""
     x, y = (real(value, f"{name} of the launch", "give a finite number") for value, name in ((x, "x"), (y, "y")))
     table.refuse_inside(x, y)
-    return x, y, float(whole(hits, "hits", 1))
+    return x, y, float(whole(hits, "hits", 1, MOST))
+
+
+def _is_one(values: Any) -> bool:
+    """Say whether something is one thing, not several: a text, or an array without a dimension."""
+    return isinstance(values, str) or getattr(values, "ndim", 1) == 0
 
 
 def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     """Return finite numbers in one list, or raise InputError."""
     try:
-        found = np.atleast_1d(np.asarray(values, np.float64))
-    except (TypeError, ValueError):
-        found = np.full((1, 1), NAN)
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all() or found.min() < least:
+        items = values if isinstance(values, Iterable) and not _is_one(values) else [values]
+        found = np.array([real(x, name, "") for x in islice(iter(items), MOST + 1)])
+    except Exception:  # of whatever object was given
+        found = np.empty(0)
+    if not 0 < len(found) <= MOST or found.min() < least:
         limit = "" if least == -INFINITY else f" >= {least:g}"
-        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list")
+        raise InputError(f"{name} is {shown(values)}; give finite numbers{limit} in one list, a million at most")
     return found
 
 
@@ -256,7 +276,7 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     speed : array_like, shape (n,)
         Speeds, >= 0.
     hits : int
-        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*.
+        Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
     Returns
     -------
@@ -276,23 +296,27 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     >>> drains = [gz.drain("short", (0, -1), (3, -1)), gz.drain("far", (3, -1), (9, -1))]
     >>> found = gz.launches(gz.table(drains, tilt=0.5), (0.5, 0.0), 0.7, [0.5, 1.5])
     >>> found.exit.values.tolist(), found.hits.values.tolist(), found.time.values.round(2).tolist()
-    ([['short', 'far']], [[0, 0]], [[2.82, 4.85]])
+    ([['short', 'far']], [[0, 0]], [[2.82, 4.89]])
     """
     import xarray as xr
 
     table = checked_table(table)
-    if not (isinstance(point, Sequence) or hasattr(point, "tolist")) or len(point) != 2:
+    pair = two_of(point)
+    if len(pair) != 2:
         raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
-    x, y, most = checked_launch(table, point[0], point[1], hits)
+    x, y, most = checked_launch(table, pair[0], pair[1], hits)
     angles, speeds = _listed(angle, "angle"), _listed(speed, "speed", 0.0)
     shape = len(angles), len(speeds)
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     block = table.blocks(table.row())[0]
-    for i in range(shape[0]):  # row by row, so that it can be stopped
-        one = slice(i, i + 1)
-        call(launcher(), block, x, y, int(most), angles[one], speeds, ways[one], count[one], times[one], outcomes[one])
+    few = max(1, MOST // int(most))
+    for i in range(shape[0]):
+        for j in range(0, shape[1], few):  # a few at a time, so that it can be stopped
+            at = slice(i, i + 1), slice(j, j + few)
+            call(launcher(), block, x, y, int(most), angles[at[0]], speeds[at[1]],
+                 ways[at], count[at], times[at], outcomes[at])  # fmt: skip
     for i, j in np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -72,13 +73,18 @@ class FlightEquations(Equations):
         """Return what the walls see, in plain Python."""
         return frames_at(self.model, self.values(p))
 
+    @cached_property
+    def own_frames(self) -> Frames:
+        """What the walls see at the values that the model itself has."""
+        return self.frames(self.own)
+
     def constants(self, p: Floats) -> Any:
         """Return the constants of flights as the first wall sees them, in plain Python."""
         return self.frames(p).a
 
     def sizes(self, wall: int = 0) -> tuple[float, float]:
         """Return the sizes of positions and velocities that a wall sees, > 0: of a still ball those of its starts."""
-        c = frame_of(bool(wall), self.frames(self.own))
+        c = frame_of(bool(wall), self.own_frames)
         if c.size > 0.0:
             return c.size, c.size * c.rate
         at = oscillators_of(self.model)[wall].reach

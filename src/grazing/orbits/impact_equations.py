@@ -86,7 +86,7 @@ class ImpactEquations(FlightEquations):
         self.walls = [wall_of(piece) for piece in self.pieces]
         sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
-        self._force = self.frames(self.own).a.force or 1.0
+        self._force = self.own_frames.a.force or 1.0
         self.scale = np.array([self.period_at(self.own)] * self.n + [self._fast[wall] for wall in self.walls])
         self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
 

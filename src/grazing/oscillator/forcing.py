@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import count, takewhile
+from typing import Any, TypeVar
 
 import numpy as np
 
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import real, whole
+
+T = TypeVar("T")
 
 #: Harmonics of a forcing: each is two parameters of the model and of every map that is made of it.
 MOST_HARMONICS = 1000
@@ -176,3 +179,17 @@ def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
             + (f": {series_said(values)}" if callable(values) else "")
         ) from None
     return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
+
+
+def amplitudes_in(values: Mapping[str, T], front: str = "") -> tuple[list[T], list[T]]:
+    """Return the cosines and sines among flat parameters, those with ``front`` before their names.
+
+    They are counted by their full names: one of a law may begin as theirs do.
+
+    Examples
+    --------
+    >>> amplitudes_in({"cos1": 0.5, "sin1": 0.0, "cost": 3.0})
+    ([0.5], [0.0])
+    """
+    js = list(takewhile(lambda j: f"{front}cos{j}" in values, count(1)))
+    return [values[f"{front}cos{j}"] for j in js], [values[f"{front}sin{j}"] for j in js]

@@ -251,13 +251,14 @@ class Walled(Rig):
         found[:, 4] = sign * rows[:, 4]
         own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
         found[:, HEAD : HEAD + own.shape[1]] = own
-        cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
-        W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
-        stiffness = rows[:, 1:2] * rows[:, 1:2] if self.stiffness is None else rows[:, 1:2]
-        lift, drag = W * W - stiffness, rows[:, :1] * W
-        moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
-        found[:, moved[0]] += lift * cosines - drag * sines
-        found[:, moved[1]] += lift * sines + drag * cosines
+        if self.walls[j].motion is not None:
+            cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
+            W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
+            stiffness = rows[:, 1:2] * rows[:, 1:2] if self.stiffness is None else rows[:, 1:2]
+            lift, drag = W * W - stiffness, rows[:, :1] * W
+            moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
+            found[:, moved[0]] += lift * cosines - drag * sines
+            found[:, moved[1]] += lift * sines + drag * cosines
         found[:, HEAD : HEAD + 2 * H] *= sign
         found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
         found[:, HEAD + 2 * H + 1 :] = law
@@ -293,10 +294,10 @@ class Walled(Rig):
             return np.full(len(rows), np.inf)
         low, high = self.places
         still = rows[:, high.sigma] - rows[:, low.sigma]
-        between = self.waves(1, rows) - self.waves(0, rows)
-        size = np.hypot(between[:, ::2], between[:, 1::2])
+        between = self.waves(1, rows) - self.waves(0, rows) if self.moves else np.zeros(0)
         if not between.any():
             return np.asarray(still)
+        size = np.hypot(between[:, ::2], between[:, 1::2])
         # between two places the distance differs from the nearer one's by half a step's second derivative at most
         j = np.arange(1, self.harmonics + 1)
         angles = np.arange(PLACES * self.harmonics) * (2.0 * pi / (PLACES * self.harmonics))

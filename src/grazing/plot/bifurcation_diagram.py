@@ -86,7 +86,7 @@ def bifurcation_diagram(
         ends = (result[f"window_{key}"].values.tolist() for key in ("low", "high", "word", "period"))
         for a, b, word, N in zip(*ends, strict=True):
             bands.append(ax.axvspan(a, b, color=shade_of(str(word), N, shades), alpha=SHADE, lw=0, zorder=0))
-        ax.set_xlim(*ends_of(result[name].values))
+        ax.set_xlim(*ends_of(result[name].values, ax.xaxis))
         if virtual:
             ax.set_ylim(low, high)
         beside = None

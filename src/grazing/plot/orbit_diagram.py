@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.transforms import IdentityTransform
 from numpy.typing import NDArray
 
 from grazing.catalogue.rows import runs
@@ -98,7 +99,7 @@ def orbit_diagram(
         bands = [
             ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0) for low, high in _ended(values, period)
         ]
-        ax.set_xlim(*ends_of(values))
+        ax.set_xlim(*ends_of(values, ax.xaxis))
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(symbol(result[shown]))
         if legend:
@@ -109,8 +110,10 @@ def orbit_diagram(
     }  # fmt: skip
 
 
-def ends_of(values: NDArray[Any]) -> tuple[float, float]:
+def ends_of(values: NDArray[Any], axis: Any = None) -> tuple[float, float]:
     """Return where an axis ends that shows the outermost columns whole: half a column beyond, but little of the axis.
+
+    ``axis`` is the matplotlib axis whose scale says how far that is; a linear one unless given.
 
     Examples
     --------
@@ -120,12 +123,15 @@ def ends_of(values: NDArray[Any]) -> tuple[float, float]:
     ((-0.005, 1.005), (-0.02, 1.02))
     """
     x, _order = ordered(values)
-    cells = edges_of(x)
     if len(x) == 1:
-        return float(cells[0]), float(cells[-1])
-    span = float(x[-1] - x[0])
-    beyond = np.clip([x[0] - cells[0], cells[-1] - x[-1]], LEAST * span, MOST * span)
-    return float(x[0] - beyond[0]), float(x[-1] + beyond[1])
+        low, high = edges_of(x)
+        return float(low), float(high)
+    scale = IdentityTransform() if axis is None else axis.get_transform()
+    at = scale.transform(x)
+    span = at[-1] - at[0]
+    beyond = np.clip([0.5 * (at[1] - at[0]), 0.5 * (at[-1] - at[-2])], LEAST * span, MOST * span)
+    low, high = scale.inverted().transform(np.array([at[0] - beyond[0], at[-1] + beyond[1]]))
+    return float(low), float(high)
 
 
 def _ended(values: NDArray[Any], period: NDArray[Any]) -> list[tuple[float, float]]:

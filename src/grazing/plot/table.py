@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, SINGLE, WALL, axes, plain, root, styled
@@ -55,6 +55,8 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     """
     if not hasattr(table, "outlines"):
         raise InputError(f"plot.table cannot draw a {type(table).__name__}; allowed is what gz.table([...]) returns")
+    if not isinstance(names, (bool, np.bool_)):
+        raise InputError(f"names is {shown(names)}; give True or False")
     if flown is not None:
         expect(flown, "trajectory", {"x": ("t",), "y": ("t",), "vx": ("t",), "vy": ("t",)})
     lines = table.outlines()

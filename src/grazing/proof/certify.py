@@ -225,6 +225,11 @@ def _undecided_stability(data: dict[str, Any]) -> str:
             "stability is not decided: both multipliers are inside the unit circle, but an impact leaves with w = 0, "
             "and the reset law may throw back motions beside it that meet the wall slowly; use a law that makes 0 of 0"
         )
+    if not data["impacts"] and float.fromhex(data["model"]["alpha"]) == 0.0:
+        return (
+            "stability is not decided: without damping and impacts both multipliers are on the unit circle, "
+            "and nothing attracts or repels"
+        )
     trace, det = (" to ".join(data["claims"][key]) for key in ("trace", "det"))
     return (
         f"stability is not decided: a multiplier is on the unit circle or too close to it (trace {trace}, determinant "
@@ -258,10 +263,11 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
                 "Newton's method does not converge from the times and velocities given "
                 f"(residual {orbit.residual:.1e}); give an orbit of a smaller residual"
             ) from None
-        _same(guess, centre)
         flights = equations.flights(centre)
+        natural = scales(equations, flights, centre)
+        _same(guess, centre, natural)
         C = inverse(equations.jacobian(flights))
-        rows, unique = uniqueness(equations, centre, C, scales(equations, flights, centre))
+        rows, unique = uniqueness(equations, centre, C, natural)
         radius = existence(residual_of(C, equations, centre, flights), rows, C, unique, bits)
     box = balls(centre, radius)
     with Stage("the reset law or the velocity of an impact is not decided over the box"):
@@ -313,10 +319,11 @@ def balls(centre: list[arb], radius: list[arb]) -> list[arb]:
     return [c + arb(0, 1) * r for c, r in zip(centre, radius, strict=True)]
 
 
-def _same(guess: list[arb], centre: list[arb]) -> None:
-    """Raise NotProven if Newton's method has gone to another orbit."""
-    size = 1.0 + max(float(abs(x)) for x in centre)
-    if any(float(abs(a - b)) > 1e-4 * size for a, b in zip(guess, centre, strict=True)):
+def _same(guess: list[arb], centre: list[arb], natural: list[arb]) -> None:
+    """Raise NotProven if Newton's method has gone to another orbit: by the scales of each coordinate, and rounding."""
+    for a, b, unit in zip(guess, centre, natural, strict=True):
+        if float(abs(a - b)) <= 1e-4 * float(unit) + 1e-12 * float(abs(b)):
+            continue
         raise NotProven(
             "Newton's method went from the times and velocities given to another orbit; give an orbit of a "
             "smaller residual"

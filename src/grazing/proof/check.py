@@ -22,7 +22,8 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
     certificate : path or dict
         A file that ``save`` wrote, or its document.
     law : callable, optional
-        A reset law ``law(v, p)`` to hold against the one in the certificate, which is an expression.
+        A reset law ``law(v, p)`` to hold against the one in the certificate, which is an expression; between walls
+        against that of each.
 
     Returns
     -------
@@ -62,19 +63,24 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
 
 
 def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
-    """Raise InputError unless a law in Python is the one of a certificate."""
-    if "law" not in data:
+    """Raise InputError unless a law in Python is the one of a certificate, at every wall that it has."""
+    known = {f" at wall {one['name']}": one["law"] for one in data.get("walls", ())}
+    known |= {"": data["law"]} if "law" in data else {}
+    if not known:
         raise InputError("this certificate is about a map without a reset law; leave law away")
-    params = {name: 0.5 if x is None else float.fromhex(x) for name, x in data["law"]["parameters"].items()}
-    try:
-        tree = expression(law, params, tuple(params), _speeds(data))
-    except NotAnExpression as error:
-        raise InputError(f"law = {law!r} is no expression to hold against the certificate's: {error}") from None
-    if tree != data["law"]["after"]:
-        raise InputError(
-            f"the certificate is right, but about another law: v+ = {law_text(data['law']['after'])}; "
-            f"the one given is v+ = {law_text(tree)}"
-        )
+    for where, one in known.items():
+        params = {name: 0.5 if x is None else float.fromhex(x) for name, x in one["parameters"].items()}
+        try:
+            tree = expression(law, params, tuple(params), _speeds(data))
+        except NotAnExpression as error:
+            raise InputError(
+                f"law = {law!r} is no expression to hold against the certificate's{where}: {error}"
+            ) from None
+        if tree != one["after"]:
+            raise InputError(
+                f"the certificate is right, but about another law{where}: v+ = {law_text(one['after'])}; "
+                f"the one given is v+ = {law_text(tree)}"
+            )
 
 
 def _speeds(data: Mapping[str, Any]) -> list[float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from grazing.orbits.contacts import walls_of
+from grazing.oscillator.forcing import amplitudes_in
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.spring import spring_of
 from grazing.proof.clearance import Cleared
@@ -69,8 +70,7 @@ def _unknown(equations: Equations, name: str) -> dict[str, str]:
 
 def _waves(text: dict[str, str | None], front: str = "") -> dict[str, list[str | None]]:
     """Return the amplitudes of the force, or of the motion whose names have something in front."""
-    count = sum(key.startswith(f"{front}cos") for key in text)
-    return {kind: [text[f"{front}{kind}{j}"] for j in range(1, count + 1)] for kind in ("cos", "sin")}
+    return dict(zip(("cos", "sin"), amplitudes_in(text, front), strict=True))
 
 
 def jury(trace: arb, det: arb) -> dict[str, arb]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from grazing.orbits.contacts import Model, walls_of
+from grazing.oscillator.forcing import amplitudes_in
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.spring import spring_of
 
@@ -85,8 +86,7 @@ class Seen:
 
     def waves(self, front: str) -> list[tuple[int, Dual, Dual]]:
         """Return number, cosine and sine of each harmonic of the force, or of a wall's motion: its name is in front."""
-        count = sum(key.startswith(f"{front}cos") for key in self.all)
-        return [(j, self.all[f"{front}cos{j}"], self.all[f"{front}sin{j}"]) for j in range(1, count + 1)]
+        return [(j, c, s) for j, (c, s) in enumerate(zip(*amplitudes_in(self.all, front), strict=True), start=1)]
 
     def motion(self, j: int) -> tuple[Dual, list[tuple[int, Dual, Dual]]]:
         """Return the constant part and the harmonics of the force on a ball, as a wall sees it from y = 0."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
-from grazing.oscillator.forcing import Forcing
+from grazing.oscillator.forcing import Forcing, amplitudes_in
 from grazing.oscillator.legs import flown, heights
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES
@@ -111,15 +111,10 @@ def model_of(trajectory: Any) -> Oscillator | Walled:
     if any(trajectory[name].attrs.get("units", "1") not in ("1", known.units) for name, known in CONVERTED.items()):
         raise InputError("the trajectory is in other units than its model; take samples first, then gz.in_units")
     has = {str(k).removeprefix("parameter_"): v for k, v in trajectory.attrs.items() if k.startswith("parameter_")}
-    waves = [name for name in has if name.startswith("cos") and name[3:].isdigit()]
     try:
-        forcing = Forcing(
-            omega=has["omega"],
-            t0=has["t0"],
-            offset=has["offset"] if "offset" in has else has["d"],
-            cos=tuple(has[name] for name in waves),
-            sin=tuple(has["sin" + name[3:]] for name in waves),
-        )
+        cos, sin = amplitudes_in(has)
+        offset = has["offset"] if "offset" in has else has["d"]
+        forcing = Forcing(omega=has["omega"], t0=has["t0"], offset=offset, cos=cos, sin=sin)
         spring = {name: has[name] for name in (("stiffness",) if "stiffness" in has else ("k",))}
         if "wall_position" in names:
             walls = _walls(trajectory, has, forcing)
@@ -133,9 +128,8 @@ def _walls(trajectory: xr.Dataset, has: dict[str, Any], forcing: Forcing) -> lis
     """Return the walls of a trajectory, whatever their laws."""
     found = []
     for name, side in zip(trajectory["wall"].values.tolist(), trajectory["side"].values.tolist(), strict=True):
-        waves = sum(key.startswith(f"{name}.cos") for key in has)
-        cosines, sines = ([has[f"{name}.{kind}{j + 1}"] for j in range(waves)] for kind in ("cos", "sin"))
-        motion = Forcing(forcing.omega, forcing.t0, cos=cosines, sin=sines) if waves else None
+        cos, sin = amplitudes_in(has, f"{name}.")
+        motion = Forcing(forcing.omega, forcing.t0, cos=cos, sin=sin) if cos else None
         at = has[f"{name}.sigma"] if f"{name}.sigma" in has else has["sigma"]
         found.append(wall(at, newton(1.0), side, motion, name))
     return found

@@ -24,8 +24,11 @@ class Class(NamedTuple):
     neutral: bool
 
 
-#: Whether cycles of so many points through points (n, dim) are neutral, as :attr:`grazing.Orbit.neutral` says.
-Neutral = Callable[[int, NDArray[np.float64]], NDArray[np.bool_]]
+#: Whether cycles of so many points through points (n, dim) are neutral, as :attr:`grazing.Orbit.neutral` says, and the
+#: derivative of a turn through each (n, dim, dim).
+Neutral = Callable[[int, NDArray[np.float64]], tuple[NDArray[np.bool_], NDArray[np.float64]]]
+#: Share of a distance by which a turn may change it along a line of cycles: derivatives have ten digits at best.
+ALONG = 1e-8
 
 
 def attractors_of(
@@ -45,7 +48,8 @@ def attractors_of(
     same : ndarray, shape (dim,)
         Points of one attractor differ by less along each coordinate.
     neutral : callable
-        ``neutral(N, points)``: which of them are on neutral cycles; those of one word are one continuum.
+        ``neutral(N, points)``: which of them are on neutral cycles, and the derivative of a turn. Those of one word
+        that lie along what the derivative keeps are one continuum.
 
     Returns
     -------
@@ -62,10 +66,12 @@ def attractors_of(
             with np.errstate(invalid="ignore"):  # infinity is near to nothing, not even to itself
                 near = np.ones(left.size, bool) if N < 1 else (np.abs(points[left] - first) < same).all(axis=1)
             near[0] = True
-            idle = bool(N >= 1 and neutral(N, first[None])[0])
-            if idle and not near.all():
-                near |= neutral(N, points[left])
-            found.append((Class(N, str(texts[k]), int(near.sum()), first, idle), left[near]))
+            idle = N >= 1 and neutral(N, first[None])
+            if idle and idle[0][0] and not near.all():
+                apart = (points[left] - first) / same
+                kept = np.abs(apart @ (idle[1][0] * same / same[:, None]).T - apart).max(axis=1)
+                near |= (kept <= ALONG * np.abs(apart).max(axis=1)) & neutral(N, points[left])[0]
+            found.append((Class(N, str(texts[k]), int(near.sum()), first, bool(idle and idle[0][0])), left[near]))
             left = left[~near]
     found.sort(key=lambda one: (-one[0].orbits, one[0].period, one[0].word, one[0].point.tolist()))
     which = np.empty(len(period), np.int64)

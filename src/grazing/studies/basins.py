@@ -89,8 +89,8 @@ def basins(
         ``basin`` on the grid: the row in the tables on the dimension "attractor", the one with the largest basin
         first: ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word``, ``fraction`` of the grid,
         ``point``, a point of the attractor. Orbits without a period are one row for each kind, and so are *neutral*
-        ones of one word, ``neutral`` = 1, whose largest multiplier has modulus 1: a continuum, as where a ball without
-        a spring touches no wall. ``trust`` and ``outcome`` on the grid as in :func:`grazing.orbit_diagram`.
+        ones of one word on a line, ``neutral`` = 1, whose largest multiplier has modulus 1: a continuum, as where a
+        ball without a spring touches no wall. ``trust`` and ``outcome`` as in :func:`grazing.orbit_diagram`.
         Attributes: ``basin_entropy`` and ``boundary_basin_entropy`` in boxes of 5 cells a side;
         ``uncertainty_exponent`` with its standard error ``uncertainty_error``, and ``boundary_dimension``: not a
         number where no boundary was met, or where the grid is not evenly spaced. An orbit that begins exactly on an
@@ -244,15 +244,15 @@ def _first_in_order(candidates: Floats) -> Ints:
     return best
 
 
-def _neutral(P: Map, N: int, points: Floats) -> NDArray[np.bool_]:
-    """Return which of points (n, dim) are on neutral cycles of N points, see :attr:`grazing.Orbit.neutral`."""
+def _neutral(P: Map, N: int, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Return which of points (n, dim) are on neutral cycles of N points, and the derivative of a turn."""
     n = len(points)
     rows = np.repeat([list(P.params.values()) or [0.0]], n, axis=0)
     turns = turned(P, rows, points, np.zeros((n, N), np.int64), np.full(n, N))[1]
     result = np.zeros(n, bool)
     known = np.isfinite(turns).all(axis=(1, 2))
     result[known] = np.abs(np.abs(np.linalg.eigvals(turns[known])).max(axis=1) - 1.0) <= ROUNDING
-    return result
+    return result, turns
 
 
 def _same(P: Map, axes: Mapping[str, Floats]) -> Floats:

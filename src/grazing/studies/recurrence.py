@@ -20,6 +20,8 @@ UNDECIDED, APERIODIC, ENDED = 0, -1, -2
 
 #: The absolute part of the tolerance, in units of the orbit's greatest coordinate, each measured by its own unit.
 FLOOR = 1e-13
+#: It is no less than this in units of the coordinate, so that an orbit at 0 has one.
+LEAST = 2.0**-900
 #: An orbit nearly recurs within this share of its extent; others are not worth a search for a cycle.
 NEAR = 0.1
 #: Points that are compared before it is asked whether any orbit is left.
@@ -89,8 +91,8 @@ def measured(x: Any, rtol: float, unit: Any, extent: Any, tolerance: Any, finite
     for i in range(dimension):
         for j in range(LANES):
             floor = FLOOR * (ends[2, j] * unit[i])
-            tolerance[i, j] = rtol * extent[i, j] + floor
-            extent[i, j] = max(extent[i, j], 10.0 * floor + 1e-300)
+            tolerance[i, j] = rtol * extent[i, j] + max(floor, LEAST * unit[i])
+            extent[i, j] = max(extent[i, j], 10.0 * max(floor, LEAST * unit[i]))
 
 
 @inlined
