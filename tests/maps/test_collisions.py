@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.rows import LENGTH
 from grazing.outcome import ESCAPED
 from tests.billiard.tables import ELASTIC, box, layout, mixed, three_discs, unit_cell
 
@@ -112,6 +113,21 @@ def test_points_are_those_of_the_trajectory():
     flown = gz.trajectory(table, states[0], until=40.0)
     assert flown.impact_wall.values[:12].tolist() == [table.names[k] for k in orbit.letters[:12]]
     np.testing.assert_allclose(flown.after.values[:12], states[1:13], atol=1e-8)
+
+
+def test_only_ways_out_are_fixed_points_behind_the_objects():
+    """A search finds the drains and *away*, and no ball at rest in a solid."""
+    P = gz.collision_map(pinball())
+    found = gz.periodic_orbits(P, 1)
+    assert {str(one.word) for one in found} <= {"(left_drain)", "(right_drain)", "(away)"}
+    table = P.origin.table
+    behind = float(table.blocks(table.row())[0][LENGTH])
+    for k, name in enumerate([*table.names, "away", "beyond"]):
+        after = P.orbit((behind + k + 0.5, 0.0, 0.0), 1)
+        if name in ("left_drain", "right_drain", "away"):
+            assert after.points[1].tolist() == [behind + k + 0.5, 0.0, 0.0] and after.outcomes[0] == ESCAPED
+        else:
+            assert after.outcomes[0] & gz.Outcome.diverged
 
 
 def test_ways_out_are_attractors_and_have_basins():

@@ -55,6 +55,20 @@ def test_ways_out_have_basins_over_launches():
     assert {*exits.ravel()} == {"left_drain", "right_drain"}
 
 
+def test_only_ways_out_are_at_rest():
+    """A launch of no speed is that of a ball let go, unless its angle is the number of a way out."""
+    table = pinball()
+    L = gz.launch_map(table, *POINT)
+    found = gz.periodic_orbits(L, 1)
+    assert {str(one.word) for one in found} <= {"(left_drain)", "(right_drain)", "(away)"}
+    dropped = gz.launches(table, POINT, 0.0, 0.0).exit.item()
+    for angle in (-1.0, 0.0, 0.5, float(len(table.names)) + 1.0):
+        assert L.letters.symbol(L((angle, 0.0))[1]) == f"({dropped})"
+    for k, name in enumerate([*table.names, "away"]):
+        rests = name in ("left_drain", "right_drain", "away")
+        assert L.letters.symbol(L((float(k), 0.0))[1]) == f"({name if rests else dropped})"
+
+
 def test_a_ball_that_never_leaves_is_given_up():
     table = gz.table(box(1.0, 1.0))
     found = gz.launches(table, (0.3, 0.4), 0.6, 1.0, hits=50)

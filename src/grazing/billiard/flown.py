@@ -42,9 +42,12 @@ CAPACITY, MAX_IMPACTS = 2048, 1_000_000
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
 #: after, flags; then the states at its begin, at its end and just after the impact there.
 TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS, FIRST, LAST, NEXT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 10, 14, 18
-#: What the outcome of a trajectory is called, by the first bit that is set.
+#: What the outcome of a trajectory is called, by the first bit that is set; one that ends at its last impact allowed
+#: has too many, others too small ones.
+TOO_MANY = "too many impacts"
 WORDS = (
-    (TOO_MANY_IMPACTS, "chatter not resolved"), (DIVERGED, "diverged"), (ESCAPED, "escaped"), (GRAZE, "grazing"),
+    (TOO_MANY_IMPACTS, "bounces too small to tell apart"), (DIVERGED, "diverged"), (ESCAPED, "escaped"),
+    (GRAZE, "grazing"),
 )  # fmt: skip
 
 
@@ -167,6 +170,9 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     gone = bool(flags & ESCAPED) and (flights[-1, OWNER] < 0.0 or begins[-1] + flights[-1, TIME] <= until)
     flags = flags if gone else flags & ~ESCAPED
     way = "" if not gone else (table.names[int(flights[-1, OWNER])] if flights[-1, OWNER] >= 0.0 else "away")
+    word = next((word for bit, word in WORDS if flags & bit), "ok")
+    if flags & TOO_MANY_IMPACTS and flights[-1, OWNER] >= 0.0:
+        word = TOO_MANY
     time = {"long_name": "time", "units": "1"}
     speed = {"long_name": "velocity along the normal just {} an impact", "units": "1"}
     objects = np.array(table.names)[flights[hits, OWNER].astype(int)]
@@ -194,7 +200,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
         attrs={
             "title": f"trajectory of {table!r}",
             "grazing_outcome": flags,
-            "outcome": next((word for bit, word in WORDS if flags & bit), "ok"),
+            "outcome": word,
             **{f"parameter_{name}": value for name, value in table.params.items()},
         },
     )

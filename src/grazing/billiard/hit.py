@@ -100,6 +100,15 @@ def is_open(owner: int, table: Any) -> Any:
     return table[HEAD + THING * owner + OPEN] > 0.0
 
 
+def way_at(number: float, table: Any) -> int:
+    """Return the way out of a number, a drain or, behind all objects, *away*; -1 for a number of none."""
+    things = int(table[THINGS])
+    if not (number >= 0.0 and number < things + 1.0):
+        return -1
+    way = int(number)
+    return way if way == things or is_open(way, table) else -1
+
+
 def spot(place: float, table: Any) -> Any:
     """Return (surface, x, y, nx, ny, curvature) of a ball at a place on solid objects; surface -1 if there is none."""
     rows, faces, circles, sides = rows_of(table), int(table[FACES]), int(table[CIRCLES]), int(table[SIDES])

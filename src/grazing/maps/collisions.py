@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, decided
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
-from grazing.billiard.hit import met, place_of, slope_of, spot
+from grazing.billiard.hit import met, place_of, slope_of, spot, way_at
 from grazing.billiard.objects import ARC, DRAIN
 from grazing.billiard.rows import FROM, GRAVITY, LENGTH, LONG, OWNER, THINGS, surfaces_of
 from grazing.billiard.table import AWAY, Table
@@ -57,17 +57,18 @@ def velocity(nx: float, ny: float, angle: float, speed: float) -> Any:
     return away * nx - along * ny, away * ny + along * nx
 
 
-def gone(place: float, table: Any) -> Any:
+def gone(way: int, table: Any) -> Any:
     """Return where a ball lies that has left, one place for each way out, and that way."""
-    way = min(max(int(place - table[LENGTH]), 0), int(table[THINGS]))
+    way = way if way >= 0 else int(table[THINGS])
     return (table[LENGTH] + way + 0.5, 0.0, 0.0), way
 
 
 def collide(state: Any, table: Any, with_tangent: bool) -> Any:
     """Return (state, letter, outcome, J) of a step from impact to impact."""
     place, angle, speed = state
-    if place >= table[LENGTH]:
-        away, way = gone(place, table)
+    way = way_at(place - table[LENGTH], table)
+    if way >= 0:
+        away, way = gone(way, table)
         return away, way, ESCAPED, NOTHING
     surface, x, y, nx, ny, curvature = spot(place, table)
     if surface < 0:
@@ -77,7 +78,7 @@ def collide(state: Any, table: Any, with_tangent: bool) -> Any:
     if flags & FATAL:
         return (NAN, NAN, NAN), 0, flags, LOST
     if flags & ESCAPED:
-        away, way = gone(table[LENGTH] + (owner if owner >= 0 else int(table[THINGS])), table)
+        away, way = gone(owner, table)
         return away, way, flags, NOTHING
     v_minus, v_plus, along, _curvature, _nx, _ny = speeds
     new = place_of(met_at, after[0], after[1], table), atan2(along, v_plus), hypot(along, v_plus)
@@ -193,9 +194,9 @@ class OfTable(Origin):
         flight = decided(block, start, left) if left >= 0 else None
         if flight is None:
             return None
-        flags, owner, ways = int(flight[FLAGS]), int(flight[FLOWN_OWNER]), len(self.table.objects)
+        flags, owner = int(flight[FLAGS]), int(flight[FLOWN_OWNER])
         if flags & ESCAPED:
-            away, way = gone(block[LENGTH] + (owner if owner >= 0 else ways), block)
+            away, way = gone(owner, block)
             return Settled(away, way, flags, INFINITY, INFINITY)
         surface, (x, y, vx, vy) = int(flight[SURFACE]), flight[NEXT:COLUMNS].tolist()
         _owner, _x, _y, nx, ny, _curvature = met(surface, x, y, block)
@@ -250,7 +251,8 @@ def collision_map(table: Table, on: str | None = None) -> Map:
         around one object after the other; the angle of the velocity from the normal, counterclockwise, between -pi/2
         and pi/2; the speed. Letters are the names of the objects, in parentheses where longer than one character. A
         ball that has left stays at a place of its own behind all others, one for each drain and one for *away*, with
-        outcome *escaped*: so ways out are attractors, and have basins. Parameters are those of the table.
+        outcome *escaped*: so ways out are attractors, and have basins. Other places that are on no object have no next
+        state. Parameters are those of the table.
 
     Raises
     ------

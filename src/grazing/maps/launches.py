@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.hit import way_at
 from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
 from grazing.billiard.table import AWAY, Table
@@ -84,8 +85,8 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
 def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
     angle, speed = state
-    if speed == 0.0:
-        way = min(max(int(angle), 0), int(table[THINGS]))
+    way = way_at(angle, table)
+    if speed == 0.0 and way >= 0 and way == angle:
         return (1.0 * way, 0.0), way, ESCAPED
     way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
     if outcome & FATAL:
@@ -191,9 +192,9 @@ def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
     -------
     Map
         State (angle, speed) of a launch, the angle from the x axis. The letter of a step is the drain through which
-        the ball leaves, or *away*. It then rests there, which is a state of speed 0: so ways out are attractors, and
-        :func:`grazing.basins` draws which launches lead to each. Parameters are those of the table, ``launch.x``,
-        ``launch.y`` and ``launch.hits``.
+        the ball leaves, or *away*. It then rests there, a state of speed 0 whose angle is the number of that way out:
+        so ways out are attractors, and :func:`grazing.basins` draws which launches lead to each. Parameters are those
+        of the table, ``launch.x``, ``launch.y`` and ``launch.hits``.
 
     Raises
     ------

@@ -95,7 +95,8 @@ def trajectory(
         word: *ok*, *grazing*, *chatter not resolved* (1000 impacts within a thousandth of a period; the trajectory
         ends there), *diverged*; *certified* only where it says how its gaps are rounded, else *numerical*. On a table
         in place of the rates the velocities along the normal, and ``exit``, the drain through which the ball left, or
-        away; then the outcome is *escaped*.
+        away; then the outcome is *escaped*. *bounces too small to tell apart* is that of a ball that begins to slide or
+        rest, which is not followed, and *too many impacts* that of one after a million.
 
     Raises
     ------
