@@ -13,7 +13,7 @@ from grazing.explorer.webassembly import linker
 from tests.explorer.machine import Module
 
 #: Largest sizes in bytes, to be raised knowingly: the page and all it needs have 400 kB.
-LARGEST = {"gap": 45_000, "oscillator": 100_000}
+LARGEST = {"gap": 46_000, "oscillator": 104_000}
 
 
 def test_shipped_modules_are_made_of_these_kernels():
