@@ -101,8 +101,8 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more than 10,000 impacts in one period; on a table more than were allowed, or bounces too small to tell apart: the "
-        "ball begins to slide or rest, which is not followed",
+        "more than 10,000 impacts in one period; on a table more than were allowed, or bounces too small to tell "
+        "apart: the ball begins to slide or rest, which is not followed",
         "choose r < 1 or a larger V, or declare the contraction of the law; on a table r = 1 for inclined rails",
     ),
     Outcome.too_many_swings: (
