@@ -58,7 +58,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     if not isinstance(names, (bool, np.bool_)):
         raise InputError(f"names is {shown(names)}; give True or False")
     if flown is not None:
-        expect(flown, "trajectory", {"x": ("t",), "y": ("t",), "vx": ("t",), "vy": ("t",)})
+        expect(flown, "trajectory", dict.fromkeys(("x", "y", "vx", "vy"), ("t",)), "table")
     lines = table.outlines()
     x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
     if flown is not None:
