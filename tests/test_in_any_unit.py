@@ -121,3 +121,38 @@ def test_conjugate_maps_of_the_plane_have_the_same_branches(wide, high):
     assert second.value == pytest.approx((1.0 - b) ** 2 + 0.25 * (1.0 + b) ** 2, abs=1e-8) and second.converged
     a, b = gz.locus(found["pd"], ("a", "b"), ((-0.9, 4.0), (-0.95, 0.95))).values.T
     assert np.abs(a - 0.75 * (1.0 - b) ** 2).max() < 1e-8
+
+
+def stopped(M, L, T):
+    """What studies say of a rig between two stops, of which one kicks, without units."""
+    S, F = L / T, M * L / T**2
+    stops = gz.wall(-0.3 * L, gz.newton(0.8)), gz.wall(0.5 * L, gz.active(0.6, 0.05 * S))
+    rig = {"m": 1.5 * M, "c": 0.3 * M / T, "k": 2.0 * M / T**2, "force": 1.7 * F, "load": 0.1 * F, "omega": 1.4 / T}
+    P = gz.stroboscopic_map(gz.Oscillator.from_si(**rig, walls=stops))
+    Q, starts = gz.impact_map(P.walled), np.array([[0.1, 0.2], [-0.2, -0.5]]) * (L, S)
+    hits = Q.orbit((0.3 * T, 0.7 * S), 20)
+    orbits = gz.periodic_orbits(P, 1, starts=20, threads=1)
+    proofs = [gz.certify(orbit) for orbit in orbits]
+    values, few = np.linspace(1.5, 1.6, 3) / T, {"starts": starts, "keep": 5, "threads": 1, "points": 200}
+    scan = gz.bifurcation_diagram(P, "omega", values, period=1, **few)
+    curve = gz.response(P, "omega", values, period=1, **few)
+    found = gz.windows(P.walled, "omega", [1], span=(1.2 / T, 1.6 / T), samples=2, words="AB")
+    words = [[orbit.word, orbit.walls, proof.claims["stability"]] for orbit, proof in zip(orbits, proofs, strict=True)]
+    words += [scan.word.values[:, 0].tolist(), scan.special_type.values.tolist(), curve.special_type.values.tolist()]
+    words += [found.word.values.tolist(), found.low_type.values.tolist(), hits.letters.tolist()]
+    return words, [
+        hits.points / (T, S), np.concatenate([orbit.points for orbit in orbits]) / (L, S),
+        np.array([Q.jacobian(state) for state in hits.points[:3]]) * [[1.0, S / T], [T / S, 1.0]],
+        scan.special_value.values * T, curve.special_value.values * T, curve.special_amplitude.values / L,
+        found.low.values * T, found.high.values * T,
+    ]  # fmt: skip
+
+
+def test_a_rig_between_stops_in_micrometres_and_in_kilometres():
+    words, numbers = stopped(1.0, 1.0, 1.0)
+    assert len(words) > 6 and words[0][0] == "(AB)"
+    for units in [(1e-9, 1e-6, 1e-6), (1e3, 1e3, 60.0)]:
+        said, other = stopped(*units)
+        assert said == words
+        for one, two in zip(numbers, other, strict=True):
+            np.testing.assert_allclose(two, one, rtol=1e-8, atol=1e-9)

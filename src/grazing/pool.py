@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from threading import Event
+from threading import Event, RLock
 from typing import Any
 
 import numpy as np
 
 from grazing.kernel.random import mixed
 from grazing.parameter import whole
+
+#: Working precision of balls belongs to the process, not to the thread: who sets it holds this for so long.
+LOCK = RLock()
 
 Progress = Callable[[int, int], Any]
 #: A task does its work tile by tile, each well under 0.2 s, and yields after every tile.

@@ -306,7 +306,7 @@ def check_flights(
     - as any other wall sees it, y > 0 on [0, L].
 
     Without impacts y > 0 must hold on the whole of [0, N T] for each wall. Every bound holds for all solutions in the
-    box at once.
+    box at once. A dip at a wall that the flight does not end at lies before L as well, for all of that ball.
     """
     n, kept = problem.n, problem.work.kept
     if n == 0:

@@ -3,9 +3,11 @@
 import pytest
 
 from grazing_checker import Rejected, check
-from grazing_checker.balls import Ball, number, precision
+from grazing_checker.balls import Ball, double, number, pi, precision
 from grazing_checker.oscillator import inside
+from grazing_checker.reading import exact
 from tests.grazing_checker.documents import WALLED_VALUES, changed, claiming, documents
+from tests.grazing_checker.forgeries import text_of
 
 VALUES = ("pd", "gr", "lp", "ns", *WALLED_VALUES)
 
@@ -132,3 +134,15 @@ def test_a_box_that_ends_less_than_a_rounding_outside_another_is_not_inside(side
         ends = [(one.lower(), one.upper()) for one in (near, large)]
         assert ends[0][side > 0].contains(ends[1][side > 0])
         assert not inside([near], [large]) and inside([middle], [large])
+
+
+def test_a_dip_at_a_wall_that_is_left_ends_before_each_flight_of_the_box_does():
+    """Flight 2 goes from B to A: its length is in a ball, and what is beyond its end is no motion."""
+    document = documents()["rattle gr"]
+    data = document["data"]
+    assert data["impacts"] == ["A", "B"] and (data["dip"]["flight"], data["dip"]["wall"]) == (2, "B")
+    with precision(256):
+        first, second = (exact(text) for text in data["centre"][:2])
+        length = first + 2 * pi() * data["periods"] / double(float.fromhex(data["model"]["omega"])) - second
+        late = text_of(length)
+    refused(changed(document, ("data", "dip", "to"), lambda _old: late), "the dip is not inside its flight")

@@ -332,3 +332,69 @@ def test_on_the_locus_of_breaking_symmetry_branches_break_there(broken):
 def test_parameters_that_break_the_symmetry_of_the_model_are_refused(broken):
     with pytest.raises(gz.InputError, match=r"A.r takes the symmetry from the model"):
         locus(broken, ("B.sigma", "A.r"), ((0.5, 2.5), (0.3, 0.7)))
+
+
+def tent_left(state, p):
+    return (p.mu + p.a * state[0],)
+
+
+def tent_right(state, p):
+    return (p.mu + p.b * state[0],)
+
+
+def normal_left(state, p):
+    return p.tL * state[0] + state[1] + p.mu, -p.dL * state[0]
+
+
+def normal_right(state, p):
+    return p.tR * state[0] + state[1] + p.mu, -p.dR * state[0]
+
+
+def side(state, p):
+    return state[0]
+
+
+TENTS, SLOPES = {"L": tent_left, "R": tent_right}, {"mu": -0.5, "a": 0.4, "b": -1.5}
+TENT = gz.Map(pieces=TENTS, border=side, params=SLOPES, box=((-2.0, 2.0),))
+#: The border-collision normal form of the plane, Nusse and Yorke 1992, Banerjee and Grebogi 1999: traces, determinants.
+NORMAL = gz.Map(
+    pieces={"L": normal_left, "R": normal_right}, border=side, coordinates=("x", "y"), box=((-2.0, 2.0),) * 2,
+    params={"mu": -0.3, "tL": 0.4, "dL": 0.5, "tR": -1.2, "dR": 0.3},
+)  # fmt: skip
+
+
+def only(P, word, name, bounds, kind):
+    """The only special point of a kind on the branch of an orbit."""
+    (orbit,) = gz.periodic_orbits(P, word=word)
+    (special,) = [one for one in continuation(P, orbit, name, bounds).special if one.type == kind]
+    return special
+
+
+@pytest.mark.parametrize(
+    ("P", "word", "first", "second", "kind", "law", "met"),
+    [
+        (TENT, "L", ("mu", -1.0, 1.0), ("a", -2.0, 2.0), "bcb", lambda mu, a: mu,
+         {"bcb+pd": (0.0, -1.0), "bcb+lp": (0.0, 1.0)}),
+        (TENT, "L", ("a", -1.5, 1.5), ("mu", -1.0, 1.0), "pd", lambda a, mu: a + 1.0, {"bcb+pd": (-1.0, 0.0)}),
+        (TENT.replace(mu=1.0, a=0.5), "LR", ("a", -2.0, 2.0), ("b", -4.0, -0.2), "pd", lambda a, b: a * b + 1.0,
+         {"bcb+pd": (1.0, -1.0)}),
+        (NORMAL, "L", ("mu", -1.0, 1.0), ("tL", -3.0, 3.0), "bcb", lambda mu, tL: mu,
+         {"bcb+pd": (0.0, -1.5), "bcb+lp": (0.0, 1.5)}),
+        (NORMAL, "L", ("tL", -3.0, 3.0), ("dL", -0.5, 1.5), "pd", lambda tL, dL: 1.0 + tL + dL, {"ns+pd": (-2.0, 1.0)}),
+        (NORMAL, "L", ("dL", -1.0, 1.5), ("tL", -2.4, 0.6), "ns", lambda dL, tL: dL - 1.0, {"ns+pd": (1.0, -2.0)}),
+        (NORMAL.replace(mu=0.3), "LR", ("tL", 0.1, 3.0), ("tR", -6.0, 3.0), "pd",
+         lambda tL, tR: 1.0 + (tL * tR - 0.8) + 0.15, {"bcb+pd": (0.35 / 1.3, -1.3)}),
+    ],
+    ids=["tent, collision", "tent, flip", "tent, flip of LR", "plane, collision", "plane, flip", "plane, torus",
+         "plane, flip of LR"],
+)  # fmt: skip
+def test_loci_of_piecewise_linear_maps_are_those_of_algebra(P, word, first, second, kind, law, met):
+    special = only(P, word, first[0], first[1:], kind)
+    found = locus(special, (first[0], second[0]), (first[1:], second[1:]))
+    assert len(found.orbits) > 20 and np.abs(law(*found.values.T)).max() < 1e-11
+    assert {one.type for one in found.meetings} == set(met)
+    for one in found.meetings:
+        assert one.values == pytest.approx(met[one.type], abs=1e-9)
+    if kind == "ns":  # beyond a trace of -2 a neutral saddle
+        for orbit in [one for one in found.orbits if abs(one.map.params["tL"] + 2.0) > 1e-6]:
+            assert np.isreal(orbit.multipliers).all() == (orbit.map.params["tL"] < -2.0)

@@ -1,10 +1,13 @@
 """A promise that does not hold is found, with a counterexample; one that holds is not."""
 
 import dataclasses
+import threading
 
 import pytest
+from flint import ctx
 
 import grazing as gz
+from grazing.systems.precise import BITS, digits
 from tests.systems.balls import beam, billiard, bouncing, parabola, table, table_bound
 from tests.systems.models import oscillator, oscillator_bound, oscillator_flight, wall_below
 
@@ -90,6 +93,30 @@ def test_what_is_right_and_what_is_wrong_is_so_in_any_unit(L, T):
     with pytest.raises(AssertionError, match=r"the bound of surface A is 0\.0 .* but h'' = "):
         bad = gz.Surface("A", wall_below, no_bound)
         gz.testing.check_system(dataclasses.replace(right, surfaces=[bad, right.surfaces[1]]), states=1)
+
+
+def test_two_threads_have_their_digits_and_leave_none_behind():
+    # precision belongs to the process: the first to end took it from the other, which left its own for ever
+    before, inside, seen = ctx.prec, threading.Event(), []
+
+    def first():
+        with digits():
+            inside.set()
+            ready.wait(0.2)
+
+    def second():
+        inside.wait()
+        with digits():
+            thread.join(0.2)
+            seen.append(ctx.prec)
+
+    ready, thread = threading.Event(), threading.Thread(target=first)
+    other = threading.Thread(target=second)
+    for one in (thread, other):
+        one.start()
+    for one in (thread, other):
+        one.join()
+    assert seen == [BITS] and ctx.prec == before
 
 
 def test_only_systems_are_checked():

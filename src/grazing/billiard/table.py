@@ -282,6 +282,6 @@ def table(objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: floa
     >>> T = gz.table([bumper, *walls, gz.drain("out", (0, 0), (6, 0))], rho=0.1, tilt=0.1)
     >>> flown = gz.trajectory(T, (3.2, 8.0, 0.0, 0.0), until=60.0)
     >>> flown.impact_wall.values.tolist(), flown.outcome
-    (['bumper', 'right'], 'escaped')
+    (['bumper', 'right', 'left'], 'escaped')
     """
     return Table(objects, rho, g, tilt)

@@ -297,7 +297,7 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     >>> drains = [gz.drain("short", (0, -1), (3, -1)), gz.drain("far", (3, -1), (9, -1))]
     >>> found = gz.launches(gz.table(drains, tilt=0.5), (0.5, 0.0), 0.7, [0.5, 1.5])
     >>> found.exit.values.tolist(), found.hits.values.tolist(), found.time.values.round(2).tolist()
-    ([['short', 'far']], [[0, 0]], [[2.82, 4.85]])
+    ([['short', 'far']], [[0, 0]], [[2.82, 4.89]])
     """
     import xarray as xr
 

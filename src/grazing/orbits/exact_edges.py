@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grazing.orbits.closure import FIRED, PASSIVE, TESTS, WHOLE, impact_time, lowest_dip
 from grazing.orbits.survey import Family
 from grazing.oscillator.constants import constants_of
-from grazing.oscillator.exact import LOCK
+from grazing.pool import LOCK
 
 if TYPE_CHECKING:
     from flint import arb

@@ -322,7 +322,8 @@ def locus(
     -------
     Locus
         With its meetings, the points of codimension two where another test function is zero as well (*gr+pd*, ...) or
-        a fold turns round in both parameters (*cusp*).
+        a fold turns round in both parameters (*cusp*). Beyond *ns+pd* and *ns+lp* one of type ns goes on with two real
+        multipliers of product 1, a neutral saddle: no torus is born there.
 
     Raises
     ------

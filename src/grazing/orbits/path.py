@@ -161,10 +161,11 @@ def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
 def weighed(F: Floats, wide: Floats) -> tuple[Floats, Floats]:
     """Return equations with derivatives in scaled coordinates, each divided by the size of its derivatives.
 
-    Positions and velocities then weigh alike, and elimination meets the same pivots in any unit.
+    Positions and velocities then weigh alike, and elimination meets the same pivots in any unit. Sizes are rounded to
+    powers of two, by which nothing else is rounded.
     """
     size = np.abs(wide).max(axis=1)
-    size = np.where(size > 0.0, size, 1.0)
+    size = np.ldexp(1.0, np.frexp(np.where(size > 0.0, size, 1.0))[1])
     return F / size, wide / size[:, None]
 
 
@@ -597,7 +598,7 @@ def located(
 
     good = False
     try:
-        if (at(0.0) > 0.0) != (at(length) > 0.0) or at(length) == 0.0:
+        if np.sign(at(0.0)) * np.sign(at(length)) <= 0.0:  # products of small numbers may underflow
             brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
             good = True
     except (ArithmeticError, RuntimeError):
@@ -619,8 +620,11 @@ def located(
     ]
     low, high = sorted(float(seen[t][0].z[-1]) * float(equations.spans[-1]) for t in sides)
     value = float(point.z[-1]) * float(equations.spans[-1])
-    if good and abs(rest) > VANISHED * max(abs(seen[0.0][1]), abs(seen[length][1])):
+    most = max(abs(seen[0.0][1]), abs(seen[length][1])) if good else 0.0
+    if good and abs(rest) > VANISHED * most:
         return None
+    if equations.pieced and good and any(one.type == type and one.error >= most for one in point.tests):
+        return None  # differences reach across the end of a piece
     if (
         equations.pieced and where != HALVES and not abs(rest) <= VANISHED
     ):  # next to an infinite slope all else is small

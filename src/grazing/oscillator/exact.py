@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from math import floor, inf, isfinite, log2, nan, nextafter
-from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from grazing.oscillator.forcing import Forcing
@@ -21,6 +20,7 @@ from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import Reset, contraction_at
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from grazing.parameter import parameter_tuple
+from grazing.pool import LOCK
 
 if TYPE_CHECKING:
     from flint import arb, fmpq
@@ -41,8 +41,6 @@ FASTEST = 2.0**1021
 TINY = 900
 #: The share of a window at which its sign is looked at.
 ODD = 0.4871939420700073
-#: Working precision belongs to the process, not to the thread: one period at a time.
-LOCK = RLock()
 
 Curve = Callable[["arb"], tuple["arb", "arb"]]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from grazing.oscillator.exact import LOCK  # the precision that the finder works with is the process's too
 from grazing.outcome import InputError
+from grazing.pool import LOCK  # the precision that the finder works with is the process's too
 from grazing.proof.expression import NotAnExpression, expression
 from grazing_checker import Rejected, check
 from grazing_checker.envelope import opened

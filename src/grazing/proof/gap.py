@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from grazing.copies import ByValue
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.exact import LOCK
 from grazing.outcome import InputError
+from grazing.pool import LOCK
 from grazing.proof.report import bound, loose
 from grazing.proof.text import below, enclosed, exact_text, write_certificate
 from grazing.theory import WordOrbit, word_edges, word_orbits

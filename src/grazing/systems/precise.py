@@ -11,6 +11,7 @@ from typing import Any
 from flint import arb, ctx
 
 from grazing.kernel.content import named
+from grazing.pool import LOCK
 
 #: Bits of precision: differences of the fourth order over 2**-50 are good to 60 digits.
 BITS = 512
@@ -40,13 +41,9 @@ BALLS: dict[str, Any] = {
 
 @contextmanager
 def digits() -> Iterator[None]:
-    """Let ball arithmetic have many digits for a while."""
-    before = ctx.prec
-    ctx.prec = BITS
-    try:
+    """Let ball arithmetic have many digits for a while; no other thread has fewer or more in that time."""
+    with LOCK, ctx.workprec(BITS):
         yield
-    finally:
-        ctx.prec = before
 
 
 def in_balls(function: Callable[..., Any]) -> Callable[..., Any]:
