@@ -121,3 +121,8 @@ def _said(name: str, variable: Any, above: bool, relative: bool, gap: bool) -> A
         names = {"v_plus": "v^+", "v_minus": "v^-"}
         attrs["symbols"] = [table.get(names.get(str(one), str(one)), "") for one in variable.values]
     return variable.copy(deep=False)._replace(attrs=variable.attrs | attrs) if attrs else variable
+
+
+def of_table(result: Any) -> bool:
+    """Say whether a result is of a ball on a table: a trajectory, or launches."""
+    return "exit" in getattr(result, "data_vars", ())

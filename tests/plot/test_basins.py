@@ -5,9 +5,11 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_rgba_array
 
+import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
 from grazing.plot.style import CHAOS, PERIODS
+from tests.maps.test_collisions import pinball
 from tests.plot import results
 
 
@@ -17,6 +19,25 @@ def rgb(colour):
 
 def names(legend):
     return [text.get_text() for text in legend.get_texts()]
+
+
+def test_launches_are_named_by_their_way_out():
+    """No period of a ball that has left, and no entry for a mark that lies outside of the axes."""
+    table = pinball()
+    grid = {"angle": np.linspace(-3.0, 3.0, 12), "speed": np.linspace(0.2, 2.0, 8)}
+    found = gz.basins(gz.launch_map(table, 0.5, 5.0), grid, transient=1, keep=4)
+    legend = plot.basins(found)["legend"]
+    assert legend.get_title().get_text() == "way out: share of the area"
+    assert sorted(name.partition(":")[0] for name in names(legend)) == ["left_drain", "right_drain"]
+    places = {"place": np.linspace(0.05, 3.7, 6), "angle": np.linspace(-1.4, 1.4, 6)}
+    found = gz.basins(gz.collision_map(table), places, fixed={"speed": 1.5}, transient=300, keep=8)
+    assert {name.partition(":")[0] for name in names(plot.basins(found)["legend"])} <= {"left_drain", "right_drain"}
+    mirrors = [gz.segment(name, (0, y), (4, y), gz.newton(1.0)) for name, y in (("A", 0.0), ("B", 2.0))]
+    starts = {"place": np.array([1.5]), "angle": np.array([0.0, 1.2])}  # for ever up and down, and away
+    found = gz.basins(gz.collision_map(gz.table(mirrors)), starts, fixed={"speed": 1.0}, transient=40, keep=8)
+    legend = plot.basins(found, legend=True)["legend"]
+    assert legend.get_title().get_text() == "way out or word, period: share of the area"
+    assert [name.rpartition(":")[0].removesuffix(", neutral") for name in names(legend)][:2] == ["away", "AB, period 2"]
 
 
 def test_states_have_the_colour_of_their_attractor():

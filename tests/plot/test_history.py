@@ -114,6 +114,19 @@ def test_units_stand_at_the_axes(recorded):
     assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("frequency $f$ (Hz)", "amplitude of the position $u$ (m)")
 
 
+def test_what_cannot_be_drawn_is_named_in_few_words():
+    table = gz.table([gz.drain("out", (0, 0), (3, 0))], tilt=0.3)
+    for wrong in (gz.trajectory(table, (1, 1, 0, 0)), gz.launches(table, (1, 1), 0.3, 1.0)):
+        for draw in (gz.plot.history, gz.plot.trajectory):
+            with pytest.raises(gz.InputError, match=rf"^plot\.{draw.__name__} finds no u: .*table; gz\.plot\.table"):
+                draw(wrong)
+    many = xr.Dataset({f"reading{i}": 0.0 for i in range(90)})
+    with pytest.raises(gz.InputError, match=r"^plot\.history finds no u in .*reading5 and 84 more; allowed is the"):
+        gz.plot.history(many)
+    with pytest.raises(gz.InputError, match=r"^plot\.history cannot draw a int; .* grazing\.trajectory returns"):
+        gz.plot.history(3)
+
+
 def test_what_is_wrong_is_said(flown, recorded):
     with pytest.raises(gz.InputError, match="of = 'w'; allowed are u, the position"):
         gz.plot.history(flown, of="w")

@@ -97,6 +97,20 @@ def test_what_is_wrong_is_said():
         gz.sample(tr, 10.0)
 
 
+def test_a_ball_on_a_table_has_no_samples(tmp_path):
+    table = gz.table([gz.drain("out", (0, 0), (3, 0))], tilt=0.3)
+    flown = gz.trajectory(table, (1, 1, 0, 0), until=9.0)
+    for call in (
+        lambda: gz.sample(flown, 10.0), lambda: gz.spectrum(flown), lambda: gz.to_wav(flown, tmp_path / "ball.wav"),
+        lambda: gz.sample(gz.launches(table, (1, 1), 0.3, 1.0), 10.0),
+    ):  # fmt: skip
+        with pytest.raises(gz.InputError, match="of a ball on a table; samples, sounds and spectra are of oscillators"):
+            call()
+    other = flown.drop_vars("exit")
+    with pytest.raises(gz.InputError, match=r"^trajectory is a dataset with [^\n]{1,80} and \d+ more; give"):
+        gz.sample(other, 10.0)
+
+
 def test_a_parameter_of_a_law_may_begin_like_an_amplitude_of_a_wall():
     law = gz.reset(lambda v, p: -p.cosine * v, cosine=0.6)
     force = gz.Forcing(omega=2.0, cos=(2.0,))

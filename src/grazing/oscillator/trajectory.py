@@ -82,7 +82,8 @@ def trajectory(
         Time interval, until > start.
     samples : int
         Points per forcing period, at least 2; each flight also has its two ends, so that velocities jump where
-        they do. Impacts do not depend on it.
+        they do. Impacts do not depend on it. On a table points over the whole time; :func:`grazing.plot.table` draws
+        flights smoothly whatever it is.
 
     Returns
     -------

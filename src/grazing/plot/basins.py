@@ -11,13 +11,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, Outcome
 from grazing.plot.classes import attractor_colours, class_name, legend_beside, order_of, patch, rows_beside
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered, raster
-from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
+from grazing.plot.style import GRAZE, INK, axes, plain, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -44,8 +44,8 @@ def basins(
         Preimages of the grazing curve up to this order are drawn, 0 for the curve alone, -1 for nothing; default:
         all that the result has.
     legend : bool, optional
-        Whether a legend with word, period and share of the area stands beside the basins; None for one in a figure of
-        its own only.
+        Whether a legend with word, period and share of the area stands beside the basins, None for one in a figure of
+        its own only. Ways out of a table stand there by their names.
 
     Returns
     -------
@@ -90,11 +90,7 @@ def basins(
         else:
             ax.set_yticks([])
             ax.spines["left"].set_visible(False)
-        beside = (
-            legend_beside(ax, _entries(ax, result, colours, lines, dots), "word, period: share of the area")
-            if legend
-            else None
-        )
+        beside = legend_beside(ax, _entries(ax, result, colours, lines, dots), _title(result)) if legend else None
     return {
         "figure": root(ax),
         "image": image,
@@ -168,12 +164,18 @@ def _graze(ax: Axes, result: Any, names: tuple[str, ...], highest: int | None) -
 def _entries(ax: Axes, result: Any, colours: list[str], lines: dict[int, Any], dots: dict[int, Any]) -> list[Any]:
     period, fraction = (result[name].values.tolist() for name in ("period", "fraction"))
     words = [str(word) for word in result["word"].values]
+    ways = ways_out(result)
+    called = [
+        plain(word.strip("()")) if out else class_name(word, n)
+        for word, n, out in zip(words, period, ways, strict=True)
+    ]
     idle = result["neutral"].values.tolist() if "neutral" in result else [0] * len(words)
     largest = sorted(range(len(colours)), key=lambda k: -fraction[k])
-    room = min(LISTED, rows_beside(ax) - 2 * bool(lines) - bool(dots))
+    marked = any(_seen(ax, dot) for dot in dots.values())
+    room = min(LISTED, rows_beside(ax) - 2 * bool(lines) - marked)
     listed = largest if len(largest) <= room else largest[: max(room, 2) - 1]
     entries: list[Any] = [
-        patch(colours[k], f"{class_name(words[k], period[k])}{', neutral' * idle[k]}: {percent(fraction[k])}")
+        patch(colours[k], f"{called[k]}{', neutral' * idle[k]}: {percent(fraction[k])}")
         for k in sorted(listed, key=lambda k: (*order_of(period[k]), -fraction[k]))
     ]
     rest = largest[len(listed) :]
@@ -185,10 +187,35 @@ def _entries(ax: Axes, result: Any, colours: list[str], lines: dict[int, Any], d
             last = max(lines)
             name = "its preimage" if last == 1 else f"its preimages, orders 1 to {last}"
             entries.append(Line2D([], [], color=GRAZE, lw=0.7, alpha=0.45, label=name))
-    if dots:
+    if marked:
         look: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 4.2, "mfc": "white", "mec": INK, "mew": 0.8}
         entries.append(Line2D([], [], label="a point of the attractor", **look))
     return entries
+
+
+def _seen(ax: Axes, dot: Any) -> bool:
+    """Say whether a dot lies within the axes."""
+    (x,), (y,) = dot.get_data()
+    ends = *sorted(ax.get_xlim()), *sorted(ax.get_ylim())
+    return bool(ends[0] <= x <= ends[1] and ends[2] <= y <= ends[3])
+
+
+def ways_out(result: Any) -> list[bool]:
+    """Say which attractors are ways out of a table: every ball that reaches one has escaped, and stays there."""
+    period, basin = result["period"].values, result["basin"].values
+    if "outcome" not in result:
+        return [False] * len(period)
+    stayed = np.broadcast_to(result["outcome"].values & int(Outcome.escaped) == 0, basin.shape)
+    inside = {*np.unique(basin[stayed]).tolist()}
+    return [int(period[k]) == 1 and k not in inside for k in range(len(period))]
+
+
+def _title(result: Any) -> str:
+    """Return what the entries of the legend say."""
+    ways, period = ways_out(result), result["period"].values.tolist()
+    others = any(n > 0 and not out for n, out in zip(period, ways, strict=True))
+    kinds = ["way out"] * any(ways) + ["word, period"] * (others or not any(ways))
+    return f"{' or '.join(kinds)}: share of the area"
 
 
 def percent(share: float) -> str:

@@ -7,10 +7,16 @@ from typing import Any
 
 import xarray as xr
 
-from grazing.outcome import InputError, shown
+from grazing.measured import of_table
+from grazing.outcome import InputError, listed, shown
+
+#: Variables of a result that a message names.
+SHOWN = 6
 
 
-def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+def expect(
+    result: Any, study: str, variables: Mapping[str, tuple[str, ...]], figure: str | None = None
+) -> tuple[str, ...]:
     """Return the dimensions of the first variable, or refuse what is not the result of a study.
 
     Parameters
@@ -20,6 +26,8 @@ def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) ->
         Name of the study that returns it.
     variables : mapping of str to tuple of str
         Variables that are drawn, each with its dimensions. Dimensions of any name stand between ``<`` and ``>``.
+    figure : str, optional
+        Name of the function that draws it. Default: that of the study.
 
     Returns
     -------
@@ -31,28 +39,32 @@ def expect(result: Any, study: str, variables: Mapping[str, tuple[str, ...]]) ->
     InputError
         For anything else.
     """
+    drawn = f"plot.{study if figure is None else figure}"
     layout = ", ".join(f"{name} on ({', '.join(dims)})" for name, dims in variables.items())
     needed = f"allowed is the xarray.Dataset that grazing.{study} returns, with {layout}"
     if not isinstance(result, xr.Dataset):
-        raise InputError(f"plot.{study} cannot draw a {type(result).__name__}; {needed}")
+        raise InputError(f"{drawn} cannot draw a {type(result).__name__}; {needed}")
     for name, dims in variables.items():
         if name not in result:
-            found = ", ".join(str(own) for own in result.data_vars) or "no variables"
-            raise InputError(f"plot.{study} finds no {name} in a result with {found}; {needed}")
+            if of_table(result):
+                raise InputError(
+                    f"{drawn} finds no {name}: the result is of a ball on a table; gz.plot.table(table, flown) draws "
+                    "its trajectory, gz.plot.basins where its launches lead"
+                )
+            found = listed(map(str, result.data_vars), SHOWN) or "no variables"
+            raise InputError(f"{drawn} finds no {name} in a result with {found}; {needed}")
         own = tuple(str(dim) for dim in result[name].dims)
         fits = len(own) == len(dims) and all(
             want.startswith("<") or is_ == want for is_, want in zip(own, dims, strict=True)
         )
         if not fits:
-            raise InputError(f"plot.{study} finds {name} on ({', '.join(own)}); {needed}")
+            raise InputError(f"{drawn} finds {name} on ({', '.join(own)}); {needed}")
     if 0 in result.sizes.values():
         empty = [
             str(dim) for dim, size in result.sizes.items() if size == 0 and dim in result[next(iter(variables))].dims
         ]
         if empty:
-            raise InputError(
-                f"plot.{study} finds nothing along {', '.join(empty)}: the result is empty; draw another one"
-            )
+            raise InputError(f"{drawn} finds nothing along {', '.join(empty)}: the result is empty; draw another one")
     return tuple(str(dim) for dim in result[next(iter(variables))].dims)
 
 

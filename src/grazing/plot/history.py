@@ -40,7 +40,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
         impact, and for the velocity a second one, hollow, after it), ``wall`` (None for the velocity), ``legend`` (None
         without impacts), ``figure``.
     """
-    expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)})
+    expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)}, "history")
     of = str(result.attrs.get("history_of", "u")) if of is None else of
     if of not in ("u", "v"):
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")

@@ -8,15 +8,20 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
+from numpy.typing import NDArray
 
 from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, SINGLE, WALL, axes, plain, root, styled
 
+Floats = NDArray[np.float64]
 #: Height of a figure at most, as a share of its width, and the room around the objects as a share of their extent.
 TALL, ROOM = 1.6, 0.04
 WAY = "#0064a4"
+#: How far a chord may be from the flight that it stands for, as a share of the extent, and chords between two points of
+#: a trajectory at most.
+FLAT, CHORDS = 5e-4, 1000
 
 
 @inline
@@ -58,7 +63,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     if not isinstance(names, (bool, np.bool_)):
         raise InputError(f"names is {shown(names)}; give True or False")
     if flown is not None:
-        expect(flown, "trajectory", {"x": ("t",), "y": ("t",), "vx": ("t",), "vy": ("t",)})
+        expect(flown, "trajectory", dict.fromkeys(("x", "y", "vx", "vy"), ("t",)), "table")
     lines = table.outlines()
     x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
     if flown is not None:
@@ -82,7 +87,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
                 x0, y0 = line.label
                 ax.text(x0, y0, plain(line.name), ha="center", va="center", size=6, color=colour, bbox=behind, zorder=5)
         if flown is not None:
-            (way,) = ax.plot(flown.x.values, flown.y.values, color=WAY, lw=0.7, zorder=4)
+            (way,) = ax.plot(*way_of(flown, table.gravity, FLAT * max(wide, high)), color=WAY, lw=0.7, zorder=4)
             hits = flown["before"].values
             ax.plot(hits[:, 0], hits[:, 1], ".", color=WAY, ms=2.5, zorder=4)
             for i, face in ((0, "white"), (-1, WAY)):
@@ -97,3 +102,19 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         ax.set_xlabel("$x$")
         ax.set_ylabel("$y$")
     return {"figure": root(ax), "objects": found, "way": way, "ball": ball}
+
+
+def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats]:
+    """Return the way of a ball with points between those of its trajectory, so that no chord is far from its flight.
+
+    The chord of a flight over a time w is gravity w^2/8 off it at most.
+    """
+    t, x, y, vx, vy = (np.asarray(flown[name].values, np.float64) for name in ("t", "x", "y", "vx", "vy"))
+    w = np.diff(t)
+    with np.errstate(invalid="ignore", over="ignore"):
+        count = np.nan_to_num(np.ceil(w * np.sqrt(gravity / (8.0 * off))), nan=1.0)
+    count = np.append(np.clip(count, 1, CHORDS).astype(int), 1)
+    begin = np.repeat(np.arange(len(t)), count)
+    part = (np.arange(len(begin)) - np.repeat(np.cumsum(count) - count, count)) / count[begin]
+    s = part * np.append(w, 0.0)[begin]
+    return x[begin] + vx[begin] * s, y[begin] + (vy[begin] - 0.5 * gravity * s) * s

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.measured import of_table
 from grazing.memory import refuse_too_large
 from grazing.oscillator.forcing import Forcing, amplitudes_in
 from grazing.oscillator.legs import flown, heights
@@ -18,7 +19,7 @@ from grazing.oscillator.reset import newton
 from grazing.oscillator.wall import Wall, wall
 from grazing.oscillator.walled import Walled
 from grazing.oscillator.walled_trajectory import above_first
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, listed, shown
 from grazing.parameter import real
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ Floats = NDArray[np.float64]
 SAMPLE = 200
 #: What a trajectory has.
 NEEDED = ("t", "u", "v", "impact_time")
+#: Variables of something else that a message names.
+SHOWN = 6
 #: Units that a model knows.
 CONVERTED = {name: COORDINATES[name] for name in ("t", "u", "v")}
 
@@ -104,7 +107,13 @@ def model_of(trajectory: Any) -> Oscillator | Walled:
     """
     names = getattr(trajectory, "variables", ())
     if not (isinstance(names, Mapping) and all(name in names for name in NEEDED) and trajectory["u"].dims == ("t",)):
-        raise InputError(f"trajectory is {shown(trajectory)}; give a dataset as gz.trajectory returns it")
+        if of_table(trajectory):
+            raise InputError(
+                "the trajectory is that of a ball on a table; samples, sounds and spectra are of oscillators: its own "
+                "points are as many as samples= of gz.trajectory says"
+            )
+        found = f"a dataset with {listed(map(str, names), SHOWN)}" if isinstance(names, Mapping) else shown(trajectory)
+        raise InputError(f"trajectory is {found}; give a dataset as gz.trajectory returns it")
     shapes = {trajectory[name].dims for name in CONVERTED}
     if shapes != {("t",)} or not trajectory.sizes["t"] or any(trajectory[name].dtype.kind != "f" for name in CONVERTED):
         raise InputError("t, u and v of the trajectory are not numbers along t; it was changed: compute it again")
