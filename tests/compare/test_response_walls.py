@@ -94,6 +94,24 @@ def test_the_impact_pair_in_closed_form(half):
     assert orbit.outgoing == pytest.approx(0.5 * incoming * np.ones(2), rel=1e-12)
 
 
+def test_beside_a_period_doubling_all_runs_read_as_the_cycle_that_they_approach():
+    # the doubling is at 11.93829 Hz; after 400 periods at 11.9385 Hz impact speeds are still off by a hundredth
+    walls = gz.wall("-0.9 mm", gz.newton(0.55)), gz.wall("1.3 mm", gz.newton(0.8))
+    P = gz.stroboscopic_map(
+        gz.Oscillator.from_si(m=1.35, c=3.8, k=5100, force=4.2, frequency=11.9385, walls=walls)
+    )  # fmt: skip
+    values = W * np.array([11.9385, 11.94])
+    found = gz.response(P, "omega", values, starts=3)
+    assert (found.period.values == 1).all() and found.sizes["difference"] == 0
+    for i, value in enumerate(values.tolist()):
+        (orbit,) = (one for one in gz.periodic_orbits(P.replace(omega=value), 1, starts=40) if one.stable)
+        for wall in "AB":
+            [hit] = [k for k, letter in enumerate(orbit.walls) if letter == wall]
+            speed, after = abs(orbit.incoming[hit]), abs(orbit.outgoing[hit])
+            np.testing.assert_allclose(found[f"{wall}.impact_speed"].values[i], speed, rtol=1e-12)
+            np.testing.assert_allclose(found[f"{wall}.impulse"].values[i], speed + after, rtol=1e-12)
+
+
 def test_the_response_of_the_impact_pair_follows_its_symmetric_orbit():
     P, impulse = gz.stroboscopic_map(pair()), 2.0 * (3.0 + 2.0 * np.sin(PHI)) / np.pi
     found = gz.response(P, "A.sigma", [-1.5, -1.4], starts=1, transient=300, keep=8)["B.impulse"]
