@@ -1,5 +1,7 @@
 """The response between walls and at moving ones: laws of momentum, closed forms, and the model with one wall."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -166,3 +168,22 @@ def test_the_shell_and_the_figure(tmp_path, capsys, monkeypatch):
     assert gz.load("response.nc")["B.impulse"].attrs["units"] == "N s"
     said = capsys.readouterr().out
     assert "in frequency" in said and "omega" not in said
+
+
+def test_a_reading_that_is_greatest_at_several_values_is_said_to_be(capsys):
+    # wherever both stops are hit the amplitude is half of what lies between them, to rounding
+    rig = "--walls A=newton,B=newton A.r=0.55 B.r=0.8 --si m=1.35,c=3.8,k=5100,force=4.2".split()
+    tokens = ["response", "frequency=2:13:12", *rig, "A.gap=0.9 mm", "B.gap=1.3 mm", "--units", "Hz,mm"]
+    assert main([*tokens, "--starts", "1", "--transient", "100", "-q"]) == 0
+    out = capsys.readouterr().out
+    assert "up    1.1 at " in out and " values of frequency, " in out
+    assert main([*tokens, "--starts", "1", "--transient", "100", "-q", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    for way in ("up", "down"):
+        read = {row["frequency"]: row["amplitude"] for row in found["swept"] if row["run"] == way}
+        [peak] = [row for row in found["peaks"] if (row["run"], row["reading"]) == (way, "amplitude")]
+        at = [value for value, amplitude in read.items() if abs(amplitude - 1.1) < 1e-8]
+        assert peak["greatest"] == max(read.values()) and 1 < len(at) < len(read)
+        assert (peak["frequency"], peak["last"], peak["values"]) == (min(at), max(at), len(at))
+        where = f"{len(at)} values of frequency, {min(at):g} to {max(at):g} Hz"
+        assert any(line.startswith(way) and f"1.1 at {where}" in line for line in out.splitlines())
