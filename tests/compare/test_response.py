@@ -75,10 +75,10 @@ def test_up_and_down_differ_from_the_graze_to_the_fold(swept):
     up, down = (swept.amplitude.sel(run=run).values for run in ("up", "down"))
     hertz = swept.omega.values / HERTZ
     between = (hertz >= 13.25) & (hertz <= 16.5)
-    np.testing.assert_allclose(down[between], linear(swept.omega.values[between]), rtol=1e-7)
+    np.testing.assert_allclose(down[between], linear(swept.omega.values[between]), rtol=1e-12)
     assert (up[between] > 1.3 * down[between]).all()
     above = hertz > 16.6
-    np.testing.assert_allclose(up[above], linear(swept.omega.values[above]), rtol=1e-7)
+    np.testing.assert_allclose(up[above], linear(swept.omega.values[above]), rtol=1e-12)
     last = swept.isel(difference=-1)
     assert (float(last.difference_low) / HERTZ, float(last.difference_high) / HERTZ) == pytest.approx((13.25, 16.5))
     assert int(last.difference_values) == 14
@@ -132,7 +132,7 @@ def test_random_starts_reach_what_the_sweeps_reach(swept):
     between = swept.isel(omega=np.flatnonzero((hertz > 13.2) & (hertz < 16.4)))
     both = between.amplitude.sel(run=["up", "down"]).values[:, None, :]
     apart = np.abs(between.amplitude.sel(run=starts).values[:, :, None] / both - 1.0)
-    assert (apart.min(axis=2) < 1e-6).all()
+    assert (apart.min(axis=2) < 1e-12).all()
     assert (apart.argmin(axis=2) == 0).any()
 
 
@@ -167,6 +167,20 @@ def test_another_parameter_and_doubled_orbits():
     assert np.abs(doubling - float(windows.high)).min() < 1e-9
     assert set(found.branch_period.values.tolist()) <= {1, 2, 3}
     assert set(found.period.values.ravel().tolist()) >= {2, 3}
+
+
+@pytest.mark.parametrize("before", [1e-3, 1e-5])
+def test_beside_a_period_doubling_all_runs_read_as_the_cycle_that_they_approach(before):
+    P = gz.stroboscopic_map(gz.pinball(alpha=0.02, k=1.0, omega=2.6, d=0.0, V=0.0, r=0.8))
+    high = float(gz.windows(P.model, "omega", 1).isel(window=0).high)
+    values = high - np.array([before, 2.0 * before])
+    found = response(P, "omega", values, starts=3)
+    assert (found.period.values == 1).all() and (found.word.values == "1").all()
+    for i, value in enumerate(values.tolist()):
+        (orbit,) = (one for one in gz.one_impact_orbits(P.model.replace(omega=value), 1) if one.stable)
+        assert -1.0 < orbit.multipliers.real.min() < -0.94
+        np.testing.assert_allclose(found.impact_speed.values[i], -orbit.incoming[0], rtol=1e-12)
+        np.testing.assert_allclose(found.impulse.values[i], orbit.outgoing[0] - orbit.incoming[0], rtol=1e-12)
 
 
 def test_saved_and_loaded(swept, tmp_path):

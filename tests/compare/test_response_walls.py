@@ -1,5 +1,7 @@
 """The response between walls and at moving ones: laws of momentum, closed forms, and the model with one wall."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -94,6 +96,24 @@ def test_the_impact_pair_in_closed_form(half):
     assert orbit.outgoing == pytest.approx(0.5 * incoming * np.ones(2), rel=1e-12)
 
 
+def test_beside_a_period_doubling_all_runs_read_as_the_cycle_that_they_approach():
+    # the doubling is at 11.93829 Hz; after 400 periods at 11.9385 Hz impact speeds are still off by a hundredth
+    walls = gz.wall("-0.9 mm", gz.newton(0.55)), gz.wall("1.3 mm", gz.newton(0.8))
+    P = gz.stroboscopic_map(
+        gz.Oscillator.from_si(m=1.35, c=3.8, k=5100, force=4.2, frequency=11.9385, walls=walls)
+    )  # fmt: skip
+    values = W * np.array([11.9385, 11.94])
+    found = gz.response(P, "omega", values, starts=3)
+    assert (found.period.values == 1).all() and found.sizes["difference"] == 0
+    for i, value in enumerate(values.tolist()):
+        (orbit,) = (one for one in gz.periodic_orbits(P.replace(omega=value), 1, starts=40) if one.stable)
+        for wall in "AB":
+            [hit] = [k for k, letter in enumerate(orbit.walls) if letter == wall]
+            speed, after = abs(orbit.incoming[hit]), abs(orbit.outgoing[hit])
+            np.testing.assert_allclose(found[f"{wall}.impact_speed"].values[i], speed, rtol=1e-12)
+            np.testing.assert_allclose(found[f"{wall}.impulse"].values[i], speed + after, rtol=1e-12)
+
+
 def test_the_response_of_the_impact_pair_follows_its_symmetric_orbit():
     P, impulse = gz.stroboscopic_map(pair()), 2.0 * (3.0 + 2.0 * np.sin(PHI)) / np.pi
     found = gz.response(P, "A.sigma", [-1.5, -1.4], starts=1, transient=300, keep=8)["B.impulse"]
@@ -148,3 +168,22 @@ def test_the_shell_and_the_figure(tmp_path, capsys, monkeypatch):
     assert gz.load("response.nc")["B.impulse"].attrs["units"] == "N s"
     said = capsys.readouterr().out
     assert "in frequency" in said and "omega" not in said
+
+
+def test_a_reading_that_is_greatest_at_several_values_is_said_to_be(capsys):
+    # wherever both stops are hit the amplitude is half of what lies between them, to rounding
+    rig = "--walls A=newton,B=newton A.r=0.55 B.r=0.8 --si m=1.35,c=3.8,k=5100,force=4.2".split()
+    tokens = ["response", "frequency=2:13:12", *rig, "A.gap=0.9 mm", "B.gap=1.3 mm", "--units", "Hz,mm"]
+    assert main([*tokens, "--starts", "1", "--transient", "100", "-q"]) == 0
+    out = capsys.readouterr().out
+    assert "up    1.1 at " in out and " values of frequency, " in out
+    assert main([*tokens, "--starts", "1", "--transient", "100", "-q", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    for way in ("up", "down"):
+        read = {row["frequency"]: row["amplitude"] for row in found["swept"] if row["run"] == way}
+        [peak] = [row for row in found["peaks"] if (row["run"], row["reading"]) == (way, "amplitude")]
+        at = [value for value, amplitude in read.items() if abs(amplitude - 1.1) < 1e-8]
+        assert peak["greatest"] == max(read.values()) and 1 < len(at) < len(read)
+        assert (peak["frequency"], peak["last"], peak["values"]) == (min(at), max(at), len(at))
+        where = f"{len(at)} values of frequency, {min(at):g} to {max(at):g} Hz"
+        assert any(line.startswith(way) and f"1.1 at {where}" in line for line in out.splitlines())

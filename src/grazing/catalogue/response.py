@@ -11,6 +11,9 @@ from grazing.catalogue.rows import rows_of, special_rows, unfinished
 from grazing.catalogue.study import Row, Study
 from grazing.catalogue.words import aligned, headed, short, special_words, unfinished_words, unit_in
 
+#: Readings nearer to the greatest one than this share are equal to it: between two stops amplitudes differ by rounding.
+SAME = 1e-9
+
 
 def found(result: Any) -> dict[str, Any]:
     """Return what the sweeps up and down read, where they differ, where each reading is greatest, special points."""
@@ -27,8 +30,12 @@ def found(result: Any) -> dict[str, Any]:
             read = [(row[reading], value) for value, row in zip(grid, rows, strict=True)]
             finite = [pair for pair in read if math.isfinite(pair[0])]
             if finite:
-                most, where = max(finite)
-                peaks.append({run: way, "reading": reading, "greatest": most, name: where})
+                most = max(one for one, _value in finite)
+                where = [value for one, value in finite if one >= most - SAME * abs(most)]
+                peaks.append({
+                    run: way, "reading": reading, "greatest": most, name: min(where), "last": max(where),
+                    "values": len(where),
+                })  # fmt: skip
     special = special_rows(result)
     for reading in readings:
         for row, value in zip(special, result[f"special_{reading}"].values.tolist(), strict=True):
@@ -82,12 +89,18 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
     for way in ("up", "down"):
         greatest = [peaks[way, reading] for reading in told if (way, reading) in peaks]
         if greatest:
-            at = (f"{short(row['greatest'])} at {name} = {short(row[name])} {unit}".rstrip() for row in greatest)
-            rows.append([way, *at])
+            rows.append([way, *(f"{short(row['greatest'])} at {_attained(row, name, unit)}" for row in greatest)])
     heads = [headed(said, unit_in(result, reading)) for reading, said in told.items()]
     table = [*aligned(["", *heads], rows), ""] if rows else []
     admissible = [row for row in found["special"] if row["admissible"]]
     return [*said, "", *table, *special_words(admissible, headed(name, unit), False), *unfinished_words(result)]
+
+
+def _attained(peak: Row, name: str, unit: str) -> str:
+    """Return where a reading is greatest, in words."""
+    if peak["values"] == 1:
+        return f"{name} = {short(peak[name])} {unit}".rstrip()
+    return f"{peak['values']} values of {name}, {short(peak[name])} to {short(peak['last'])} {unit}".rstrip()
 
 
 def _between(one: Row, unit: str) -> str:

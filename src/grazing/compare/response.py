@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.compare.bifurcation_diagram import Search, documented, merged, same_attractor, with_limit
+from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece
 from grazing.orbits.branch_table import branch_table, special_once
@@ -23,6 +24,7 @@ from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
+from grazing.studies.growth import on_cycles
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.outside import NAME, with_note
 from grazing.studies.plan import Progress
@@ -97,11 +99,12 @@ def response(
     -----
     The sweep up starts at the least value from rest, where the constant forces balance or at the wall, and at each
     value where the one before it ended; the sweep down does so from the greatest value. Readings of an attractor are
-    taken over one cycle, in closed form from flight to flight, of one without period over ``keep`` periods. Chatter is
-    read impact by impact as :func:`grazing.trajectory` lists it. The orbit without impacts is followed wherever it is
-    stable, also where no run reached it. Virtual orbits, which the oscillator does not have,
-    and orbits that ended have no readings. A branch is begun at each attractor that lies on no branch yet, so an
-    unstable orbit that no branch leads to is missed.
+    taken over one cycle, in closed form from flight to flight: the cycle that Newton's method finds from the last point
+    of the run, also where the run has not settled, as near a bifurcation; where it finds none, from that point. Those
+    of an attractor without period are taken over ``keep`` periods. Chatter is read impact by impact as
+    :func:`grazing.trajectory` lists it. The orbit without impacts is followed wherever it is stable, also where no run
+    reached it. Virtual orbits, which the oscillator does not have, and orbits that ended have no readings. A branch is
+    begun at each attractor that lies on no branch yet, so an unstable orbit that no branch leads to is missed.
 
     Examples
     --------
@@ -142,6 +145,7 @@ def response(
     bounds = float(grid.min()), float(grid.max())
     search = Search(P, name, bounds, longest, keep // 2, transient + keep, whole(points, "points", 2), progress)
     search.scanned(scans)
+    scans = on_their_cycles(P, name, scans)
     result = runs_read(P, name, scans)
     result = result.merge(differences(P, name, scans))
     result = result.merge(branches_read(merged(P, name, search.bounds, search.branches)))
@@ -217,6 +221,29 @@ def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
     kept = {key: ((name, "run"), scans[key].values, scans[key].attrs) for key in KEPT}
     run = ("run", np.array(names, dtype=object), {"long_name": "how a value was come to"})
     return xr.Dataset({**table, **kept}, {name: scans[name], "run": run})
+
+
+def on_their_cycles(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
+    """Return scans with the latest points of each orbit with a period on its cycle, as far as Newton's method finds it.
+
+    The period may be that of a cycle which the orbit only approaches, see :mod:`grazing.studies.classify`: near a
+    period doubling its own points, and what is read along them, are still off after any transient.
+    """
+    points, _size = points_of(P, scans)
+    rows = np.array([list(P.replace(**{name: value}).params.values()) for value in scans[name].values.tolist()])
+    periods = scans["period"].values
+    for N in np.unique(periods[periods >= 1]).tolist():
+        at, run = np.nonzero(periods == N)
+
+        def turn(states: Floats, N: int = N, at: Any = at) -> Columns:
+            lanes = states[:, :, None].copy()  # overwritten
+            return P.run_columns(rows[at], lanes, 0, N, arithmetic="strict", threads=1)
+
+        seen = turn(points[at, run, -N - 1]).letters[..., 0].astype(np.int64)
+        cycle = on_cycles(P, rows[at], points[at, run, -1], seen)
+        points[at, run, -N:] = turn(cycle).points[..., 0]
+        points[at, run, -1] = cycle
+    return scans.assign({c: scans[c].copy(data=points[..., k]) for k, c in enumerate(P.coordinates)})
 
 
 def points_of(P: Map, scans: xr.Dataset) -> tuple[Floats, Floats]:
