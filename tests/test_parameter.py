@@ -71,6 +71,30 @@ def test_branches_follow_both():
     assert value_of("r", P.params) == 0.6
 
 
+def test_loci_and_windows_are_in_both_and_an_enclosure_is_of_one():
+    shake, still = gz.Forcing(omega=1.0, sin=(1.0,), cos=()), gz.Forcing(omega=1.0, cos=())
+    walls = [gz.wall(place, gz.newton(0.5), motion=shake) for place in (-1.35, 1.35)]
+    P = gz.stroboscopic_map(gz.Oscillator(alpha=0, k=0, forcing=still, walls=walls))
+    (orbit,) = (one for one in gz.periodic_orbits(P, word="(BA)", starts=20) if one.stable)
+    (special,) = (one for one in gz.continuation(P, orbit, "r", (0.4, 0.8)).special if one.type == "bp")
+
+    def room(r):  # between walls, where the symmetry of the orbit to and fro breaks
+        return (np.pi**2 / 2 - 2) * np.sin(np.arctan(2 * (1 + r) / (np.pi * (1 - r))))
+
+    assert abs(room(special.value) - 2.7) < 1e-11
+    curve = gz.locus(special, ("r", "sin1"), ((0.4, 0.8), (-0.1, 0.1)))
+    for value, one in zip(curve.values, curve.orbits, strict=True):
+        assert one.map.params["A.r"] == one.map.params["B.r"] == value[0]
+    with pytest.raises(gz.InputError, match=r"r stands for A\.r, too"):
+        gz.locus(special, ("r", "A.r"), ((0.4, 0.8), (0.4, 0.8)))
+
+    found = gz.windows(P.walled, "r", 1, (0.4, 0.8), 2, "AB").isel(window=0)
+    assert (found.low_type, found.high_type, bool(found.symmetric)) == ("end", "bp", True)
+    assert abs(found.high - special.value) < 1e-12
+    with pytest.raises(gz.InputError, match=r"^r stands for A\.r and B\.r; an enclosure is of one of them"):
+        gz.enclose(special.orbit, "lp", "r")
+
+
 def test_files_and_the_shell_take_one_value_for_all_walls():
     walls = {"A": "newton", "B": "newton"}
     given = {"alpha": 0.1, "k": 0.5, "omega": 2.0, "cos": [2.0], "A.sigma": -0.5, "B.sigma": 0.5}

@@ -22,7 +22,7 @@ from grazing.orbits.signature import equations_of
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO, called
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import whole
+from grazing.parameter import spread, value_of, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,8 +35,6 @@ FOLLOWED = ("lp", "pd", "ns", "bp", "gr", "bcb", "v0", "law")
 MOVED = 1e-5
 #: A fold whose second parameter turns round at a point where the first one does, too, is a cusp.
 STANDS = 1e-5
-
-
 #: Multipliers of a pair whose product differs from 1 by less lie on the unit circle, two that differ by less are one.
 DOUBLE = 1e-3
 #: Meetings nearer than this part of both ranges are one, if their orbits differ by less than that part of their size.
@@ -310,7 +308,7 @@ def locus(
         Of type lp, pd, ns, gr, bcb, v0 or law; or a bp at which the symmetry of an orbit between walls breaks, in
         parameters that keep the symmetry of the model.
     names : (str, str)
-        Two different parameters of its map.
+        Two different parameters of its map; between walls ``r`` stands for ``A.r`` and ``B.r``.
     bounds : ((low, high), (low, high))
         Their ranges; the values at the special point lie inside.
     step : float
@@ -358,7 +356,8 @@ def locus(
         raise InputError(f"both parameters are {shown(one)}; give two different ones")
     P = special.orbit.map
     ranges = checked_bounds(P, one, first), checked_bounds(P, other, second)
-    p = np.array([P.params[one], P.params[other]])
+    spread(dict.fromkeys(names), P.params, "the map")  # r and A.r are no two parameters
+    p = np.array([value_of(one, P.params), value_of(other, P.params)])
     for name, value, (low, high) in zip(names, p, ranges, strict=True):
         if not low <= value <= high:
             raise InputError(

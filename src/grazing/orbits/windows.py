@@ -25,7 +25,7 @@ from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError, shown
-from grazing.parameter import checked_periods, unknown, whole
+from grazing.parameter import checked_name, checked_periods, unknown, value_of, whole
 
 #: What ends a window, in words.
 EDGES = {
@@ -63,7 +63,7 @@ def windows(
     model : Oscillator
         With a reset law that is affine piece by piece: newton, active or triggered. With ``walls=`` any.
     name : str
-        Any parameter of the model; the others keep their values.
+        Any parameter of the model; the others keep their values. Between walls ``r`` stands for ``A.r`` and ``B.r``.
     N : int or iterable of int
         Periods of the forcing between impacts, each 1 to 1000; 1 to 7 if none are named. Attribute ``N`` of the result.
         Between walls those of an orbit.
@@ -149,8 +149,7 @@ def windows(
 
 def _between_walls(model: Walled, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
     """Return the windows of orbits between walls."""
-    if not isinstance(name, str) or name not in model.params:
-        raise unknown(name, model.params, "the model")
+    checked_name(name, model.params, "the model")
     model.refuse_made([name])
     periods, bounds = checked_periods(N), _span(model, name, span)
     orders = checked_words(model, words)
@@ -324,7 +323,7 @@ def _span(model: Oscillator | Walled, name: str, span: Any) -> tuple[float, floa
         for value in (low, high):  # some are out of range beside the others only
             refuse_swings(model.replace(**{name: value}))
         return low, high
-    value = model.params[name]
+    value = value_of(name, model.params)
     if parameter.high < inf:
         return parameter.low, parameter.high
     if parameter.low == 0.0:

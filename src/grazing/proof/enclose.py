@@ -14,7 +14,7 @@ from grazing.orbits.signature import impact_equations
 from grazing.oscillator.exact import Undecided
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, shown
-from grazing.parameter import checked_name
+from grazing.parameter import checked_name, named_by
 from grazing.proof.certify import (
     Certificate,
     at_some_precision,
@@ -71,7 +71,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
         ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map
         ``"pd"``, ``"lp"``, ``"gr"`` or ``"bcb"``, the border collision.
     name : str
-        The parameter that varies, for the gap map mu; the others keep their values, taken as exact.
+        The parameter that varies, for the gap map mu; the others keep their values, taken as exact. One alone: not
+        ``r`` for the ``A.r`` and ``B.r`` of two walls.
 
     Returns
     -------
@@ -83,7 +84,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Raises
     ------
     InputError
-        For what is no orbit of the oscillator or the gap map, or an unknown kind or parameter.
+        For what is no orbit of the oscillator or the gap map, an unknown kind or parameter, or a name that stands for
+        several.
 
     Notes
     -----
@@ -107,7 +109,10 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
     model = orbit.model
-    checked_name(name, model.params, "the model")
+    name, *others = named_by(checked_name(name, model.params, "the model"), model.params)
+    if others:
+        several = " and ".join([name, *others])
+        raise InputError(f"{name.rpartition('.')[2]} stands for {several}; an enclosure is of one of them")
     if isinstance(model, Oscillator):
         model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
