@@ -115,7 +115,7 @@ def calls():
         "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
         "trajectory, table": dict(model=TABLE, state=(0.1, 3.0, 0.0, 0.0), start=0.0, until=9.0, samples=10),
         "collision_map": dict(table=TABLE, on="A"),
-        "launch_map": dict(table=TABLE, x=0.5, y=0.0, hits=100),
+        "launch_map": dict(table=TABLE, point=(0.5, 0.0), hits=100),
         "launches": dict(table=TABLE, point=(0.5, 0.0), angle=[0.7, 1.0], speed=[0.5, 1.5], hits=100),
         "plot.table": dict(table=TABLE, names=True),
         "testing.check_table": dict(table=TABLE, states=1, seed=0),

@@ -34,7 +34,7 @@ def test_launches_over_level_ground_land_where_parabolas_do():
 def test_they_are_those_of_trajectories_and_of_the_map():
     table = pinball()
     angle, speed = np.linspace(-3.0, 3.0, 9), np.array([0.4, 1.3])
-    found, L = gz.launches(table, POINT, angle, speed), gz.launch_map(table, *POINT)
+    found, L = gz.launches(table, POINT, angle, speed), gz.launch_map(table, POINT)
     for i, a in enumerate(angle):
         for j, v in enumerate(speed):
             flown = gz.trajectory(table, (*POINT, v * np.cos(a), v * np.sin(a)), until=500.0, samples=2)
@@ -46,7 +46,7 @@ def test_they_are_those_of_trajectories_and_of_the_map():
 
 
 def test_ways_out_have_basins_over_launches():
-    L = gz.launch_map(pinball(), *POINT)
+    L = gz.launch_map(pinball(), POINT)
     grid = {"angle": np.linspace(-3.0, 3.0, 24), "speed": np.linspace(0.2, 2.0, 16)}
     found = gz.basins(L, grid, transient=1, keep=4)
     exits = gz.launches(pinball(), POINT, grid["angle"], grid["speed"]).exit.values
@@ -58,7 +58,7 @@ def test_ways_out_have_basins_over_launches():
 def test_only_ways_out_are_at_rest():
     """A launch of no speed is that of a ball let go, unless its angle is the number of a way out."""
     table = pinball()
-    L = gz.launch_map(table, *POINT)
+    L = gz.launch_map(table, POINT)
     found = gz.periodic_orbits(L, 1)
     assert {str(one.word) for one in found} <= {"(left_drain)", "(right_drain)", "(away)"}
     dropped = gz.launches(table, POINT, 0.0, 0.0).exit.item()
@@ -74,19 +74,19 @@ def test_a_ball_that_never_leaves_is_given_up():
     found = gz.launches(table, (0.3, 0.4), 0.6, 1.0, hits=50)
     assert found.exit.values.tolist() == [[""]] and found.hits.values.tolist() == [[50]]
     assert found.outcome.values.tolist() == [[TOO_MANY_IMPACTS]]
-    assert gz.launch_map(table, 0.3, 0.4, hits=50).orbit((0.6, 1.0), 1).outcomes[0] == TOO_MANY_IMPACTS
+    assert gz.launch_map(table, (0.3, 0.4), hits=50).orbit((0.6, 1.0), 1).outcomes[0] == TOO_MANY_IMPACTS
 
 
 def test_a_launch_that_doubles_cannot_decide_is_decided_exactly():
     """Past a disc that the ball touches: exact arithmetic says that it does not hit."""
     table = gz.table([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.drain("out", (9, -5), (9, 5))])
     assert gz.launches(table, (-3.0, 1.0), 0.0, 1.0).exit.values.tolist() == [["out"]]
-    found = gz.launch_map(table, -3.0, 1.0).orbit((0.0, 1.0), 1)
+    found = gz.launch_map(table, (-3.0, 1.0)).orbit((0.0, 1.0), 1)
     assert gz.Outcome(int(found.outcomes[0])) == gz.Outcome.escaped | gz.Outcome.graze and found.letters[0] == 1
 
 
 def test_the_map_is_plain_python_too_and_goes_through_a_pickle():
-    L = gz.launch_map(pinball(), *POINT)
+    L = gz.launch_map(pinball(), POINT)
     new, letter, outcome = L.step((0.3, 1.0), L.prepare(tuple(L.params.values())))
     again = L.orbit((0.3, 1.0), 1)
     assert (list(new), letter, outcome) == (again.points[1].tolist(), again.letters[0], again.outcomes[0])
@@ -99,11 +99,11 @@ def test_the_map_is_plain_python_too_and_goes_through_a_pickle():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: gz.launch_map(gz.pinball(), 0.0, 0.0), "give gz.table"),
-        (lambda: gz.launch_map(pinball(), 2.0, 6.1), "overlaps P"),
-        (lambda: gz.launch_map(pinball(), 2.0, float("nan")), "y of the launch = nan"),
-        (lambda: gz.launch_map(pinball(), *POINT, hits=0), "hits = 0"),
-        (lambda: gz.launch_map(gz.table([gz.disc("launch", (0, 0), 1.0, ELASTIC)]), 3.0, 0.0), "called 'launch'"),
+        (lambda: gz.launch_map(gz.pinball(), (0.0, 0.0)), "give gz.table"),
+        (lambda: gz.launch_map(pinball(), (2.0, 6.1)), "overlaps P"),
+        (lambda: gz.launch_map(pinball(), (2.0, float("nan"))), "y of the launch = nan"),
+        (lambda: gz.launch_map(pinball(), POINT, hits=0), "hits = 0"),
+        (lambda: gz.launch_map(gz.table([gz.disc("launch", (0, 0), 1.0, ELASTIC)]), (3.0, 0.0)), "called 'launch'"),
         (lambda: gz.launches(pinball(), 3.0, 0.0, 1.0), r"point is 3.0; give \(x, y\)"),
         (lambda: gz.launches(pinball(), POINT, "up", 1.0), "angle is 'up'; give finite numbers in one list"),
         (lambda: gz.launches(pinball(), POINT, 0.0, -1.0), "speed is -1.0; give finite numbers >= 0"),

@@ -25,7 +25,7 @@ def test_launches_are_named_by_their_way_out():
     """No period of a ball that has left, and no entry for a mark that lies outside of the axes."""
     table = pinball()
     grid = {"angle": np.linspace(-3.0, 3.0, 12), "speed": np.linspace(0.2, 2.0, 8)}
-    found = gz.basins(gz.launch_map(table, 0.5, 5.0), grid, transient=1, keep=4)
+    found = gz.basins(gz.launch_map(table, (0.5, 5.0)), grid, transient=1, keep=4)
     legend = plot.basins(found)["legend"]
     assert legend.get_title().get_text() == "way out: share of the area"
     assert sorted(name.partition(":")[0] for name in names(legend)) == ["left_drain", "right_drain"]

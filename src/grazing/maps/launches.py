@@ -154,7 +154,7 @@ class OfLaunches(Origin):
         """Make the map at other values."""
         own = {name: value for name, value in params.items() if name not in OWN}
         x, y, hits = (params[name] for name in OWN)
-        return launch_map(self.table.replace(**own), x, y, int(hits))
+        return launch_map(self.table.replace(**own), (x, y), int(hits))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
@@ -176,14 +176,14 @@ class OfLaunches(Origin):
         return Settled(new, max(way, 0), flags, INFINITY, INFINITY)
 
 
-def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
+def launch_map(table: Table, point: Sequence[float], hits: int = HITS) -> Map:
     """Return the map of launches from a point of a pinball table: one step is the whole way of a ball.
 
     Parameters
     ----------
     table : Table
         Of :func:`grazing.table`.
-    x, y : float
+    point : (x, y)
         Where the ball's centre is launched.
     hits : int
         Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
@@ -209,12 +209,12 @@ def launch_map(table: Table, x: float, y: float, hits: int = HITS) -> Map:
     --------
     >>> import grazing as gz
     >>> drains = [gz.drain("short", (0, -1), (3, -1)), gz.drain("far", (3, -1), (9, -1))]
-    >>> L = gz.launch_map(gz.table(drains, tilt=0.5), 0.5, 0.0)
+    >>> L = gz.launch_map(gz.table(drains, tilt=0.5), (0.5, 0.0))
     >>> [L.letters.symbol(L((0.7, speed))[1]) for speed in (0.5, 1.5)]
     ['(short)', '(far)']
     """
     table = checked_table(table)
-    values = checked_launch(table, x, y, hits)
+    values = checked_launch(table, point, hits)
     clash = [name for name in OWN if name in table.params]
     if clash:
         raise InputError("an object is called 'launch', as the parameters of a launch are; give it another name")
@@ -238,9 +238,14 @@ def _plain(table: Table, p: Any) -> Launch:
     return Launch(plain_block(table, p[:n]), *p[n:])  # itself, in place of where it lies
 
 
-def checked_launch(table: Table, x: Any, y: Any, hits: Any) -> tuple[float, float, float]:
+def checked_launch(table: Table, point: Any, hits: Any) -> tuple[float, float, float]:
     """Return where a ball is launched and its most impacts, or raise InputError."""
-    x, y = (real(value, f"{name} of the launch", "give a finite number") for value, name in ((x, "x"), (y, "y")))
+    pair = two_of(point)
+    if len(pair) != 2:
+        raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
+    x, y = (
+        real(value, f"{name} of the launch", "give a finite number") for value, name in zip(pair, "xy", strict=True)
+    )
     table.refuse_inside(x, y)
     return x, y, float(whole(hits, "hits", 1, MOST))
 
@@ -302,10 +307,7 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     import xarray as xr
 
     table = checked_table(table)
-    pair = two_of(point)
-    if len(pair) != 2:
-        raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
-    x, y, most = checked_launch(table, pair[0], pair[1], hits)
+    x, y, most = checked_launch(table, point, hits)
     angles, speeds = _listed(angle, "angle"), _listed(speed, "speed", 0.0)
     shape = len(angles), len(speeds)
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
