@@ -66,3 +66,9 @@ def test_a_name_that_stands_for_an_unknown_number_of_walls_is_refused():
     found = gz.orbit_diagram(P, "V", [0.1, 0.2], starts=2, transient=2, keep=2)
     with pytest.raises(gz.InputError, match="does not say of which walls V is"):
         recipe_of(found.attrs)
+
+
+def test_a_result_itself_is_not_its_attributes():
+    found = gz.orbit_diagram(gz.gap_map(lam=0.5, mu=0.1, l=0.2), "mu", [0.0, 0.1], starts=2, transient=2, keep=2)
+    with pytest.raises(gz.InputError, match=r"give those of a result, result\.attrs"):
+        recipe_of(found)

@@ -58,8 +58,8 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     >>> print(command_of(recipe_of(diagram.attrs)))
     grazing diagram mu=0:0.1:5 --map gap --lam 0.5 --l 0.2 --starts 3
     """
-    if not isinstance(attrs, Mapping):
-        raise InputError(f"attributes are {shown(attrs)}; give those of a result")
+    if not isinstance(attrs, Mapping) or hasattr(attrs, "attrs"):  # a dataset is a mapping of its variables
+        raise InputError(f"attributes are {shown(attrs)}; give those of a result, result.attrs")
     if RECIPE in attrs:
         return checked(_decoded(attrs[RECIPE]) | _looked_at(attrs))
     if "grazing_config" not in attrs:
