@@ -265,12 +265,24 @@ def test_a_base_and_a_load_between_stops_in_a_file():
         (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=-1 mm"], "it is a distance, >= 0"),
         (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=1 s"], "units do not match"),
         (["--si", "m=0.8,c=2.4,k=3200,frequency=14,A.gap=1 mm", "A.sigma=0.1"], "the table gives A.sigma, too"),
+        (
+            ["--si", "m=0.8,c=2.4,k=3200,frequency=14"],
+            "A.gap missing; give the distance to the stop, such as A.gap='1.2 mm'",
+        ),
         (["--stop", "above", "--mass", "1"], "the walls say themselves where they are"),
     ],
 )
 def test_what_a_rig_between_stops_does_not_have_is_refused(capsys, tokens, said):
     given = ["B.sigma=1:2:3", "--walls", "A=newton,B=newton", "A.r=0.8", "B.r=0.6"]
     assert said in refused(capsys, "diagram", *given, *tokens)
+
+
+def test_a_gap_that_is_missing_is_asked_for_by_its_name_once(capsys):
+    tokens = [token for token in TWO_STOPS if token != "B.r=0.6"]
+    said = refused(capsys, "diagram", "B.r=0.2:0.6:3", *tokens, "A.gap=1 mm")
+    assert "B.gap missing; give the distance" in said and "sigma" not in said and "A.gap" not in said
+    said = refused(capsys, "diagram", "B.r=0.2:0.6:3", *tokens)
+    assert "A.gap missing" in said and "B.gap missing" in said and "sigma" not in said
 
 
 # ---- a stiffness in place of k

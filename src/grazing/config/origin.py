@@ -58,8 +58,8 @@ def recipe_of(attrs: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.flo
     >>> print(command_of(recipe_of(diagram.attrs)))
     grazing diagram mu=0:0.1:5 --map gap --lam 0.5 --l 0.2 --starts 3
     """
-    if not isinstance(attrs, Mapping):
-        raise InputError(f"attributes are {shown(attrs)}; give those of a result")
+    if not isinstance(attrs, Mapping) or hasattr(attrs, "attrs"):  # a dataset is a mapping of its variables
+        raise InputError(f"attributes are {shown(attrs)}; give those of a result, result.attrs")
     if RECIPE in attrs:
         return checked(_decoded(attrs[RECIPE]) | _looked_at(attrs))
     if "grazing_config" not in attrs:
@@ -83,11 +83,12 @@ def _recipe_in(
     study = next((name for name, known in studies().items() if known.function == config.get("study")), None)
     if study is None:
         raise InputError(f"its study {config.get('study')!r} is not one that a command can do")
+    walls = _walls(config)  # which say themselves where they are
     recipe = {
         "study": study,
         **_map(config),
         **({"order": config["order"]} if "order" in config else {}),
-        **{key: attrs[key] for key in ("mass", "stop") if key in attrs},
+        **{key: attrs[key] for key in ("mass", "stop") if key in attrs and not (key == "stop" and walls)},
         "vary": _ranges(config, coordinates, title),
         "settings": _settings(study, config),
         **_looked_at(attrs),
@@ -129,19 +130,48 @@ def _map(config: Mapping[str, Any]) -> Recipe:
         raise InputError(f"its map, {name}, is known to Python alone; allowed are {', '.join(MAPS)} and file.py:name")
     if found["map"] == "gap":
         return {**found, "parameters": {name: params[name] for name in GAP if name in params}}
-    varied = {*_axes(config)}
-    m = max(1, *(int(key[3:]) for key in {*params, *varied} if key[:3] in AMPLITUDES and key[3:].isdigit()))
-    if m > len({*params, *varied}) + 1:  # each harmonic has a number of its own
+    named = {*params, *_axes(config)}
+    walls = _walls(config)
+    waves = _waves(params, named, "", 0 if walls else 1)
+    if not walls:
+        flight = {SAME.get(key, key): value for key, value in params.items()}
+        return {**found, "law": _law(named), "parameters": {**flight, **waves}}
+    for wall in walls:
+        waves |= {key: item for key, item in _waves(params, named, f"{wall}.", 0).items() if item}
+    if shared := named & {*OF_LAWS} - {"r"}:  # every law has r
+        raise InputError(f"it does not say of which walls {', '.join(sorted(shared))} is")
+    laws = {wall: _law({name.removeprefix(f"{wall}.") for name in named}) for wall in walls}
+    return {**found, "walls": laws, "parameters": {**params, **waves}}
+
+
+def _walls(config: Mapping[str, Any]) -> list[str]:
+    """Return the names of two walls from below, as a configuration has them; none of a single wall."""
+    known = dict(config["params"]) | {name: item["first"] for name, item in _axes(config).items()}
+    places = {name.removesuffix(".sigma"): place for name, place in known.items() if name.endswith(".sigma")}
+    return sorted(places, key=lambda wall: places[wall])
+
+
+def _waves(params: dict[str, Any], named: set[str], front: str, least: int) -> dict[str, list[float]]:
+    """Take the amplitudes of the forcing, or of a wall's motion, out of flat parameters; return them as lists."""
+    amplitudes = [f"{front}{key}" for key in AMPLITUDES]
+    own = (name[len(front) + 3 :] for name in named if name[: len(front) + 3] in amplitudes)
+    m = max([least, *(int(number) for number in own if number.isdigit())])
+    if m > len(named) + 1:  # each harmonic has a number of its own
         raise InputError("its configuration is damaged")
-    waves = {key: [params.pop(f"{key}{j}", 0.0) for j in range(1, m + 1)] for key in AMPLITUDES}
-    while waves["sin"] and waves["sin"][-1] == 0.0:  # the cosines say how many harmonics there are
-        waves["sin"].pop()
-    flight = {SAME.get(key, key): value for key, value in params.items()}
-    has = {key for key in {*flight, *varied} if key in OF_LAWS}
+    waves = {key: [params.pop(f"{key}{j}", 0.0) for j in range(1, m + 1)] for key in amplitudes}
+    sines = waves[amplitudes[1]]
+    while sines and sines[-1] == 0.0:  # the cosines say how many harmonics there are
+        sines.pop()
+    return waves
+
+
+def _law(named: set[str]) -> str:
+    """Return the reset law of a wall with these parameters."""
+    has = named & {*OF_LAWS}
     law = next((law for law in LAWS if set(law_names(law)) == has), None)
     if law is None:
         raise InputError("its reset law is known to Python alone")
-    return {**found, "law": law, "parameters": {**flight, **waves}}
+    return law
 
 
 def _axes(config: Mapping[str, Any]) -> dict[str, Any]:
@@ -181,7 +211,7 @@ def _ranges(config: Mapping[str, Any], coordinates: Mapping[str, NDArray[np.floa
             if fingerprint(values) != described["sha256"]:
                 raise InputError(f"its values of {name} were converted to other units; save the result in SI units too")
             found[name] = written_as(values)
-    return {SAME.get(name, name): written for name, written in found.items()}
+    return found if _walls(config) else {SAME.get(name, name): written for name, written in found.items()}
 
 
 def _short(text: str) -> str:

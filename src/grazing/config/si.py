@@ -84,7 +84,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         table["side"] = found.pop("stop")
     beside = _beside(found, table, gaps)
     placed = {name: table.pop(name) for name in gaps or () if name in table}
-    vary = found["vary"] if isinstance(found.get("vary"), Mapping) else {}  # what is none is said by the schema
+    vary = _mapping(found.get("vary"))
     given_frequency = {"frequency", "omega"} & {*table}
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not given_frequency
     wrong = faults_of(table)
@@ -99,6 +99,9 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         faults.append(f"{', '.join(missing)} missing; give {names}, with units or in {units}")
     table |= {name: SOUND.get(name, usual.get(name)) for name in (*absent, *wrong)}
     if gaps is not None:
+        given = {**placed, **vary, **_mapping(found.get("parameters"))}
+        open_gaps = [gap for gap, own in gaps.items() if gap not in given and own.name not in given]
+        faults += [f"{gap} missing; give the distance to the stop, such as {gap}='1.2 mm'" for gap in open_gaps]
         table |= {"gap": 0.0, "side": "below"}
     try:
         made = si_numbers(**{**usual, "omega": 1.0 if open_frequency else None, **table})
@@ -107,7 +110,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         made = si_numbers(**{**usual, **SOUND, "frequency": None})
     cos, sin = (made.cos, made.sin) if made.base is None else (made.base.cos, made.base.sin)
     load = "d" if gaps is None else "offset"
-    places = {"sigma": made.sigma} if gaps is None else _places(placed, gaps)
+    places = {"sigma": made.sigma} if gaps is None else _places(placed | dict.fromkeys(open_gaps, 1.0), gaps)
     parameters = {
         "alpha": made.alpha, "k": made.k, "omega": made.omega, load: made.offset, "cos": list(cos),
         "sin": list(sin) if any(sin) else [], **places,
@@ -133,6 +136,11 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
             made, _least_gap(found, {own.name: own.factor for own in gaps.values()} if gaps else {"sigma": -1.0})
         )
     return found, problems
+
+
+def _mapping(table: Any) -> Mapping[str, Any]:
+    """Return a table of a configuration; what is none is said by the schema."""
+    return table if isinstance(table, Mapping) else {}
 
 
 def _least_gap(found: Mapping[str, Any], stops: Mapping[str, float]) -> float:
