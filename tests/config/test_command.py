@@ -273,3 +273,24 @@ def test_what_is_computed_as_a_whole_has_no_plan(study):
     config = next(config for config in CONFIGS if config["study"] == study)
     with pytest.raises(InputError, match="has no cells to sweep"):
         plan_of(config)
+
+
+def softer(v, p):
+    return -0.5 * p.r * v
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_a_law_of_ones_own_is_not_taken_for_one_with_the_same_parameters(walls):
+    def model(law):
+        push = {"alpha": 0.2, "k": 1.0, "forcing": gz.Forcing(omega=1.5)}
+        both = gz.wall(-0.5, gz.newton(0.7)), gz.wall(0.5, law)
+        return gz.Oscillator(**push, reset=law) if walls == 1 else gz.Oscillator(**push, walls=both)
+
+    def attrs_with(law):
+        P = gz.stroboscopic_map(model(law))
+        return gz.orbit_diagram(P, "r", [0.6, 0.7], starts=2, transient=5, keep=2).attrs
+
+    ours, own = attrs_with(gz.newton(0.7)), attrs_with(gz.reset(softer, r=0.7))
+    assert recipe_of(ours)["parameters"] and ours["grazing_config_sha256"] != own["grazing_config_sha256"]
+    with pytest.raises(gz.InputError, match="its reset law is known to Python alone"):
+        recipe_of(own)

@@ -130,6 +130,8 @@ def _map(config: Mapping[str, Any]) -> Recipe:
         raise InputError(f"its map, {name}, is known to Python alone; allowed are {', '.join(MAPS)} and file.py:name")
     if found["map"] == "gap":
         return {**found, "parameters": {name: params[name] for name in GAP if name in params}}
+    if "law" in config:
+        raise InputError("its reset law is known to Python alone")
     named = {*params, *_axes(config)}
     walls = _walls(config)
     waves = _waves(params, named, "", 0 if walls else 1)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.content import digest
 from grazing.maps.derivative import Derived
 from grazing.maps.origin import Origin
 from grazing.maps.starting import Box, boxes_at
@@ -57,8 +58,10 @@ class OfRig(Origin):
 
     @property
     def config(self) -> dict[str, str]:
-        """The base, which makes forces from other parameters."""
-        return {} if self.rig.base is None else {"base": self.rig.base.text}
+        """The base, which makes forces from other parameters, and reset laws of one's own, each by name and content."""
+        laws = [wall.law for wall in self.walled.walls] if self.model is None else [self.model.reset]
+        own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws if law.own)
+        return ({} if self.rig.base is None else {"base": self.rig.base.text}) | ({"law": own} if own else {})
 
 
 class OfOscillator(OfRig):

@@ -110,6 +110,11 @@ class Reset(ByValue):
         values = listed(f"{name}={value:g}" for name, value in self.params.items())
         return f"{self.name}({values})"
 
+    @property
+    def own(self) -> bool:
+        """Whether the law is a user's, which its name and parameters do not tell."""
+        return self.law not in (newton_law, active_law, triggered_law)
+
     def __reduce__(self) -> Any:
         return _again, tuple(packed(getattr(self, field.name)) for field in fields(self))
 
