@@ -36,6 +36,8 @@ def test_a_trajectory_breaks_at_impacts():
     line = drawn["impacts"][0]
     assert list(line.get_ydata()) == [result["v_minus"].values[0], result["v_plus"].values[0]]
     assert drawn["strobe"].get_xdata().tolist() == [0.1]
+    part = result.isel(t=result.t.values > result.impact_time.values[1])
+    assert len(plot.trajectory(part)["impacts"]) == 1  # those before it are not in sight
 
 
 def test_a_graph_jumps_where_the_letter_changes():

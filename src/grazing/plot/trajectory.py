@@ -43,11 +43,14 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         ax = axes(ax)
         walls = walls_of(result)
         u, v = np.asarray(result["u"].values), np.asarray(result["v"].values)
+        t, hits = result["t"].values, result["impact_time"].values
         # an impact is a time that occurs twice, before and after it, with two velocities
-        cut = np.flatnonzero((np.diff(result["t"].values) <= 0.0) & (np.abs(np.diff(v)) > 1e-9 * np.abs(v).max())) + 1
+        cut = np.flatnonzero((np.diff(t) <= 0.0) & (np.abs(np.diff(v)) > 1e-9 * np.abs(v).max())) + 1
         (flights,) = ax.plot(np.insert(u, cut, np.nan), np.insert(v, cut, np.nan), color=colour, lw=1.1, zorder=3)
         impacts: list[Line2D] = []
-        for at, before, after in zip(places_of(result), result["v_minus"].values, result["v_plus"].values, strict=True):
+        seen = (hits >= t[0]) & (hits <= t[-1])  # of a part of a trajectory, its own
+        jumps = (places_of(result), result["v_minus"].values, result["v_plus"].values)
+        for at, before, after in zip(*(values[seen] for values in jumps), strict=True):
             impacts += ax.plot([at, at], [before, after], color=GRAZE, lw=1.0, ls=(0, (3, 1.5)), zorder=4)
             ax.plot(at, before, "o", ms=3.2, color=GRAZE, zorder=5)
             ax.plot(at, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
