@@ -174,6 +174,7 @@ def tangent_of(wide: Floats, along: Floats) -> Floats:
     right = np.zeros(len(along))
     right[-1] = 1.0
     t = solved_or_least(np.vstack([wide, along]), right)
+    t = np.ldexp(t, -int(np.frexp(np.abs(t).max())[1]))  # its length may be beyond all numbers
     t = t / np.linalg.norm(t)
     return np.asarray(t if t @ along >= 0.0 else -t)
 
