@@ -41,9 +41,10 @@ test-numba: .venv/ready-test ## run the tests of kernels with the oldest numba t
 
 check: lint types layers ## lint, types and import direction together
 
-lint: .venv/ready-test ## style and common mistakes (ruff)
+lint: .venv/ready-test ## style and common mistakes (ruff), and whether docs/api.md is current
 	$(RUN) ruff check .
 	$(RUN) ruff format --check .
+	.venv/bin/python docs/make_api.py --check
 
 types: .venv/ready-test types-page ## type annotations (mypy, strict), and those of the page
 	$(RUN) mypy
