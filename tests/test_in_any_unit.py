@@ -156,3 +156,25 @@ def test_a_rig_between_stops_in_micrometres_and_in_kilometres():
         assert said == words
         for one, two in zip(numbers, other, strict=True):
             np.testing.assert_allclose(two, one, rtol=1e-8, atol=1e-9)
+
+
+def grown(L, T):
+    """The manifolds of a saddle whose units of length and time are L and T, without units."""
+    P = gz.stroboscopic_map(pushed((3.0, 1.0, 2.2, 0.105, 0.0, 0.8, 0.4, None), L, T))
+    (saddle,) = (one for one in gz.one_impact_orbits(P.model, 2) if one.admissible)
+    found = [gz.manifolds(saddle, side, length=0.4, spacing=0.02) for side in ("unstable", "stable")]
+    return [
+        values for one in found for values in (
+            one.manifold.values / (L, L / T), one.seed.values, one.order.values, one.piece_length.values,
+            one.branch_length.values, one.direction.values / (L, L / T), one.branch_end.values,
+        )
+    ]  # fmt: skip
+
+
+def test_manifolds():
+    # their lengths added displacements to velocities
+    plain = grown(1.0, 1.0)
+    assert len(plain[0]) > 100
+    for L, T in [(2.0**20, 1.0), (1.0, 2.0**-15), (2.0**-70, 2.0**30)]:
+        for one, other in zip(plain, grown(L, T), strict=True):
+            assert np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
