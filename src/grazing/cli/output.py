@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grazing.cli.streams import printable
 from grazing.measured import downwards
-from grazing.outcome import InputError
+from grazing.outcome import InputError, printable
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE, SOUND = ".zarr", ".wav"

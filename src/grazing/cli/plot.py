@@ -14,8 +14,7 @@ from grazing.cli import output
 from grazing.cli.figures import drawing, drawn, study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.stored import Missing, axes_of, curve_in, loaded
-from grazing.cli.streams import printable
-from grazing.outcome import GrazingError, InputError, in_one_line
+from grazing.outcome import GrazingError, InputError, in_one_line, printable
 
 #: What drawing raises when variables are missing, of another type or form, or hold texts that are no labels.
 MISFIT = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, StopIteration, RecursionError)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
@@ -65,22 +64,6 @@ class _Said(io.RawIOBase):
     def isatty(self) -> bool:
         """Say whether it is a terminal."""
         return os.isatty(self._number)
-
-
-def printable(text: str, newlines: bool = True) -> str:
-    r"""Return a text as a terminal may have it: what files say must not move its cursor or pass for another line.
-
-    Examples
-    --------
-    >>> printable("\x1b[2Jgone\n\u202ereversed")
-    '\\x1b[2Jgone\n\\u202ereversed'
-    """
-    kept = "\n\t" if newlines else "\t"
-    return "".join(
-        letter if letter.isprintable() or letter in kept or unicodedata.category(letter) == "Zs"
-        else letter.encode("unicode_escape").decode("ascii")
-        for letter in text
-    )  # fmt: skip
 
 
 def flushed(code: int) -> int:
