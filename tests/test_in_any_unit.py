@@ -178,3 +178,20 @@ def test_manifolds():
     for L, T in [(2.0**20, 1.0), (1.0, 2.0**-15), (2.0**-70, 2.0**30)]:
         for one, other in zip(plain, grown(L, T), strict=True):
             assert np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_orbits_in_a_block_have_the_same_bits(walls):
+    # a margin was at least that of a free flight of one unit of time, so that other orbits were flown one by one
+    def last(L, T):
+        S, push = L / T, gz.Forcing(3.1 / T, offset=0.1 * L / T**2, cos=(L / T**2,))
+        low, high = gz.wall(-0.2 * L, gz.newton(0.8)), gz.wall(0.3 * L, gz.active(0.7, 0.1 * S))
+        laws = {"reset": low.law, "sigma": low.position} if walls == 1 else {"walls": [low, high]}
+        P = gz.stroboscopic_map(gz.Oscillator(alpha=0.05 / T, k=1.0 / T, forcing=push, **laws))
+        starts = np.column_stack([np.linspace(-0.15, 0.25, 24), np.linspace(-1.0, 1.0, 24)]) * (L, S)
+        found = gz.orbit_diagram(P, "omega", [3.1 / T], starts=starts, transient=20, keep=20, arithmetic="fast")
+        return np.stack([found.u.values / L, found.v.values / S])
+
+    plain = last(1.0, 1.0)
+    for L, T in [(1.0, 2.0**-8), (1.0, 2.0**-25), (2.0**30, 2.0**15)]:
+        assert np.array_equal(plain, last(L, T))
