@@ -166,7 +166,7 @@ class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
     def __init__(self, table: Table, on: str) -> None:
-        self.table, self.on = table, on
+        self.table, self.impacts_on, self.on = table, table, on
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)
 
     def replace(self, params: Mapping[str, float]) -> Map:
