@@ -156,7 +156,8 @@ MUTE = "\nclass Mute(Exception):\n    def __str__(self):\n        raise ValueErr
 @pytest.mark.parametrize(
     ("lines", "code", "said"),
     [(RAISES, 1, "line 26 of {file} raised KeyError: 'mine'"),
-     (RAISES.replace('KeyError("mine")', "GeneratorExit"), 1, "line 26 of {file} raised GeneratorExit"), (MUTE, 2, "--model: {file} cannot be run: Mute"),
+     (RAISES.replace('KeyError("mine")', "GeneratorExit"), 1, "line 26 of {file} raised GeneratorExit"),
+     (MUTE, 2, "--model: {file} cannot be run: Mute"),
      (ENDS, 1, "code of your own, or of a package, called sys.exit(None); leave that away.")],
 )  # fmt: skip
 def test_what_a_class_of_ones_own_raises_is_no_defect_of_the_library(own, capsys, lines, code, said):
