@@ -90,6 +90,8 @@ def found():
     yield "branch", branch
     yield "orbit of pieces", next(iter(branch))
     yield "impact orbit", one_impact_orbits(ball, 3)[-1]
+    discs = [gz.disc(name, (x, 0.0), 1.0, gz.newton(1.0)) for name, x in (("A", 0.0), ("B", 6.0))]
+    yield "bounce orbit", gz.periodic_orbits(gz.collision_map(gz.table(discs)), word="AB")[0]
     yield "normal form", gz.normal_form(ball, "d")
     logistic_map = dict(maps())["own map"]
     yield "own branch", gz.continuation(logistic_map, gz.periodic_orbits(logistic_map, 1)[0], "a", (2.5, 3.3))

@@ -49,6 +49,7 @@ _PUBLIC = {
     "zdm_points": "maps.discontinuity",
     "NormalForm": "maps.normal_form",
     "normal_form": "maps.normal_form",
+    "BounceOrbit": "orbits.bounce_orbit",
     "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
     "Orbits": "orbits.periodic",
@@ -141,6 +142,7 @@ if TYPE_CHECKING:
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
     from grazing.orbits.adding_tree import adding_tree as adding_tree
+    from grazing.orbits.bounce_orbit import BounceOrbit as BounceOrbit
     from grazing.orbits.boundaries import boundaries as boundaries
     from grazing.orbits.branch import Branch as Branch
     from grazing.orbits.branch import continuation as continuation
