@@ -159,9 +159,11 @@ def _guarded(tokens: list[str]) -> int:
             "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
             FAILED,
         )
-    except Exception as error:
+    except BaseException as error:  # of whatever kind: a class of the user's may raise any
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
+        if streams.closed(sys.stdout):
+            return _fail("code of your own, or of a package, closed the standard output; leave that away.", FAILED)
         if theirs := _in_own_code(error):
             return _fail(printable(theirs, newlines=False), FAILED)
         return _fail(
@@ -219,7 +221,7 @@ def _misconfigured(error: BaseException | None) -> str:
     return ""
 
 
-def _in_own_code(error: Exception) -> str:
+def _in_own_code(error: BaseException) -> str:
     """Return what a file of one's own raised, such as a property of a class in it; nothing if it was no such file."""
     from grazing.copies import OWN_MODULE
 

@@ -72,6 +72,8 @@ def flushed(code: int) -> int:
     A reader that closed the pipe (``| head``) has what it wanted: that is no failure.
     """
     for stream in (sys.stdout, sys.stderr):
+        if closed(stream):
+            continue
         try:
             stream.flush()
         except BrokenPipeError:
@@ -82,6 +84,11 @@ def flushed(code: int) -> int:
                 print(f"error: cannot write to the standard output: {error.strerror}", file=sys.stderr)
                 code = 1
     return code
+
+
+def closed(stream: TextIO | None) -> bool:
+    """Say whether code that was run has closed a stream, or taken it away."""
+    return stream is None or stream.closed
 
 
 def _discard(stream: object) -> None:
