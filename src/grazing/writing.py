@@ -49,6 +49,24 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
+def put(file: Path, content: bytes, mode: int) -> None:
+    """Write a file whole or not at all, with these rights: several processes may be writing the same.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    part = file.with_name(f".{uuid4().hex}.partial")
+    try:
+        with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), mode), "wb") as new:
+            new.write(content)
+        part.chmod(mode)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
+
+
 def left_in(folder: Path) -> list[Path]:
     """Return the files in a folder that their writers have left half made."""
     found = []

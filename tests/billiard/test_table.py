@@ -1,12 +1,13 @@
 """Tables: parameters, what is refused, distances."""
 
 import pickle
-from math import pi, sin
+from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.exact import exact_contact
 from grazing.billiard.table import crosses, distance
 from tests.billiard.tables import ELASTIC, box, mixed
 
@@ -106,3 +107,13 @@ def test_a_table_is_the_same_in_any_unit():
         np.testing.assert_allclose(scaled.impact_time / b, plain.impact_time, rtol=1e-9)
         assert scaled.trust == "certified"
     assert plain.sizes["impact"] > 8
+
+
+@pytest.mark.parametrize("T", [1.0, 2.0**-15, 2.0**-400, 2.0**300])
+def test_a_ball_inside_an_arc_is_not_taken_for_one_outside_in_other_units_of_time(T):
+    # what counts as rounding of the first gap was measured by the coefficients of later times, too
+    table = gz.table([gz.arc("ring", (0, 0), 5.0, 0.0, 2.0 * pi, gz.newton(0.9))], g=1.0 / T**2, tilt=0.4)
+    block = table.blocks(table.row())[0]
+    surface, t, _flags = exact_contact(block, (1.0, 0.5, 0.0, -2.0 / T), -1)
+    plain = -(2.0 - sqrt(4.0 + 2.0 * sin(0.4) * (0.5 + sqrt(24.0)))) / sin(0.4)
+    assert surface == 1 and t / T == pytest.approx(plain, rel=1e-14)

@@ -109,3 +109,19 @@ def test_a_certificate_of_the_first_version_is_refused_and_says_how_to_prove_aga
     assert done.returncode == 1
     assert "version 1 of the format, this program reads 2; prove it again" in done.stderr
     assert "gz.certify(orbit)" in done.stderr and "gz.enclose(orbit, kind, name)" in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full disk of its own")
+def test_an_output_that_cannot_be_written_is_no_traceback_and_no_success(tmp_path):
+    """A reader that left, as ``| head``, or a full disk was a traceback; what was not said is not proven."""
+    good = tmp_path / "good.json"
+    good.write_text(json.dumps(bases()["R"]))
+    command = [sys.executable, "-m", "grazing_checker", *[str(good)] * 3]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=FOLDER.parent)
+    assert done.returncode == 1
+    assert done.stderr == "what certificates prove cannot be written: No space left on device\n"
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=FOLDER.parent) as running:
+        running.stdout.close()  # before anything is printed
+        assert running.stderr.read() == b""
+    assert running.returncode == 1

@@ -229,6 +229,7 @@ def test_a_table_may_have_hundreds_of_objects():
     [
         (lambda: gz.collision_map(gz.pinball()), "give gz.table"),
         (lambda: gz.collision_map(gz.table([gz.drain("out", (0, 0), (1, 0))])), "drains only"),
+        (lambda: gz.collision_map(gz.table([gz.disc("pin", (0, 0), 0.0, ELASTIC)])), "drains and pins"),
         (lambda: gz.collision_map(pinball(), on="R"), "on is 'R'; allowed are P, Q, right"),
         (lambda: gz.collision_map(gz.table([gz.arc("A", (0, 0), 1.0, 0.0, 2 * pi, ELASTIC)], rho=0.99), on="A"), None),
         (lambda: gz.collision_map(gz.table(box(1.0, 10.0), rho=0.6), on="floor"), "fits nowhere beside floor"),
@@ -240,3 +241,16 @@ def test_wrong_input_is_refused(make, said):
         return
     with pytest.raises(gz.InputError, match=said):
         make()
+
+
+def test_a_pin_is_not_where_balls_without_a_radius_start():
+    # it has no places: the default object was one that is never hit
+    pin = gz.disc("pin", (0, 0), 0.0, ELASTIC)
+    P = gz.collision_map(gz.table([pin, gz.disc("A", (3, 0), 1.0, ELASTIC)]))
+    assert P.origin.on == "A" and P.box[0] == (0.0, pytest.approx(2.0 * pi))
+    wide = gz.collision_map(gz.table([pin, gz.disc("A", (3, 0), 1.0, ELASTIC)], rho=0.1))
+    assert wide.origin.on == "pin"
+    with pytest.raises(gz.InputError, match="never meets it"):
+        wide.replace(rho=0.0)
+    with pytest.raises(gz.InputError, match="never meets"):
+        gz.lyapunov(wide, "rho", [0.1, 0.0, 0.2], starts=2, steps=2, transient=0)

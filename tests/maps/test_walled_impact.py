@@ -180,7 +180,7 @@ def test_what_a_wrong_call_is_told():
     Q = gz.impact_map(pair())
     with pytest.raises(InputError, match="passes no strobe"):
         gz.periodic_orbits(Q, word="AB")
-    with pytest.raises(InputError, match="allowed are A and B, with the strobes passed in front: 1B"):
+    with pytest.raises(InputError, match="allowed are A, B, with the strobes passed in front: 1B"):
         gz.periodic_orbits(Q, word="A1C")
     one = gz.impact_map(MODELS["one above"])
     with pytest.raises(InputError, match=r"v_plus = 0.5 points into the wall; .* v_plus <= 0"):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, listed, shown
 
 #: Impacts between two walls that a letter can tell apart, and what stands for more: 3**19 is below 2**31.
 MOST = 19
@@ -19,8 +19,9 @@ MANY = -5
 CHATTER, LAY = -1, -2
 
 
-#: What the letter of an impact map between walls has more than the strobes passed, where the second wall is hit.
-LATER = 2**30
+#: What the letter of an impact map has more than the strobes passed, for each wall before the one that is hit: twelve
+#: walls and sums of strobes fit.
+LATER = 2**27
 
 
 def most_of(walls: int) -> int:
@@ -244,7 +245,7 @@ class Hits(Alphabet):
 
 @dataclass(frozen=True, slots=True)
 class Struck(Hits):
-    """The alphabet of an impact map between two walls.
+    """The alphabet of an impact map between walls.
 
     A letter is the wall that the step ends at, with the strobes passed on the way in front of it: ``A``, ``1B``.
 
@@ -272,8 +273,8 @@ class Struck(Hits):
     @property
     def attributes(self) -> dict[str, Any]:
         """What a result says of its letters."""
-        names = self.names
-        said = f"letter of the step: strobes passed to an impact at {names[0]}; {LATER} more for one at {names[1]}"
+        more = ", ".join(f"{j * LATER} more for one at {name}" for j, name in enumerate(self.names) if j)
+        said = f"letter of the step: strobes passed to an impact at {self.names[0]}; {more}"
         return {"long_name": said, "walls": self.names}
 
     def symbol(self, letter: int) -> str:
@@ -295,6 +296,6 @@ class Struck(Hits):
         if found is None:
             raise InputError(
                 f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
-                f"{' and '.join(self.names)}, with the strobes passed in front: 1{self.names[-1]}"
+                f"{listed(self.names)}, with the strobes passed in front: 1{self.names[-1]}"
             )
         return int(found[1] or 0) + LATER * self.names.index(found[2]), found.end()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.impact_of_system import impact_map_of_system
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NO_DOUBT, derivative, next_period
@@ -30,6 +31,7 @@ from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
+from grazing.systems.contract import System
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -153,12 +155,12 @@ class Struck(OfOscillator):
         return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / omega)
 
 
-def impact_map(model: Oscillator | Walled) -> Map:
-    """Return the oscillator as a map from one impact to the next.
+def impact_map(model: Oscillator | Walled | System) -> Map:
+    """Return an oscillator, or a system of one's own, as a map from one impact to the next.
 
     Parameters
     ----------
-    model : Oscillator
+    model : Oscillator or System
 
     Returns
     -------
@@ -170,6 +172,10 @@ def impact_map(model: Oscillator | Walled) -> Map:
         one with the one above it (a ball released there has v_plus = -0.0). A letter is then the wall that is hit,
         with the strobes in front of it if there are any: ``A``, ``B``, ``1B``.
 
+        Of a system of your own the state is (tau, ...): the phase, then its coordinates just after an impact. A start
+        may lie anywhere outside of its surfaces. A system without a period is taken not to depend on time: there is no
+        phase, and letters are the surfaces.
+
     Examples
     --------
     >>> import grazing as gz
@@ -178,6 +184,8 @@ def impact_map(model: Oscillator | Walled) -> Map:
     >>> bool(abs(orbit[-1] - orbit[-2]).max() < 1e-12)
     True
     """
+    if isinstance(model, System):
+        return impact_map_of_system(model)
     if isinstance(model, Walled):
         return walled_impact_map(model)
     checked_model(model)

@@ -48,7 +48,8 @@ def period_of(asked: Asked, n: int, with_tangent: bool) -> Callable[..., Any]:
             if with_tangent:
                 J = product(derivative(at, t, state, widths, p), J)
                 if j >= 0:
-                    J = product(saltation(j, at, before, after, widths, p), J)
+                    S, _later = saltation(j, at, before, after, widths, p)
+                    J = product(S, J)
             t, left, state = at, 1.0 * j, after
             if j < 0:
                 break
@@ -109,12 +110,7 @@ def pointed_map(n: int) -> tuple[Callable[..., Any], Callable[..., Any], type]:
     """Return step and derivative of the map of whatever system lies at a place, and the kind of what they need."""
     asked, zero = pointed_of(n // 2), (0.0,) * n
     alone, both = period_of(asked, n, False), period_of(asked, n, True)
-
-    def widths_of(c: Any) -> Any:
-        found = zero
-        for i in range(n):
-            found = replaced(found, i, c[len(HEAD) + i])
-        return found
+    widths_of = widths_after(HEAD, n)
 
     def step(state: Any, c: Any) -> Any:
         new, letter, outcome, _J = alone(state, c.phase, int(c.walls), int(c.most), zero, c)
@@ -124,33 +120,60 @@ def pointed_map(n: int) -> tuple[Callable[..., Any], Callable[..., Any], type]:
         new, letter, outcome, J = both(state, c.phase, int(c.walls), int(c.most), widths_of(c), c)
         return new, letter, outcome, (*J, NAN)
 
-    return ending(step, INFINITY), derived, parameter_tuple((*HEAD, *(f"width{i}" for i in range(n))))
+    return ending(step, INFINITY), derived, kind_of(HEAD, n)
+
+
+def widths_after(head: tuple[str, ...], n: int) -> Callable[..., Any]:
+    """Return ``widths_of(c)``, the n numbers behind those of the head."""
+    zero, first = (0.0,) * n, len(head)
+
+    def widths_of(c: Any) -> Any:
+        found = zero
+        for i in range(n):
+            found = replaced(found, i, c[first + i])
+        return found
+
+    return widths_of
+
+
+def kind_of(head: tuple[str, ...], n: int) -> type:
+    """Return the named tuple of a head and n widths behind it."""
+    return parameter_tuple((*head, *(f"width{i}" for i in range(n))))
 
 
 class OfSystem(Origin):
-    """The origin of the stroboscopic map of a system of one's own."""
+    """The origin of a map of a system of one's own, which is told what stands in front of the widths of its box."""
 
     exact = False
 
     def __init__(self, system: System) -> None:
         self.system = system
 
-    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
-        """Return the derivative of the map at rows of its parameters, which stand in its table behind what is read."""
-        system = self.system
-        n, walls = len(system.coordinates), len(system.surfaces)
-        step, derived, kind = pointed_map(n)
-        first = len(HEAD) + n
+    def _derived(
+        self, pointed: tuple[Callable[..., Any], Callable[..., Any], type], rows: Floats, arithmetic: str, *said: Any
+    ) -> Derived:
+        """Return the derivative of a map at rows of its parameters, which stand in its table behind what is read."""
+        step, derived, kind = pointed
+        widths = [high - low for low, high in self.system.box]
+        front = len(Place._fields) + len(said)
+        first = front + len(widths)
         table = np.empty((len(rows), first + rows.shape[1]))
-        table[:, 0], table[:, 2], table[:, 3], table[:, 4] = (
-            system_address(system, arithmetic),
-            rows[:, -1],
-            walls,
-            most_of(walls),
-        )
+        table[:, 0] = system_address(self.system, arithmetic)
         table[:, 1] = table.ctypes.data + table.strides[0] * np.arange(len(rows)) + table.itemsize * first
-        table[:, len(HEAD) : first], table[:, first:] = [high - low for low, high in system.box], rows
+        for i, values in enumerate(said):
+            table[:, len(Place._fields) + i] = values
+        table[:, front:first], table[:, first:] = widths, rows
         return Derived(derived, None, kind, table, table, step)
+
+
+class Strobed(OfSystem):
+    """The origin of the stroboscopic map of a system of one's own."""
+
+    def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
+        """Return the derivative of the map, compiled once for all systems with as many positions."""
+        walls = len(self.system.surfaces)
+        pointed = pointed_map(len(self.system.coordinates))
+        return self._derived(pointed, rows, arithmetic, rows[:, -1], walls, most_of(walls))
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface."""
@@ -186,5 +209,5 @@ def map_of_system(system: System, phase: float) -> Map:
         letters=Hits(surfaces) if len(surfaces) > 1 else None,
         tangent=tangent_of(widths, system.period, *system.parts),
         name=f"stroboscopic map of {system.name}",
-        origin=OfSystem(system),
+        origin=Strobed(system),
     )

@@ -21,7 +21,7 @@ from grazing.orbits.search_rest import resting_orbits
 from grazing.orbits.search_section import AIMED, Search, aimed_guesses, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, middle_of, recurrences, refuse_many, simulated
 from grazing.orbits.search_words import checked_word
-from grazing.orbits.word import letters_of
+from grazing.orbits.word import least_rotation, letters_of
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import real, whole
 
@@ -57,6 +57,9 @@ class Searched:
         Of the random starts and guesses.
     continua : tuple of (str, int, int)
         Words and periods of which so many orbits with a multiplier 1 were met, and one is listed.
+    turned : tuple of str
+        Where no orbit has the word that was asked for: the words of those that hit the same walls in the same order
+        all around, but are elsewhere at the strobe, as (BA) is for (AB).
     impossible : tuple of str
         On a table: what no orbit can do, proven, each with the reason. Words with that were not looked for.
     missing : tuple of str
@@ -75,6 +78,7 @@ class Searched:
     complete: bool
     seed: int
     continua: tuple[tuple[str, int, int], ...] = ()
+    turned: tuple[str, ...] = ()
     impossible: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     families: tuple[str, ...] = ()
@@ -124,6 +128,8 @@ class Orbits(tuple[Orbit, ...]):
         for spelled_as, N, many in s.continua:
             met = f"{many} with a multiplier 1 were met, one listed" if many > 1 else "the one in the middle is listed"
             said += f" (of word {spelled_as} and period {N} a continuum: {met})"
+        if s.turned:
+            said += f" (the same impacts in the same order, but another one first after the strobe: {listed(s.turned)})"
         tables = self.map.origin.impacts_on is not None
         if s.complete:
             why = ONE_EACH if tables else "every word of the length is solved by algebra"
@@ -259,9 +265,10 @@ def periodic_orbits(
         found = _mapped(P, periods, starts, seed, threads, tally, letters)
         met = sum(not orbit.admissible for orbit in found)
     listing, continua = _one_of_each_continuum(_listing(found, asked, virtual))
-    signatures = tuple(sorted(tally.signatures))
+    signatures, turned = tuple(sorted(tally.signatures)), _turned(found, asked) if strobe else ()
     searched = Searched(
         periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed, continua,
+        turned,
     )  # fmt: skip
     return Orbits(listing, P, asked, searched)
 
@@ -278,7 +285,7 @@ def _bounced(
     signatures, complete = tuple(sorted(tally.signatures)), found.single and not found.missing and not found.families
     said = tuple(found.impossible), tuple(found.missing), tuple(found.families)
     searched = Searched(
-        periods, 0, 0, tally.attempts, tally.converged, signatures, met, complete, seed, continua, *said
+        periods, 0, 0, tally.attempts, tally.converged, signatures, met, complete, seed, continua, (), *said
     )  # fmt: skip
     return Orbits(listing, P, asked, searched)
 
@@ -310,6 +317,25 @@ def impacts_in(P: Map, letters: Sequence[int]) -> int:
     if isinstance(P.letters, Hits):
         return sum(len(P.letters.walls(letter)) for letter in letters)
     return sum(map(abs, letters))
+
+
+def _turned(found: list[Orbit], asked: str | None) -> tuple[str, ...]:
+    """Return the words of admissible orbits that would have the word asked for, were the strobe at another time."""
+    kept = [orbit for orbit in found if orbit.admissible]
+    if asked is None or any(orbit.word == asked for orbit in kept):
+        return ()
+    around = {orbit.word: _around(orbit, orbit.word) for orbit in kept}
+    return tuple(sorted({one.word for one in kept if around[one.word] and around[one.word] == _around(one, asked)}))
+
+
+def _around(orbit: Orbit, text: str) -> tuple[int, ...]:
+    """Return the walls that an orbit would hit in its period if it had a word, least rotation; none for other maps."""
+    symbols = orbit.map.letters
+    letters = letters_of(text, symbols)
+    if not isinstance(symbols, Hits) or min(letters) < 0:
+        return ()
+    walls = [wall for letter in letters for wall in symbols.walls(letter)] * (orbit.period // len(letters))
+    return least_rotation(walls) if walls else ()
 
 
 def _listing(found: list[Orbit], asked: str | None, virtual: bool) -> list[Orbit]:

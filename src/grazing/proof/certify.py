@@ -15,7 +15,7 @@ from grazing.orbits.contacts import model_of, numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.pool import LOCK
 from grazing.proof.clearance import check_impacts, cleared_flight

@@ -29,7 +29,7 @@ class Asked(NamedTuple):
 def asked_of(period: Any, *parts: Any) -> Asked:
     """Return the functions of a system from its period and :attr:`grazing.systems.contract.System.parts`."""
     flight, gap, bound, law, _rounding = kernels_of(*parts)
-    T = period if callable(period) else constant(period or 0.0)  # without one nobody asks
+    T = period if callable(period) else constant(period)
 
     def duration(p: Any) -> Any:
         return 1.0 * T(p)

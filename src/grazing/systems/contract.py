@@ -226,6 +226,11 @@ class System(ByValue):
             ) from error
 
     @property
+    def clock(self) -> Callable[..., float] | float:
+        """The period as compiled code gets it; without one, a time of the system."""
+        return self.span if self.period is None else self.period
+
+    @property
     def span(self) -> float:
         """A time of the system, in its own unit: the period, or twice that in which a velocity crosses the box."""
         if self.period is not None:

@@ -67,7 +67,7 @@ def pointed_of(positions: int) -> Asked:
 def system_address(system: System, arithmetic: str = "strict") -> float:
     """Compile the functions of a system; return where the code lies that answers for them."""
     kind = parameter_tuple(tuple(system.params))
-    return _address(kind, arithmetic, f"{system.name}", system.period, *system.parts)
+    return _address(kind, arithmetic, f"{system.name}", system.clock, *system.parts)
 
 
 def place_of(system: System) -> tuple[Floats, Floats]:

@@ -5,8 +5,8 @@ state just before an impact becomes, just after it and at the same time,
 
     S = L_x + (f_plus - L_x f_minus - L_t) h_x / h'
 
-with the flows f before and after. All are derivatives of closed forms, taken by five-point differences: good to about
-eleven digits, in any unit.
+with the flows f before and after, and the impact comes later by -h_x / h' times the change. All are derivatives of
+closed forms, taken by five-point differences: good to about eleven digits, in any unit.
 """
 
 from __future__ import annotations
@@ -65,10 +65,9 @@ def derivative_of(fly: Callable[..., Any], n: int) -> Callable[..., Any]:
 
 
 @lru_cache(maxsize=256)
-def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
-    """Return ``saltation(j, t, before, after, widths, p)``: of an impact with surface j; infinite where h' is 0."""
-    fly, gap, bound, law, _contact, period = asked
-    flat, zero = (0.0,) * (n * n), (0.0,) * n
+def flow_of(asked: Asked, n: int) -> Callable[..., Any]:
+    """Return ``flow(t, state, s, p)``: the rate of each coordinate along a flight, from states s before and after."""
+    fly, zero = asked.flight, (0.0,) * n
 
     def flow(t: float, state: Any, s: float, p: Any) -> Any:
         a, b = fly(t + s, t, state, p), fly(t - s, t, state, p)
@@ -78,13 +77,37 @@ def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
             found = replaced(found, i, slope(a[i], b[i], c[i], d[i], s))
         return found
 
-    def saltation(j: int, t: float, before: Any, after: Any, widths: Any, p: Any) -> Any:
+    return flow
+
+
+@lru_cache(maxsize=256)
+def moment_of(asked: Asked, n: int) -> Callable[..., Any]:
+    """Return ``moment(j, t, state, widths, p)``: a time in which the flight near surface j hardly turns."""
+    bound, period = asked.bound, asked.period
+
+    def moment(j: int, t: float, state: Any, widths: Any, p: Any) -> float:
         speed = 0.0
         for i in range(n // 2, n):
-            speed += max(widths[i], abs(before[i]))
-        M = bound(j, t, 0.0, before, p)
+            speed += max(widths[i], abs(state[i]))
+        M = bound(j, t, 0.0, state, p)
         turn = period(p) / (2.0 * pi)
-        s = SHARE * (min(speed / M, turn) if M > 0.0 else turn)
+        return SHARE * (min(speed / M, turn) if M > 0.0 else turn)  # type: ignore[no-any-return]
+
+    return moment
+
+
+@lru_cache(maxsize=256)
+def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
+    """Return ``saltation(j, t, before, after, widths, p) -> (S, later)`` of an impact with surface j.
+
+    ``later`` is how much later the impact comes, by the n numbers before it. Both are infinite where h' is 0.
+    """
+    gap, law = asked.gap, asked.law
+    flat, zero = (0.0,) * (n * n), (0.0,) * n
+    flow, moment = flow_of(asked, n), moment_of(asked, n)
+
+    def saltation(j: int, t: float, before: Any, after: Any, widths: Any, p: Any) -> Any:
+        s = moment(j, t, before, widths, p)
         first, then = flow(t, before, s, p), flow(t, after, s, p)
         Lx, hx = flat, zero
         for j2 in range(n):
@@ -100,13 +123,15 @@ def saltation_of(asked: Asked, n: int) -> Callable[..., Any]:
         a, b = law(j, t + s, before, p), law(j, t - s, before, p)
         c, d = law(j, t + 2.0 * s, before, p), law(j, t - 2.0 * s, before, p)
         _h, rate = gap(j, t, before, p)
-        found = flat
+        found, later = flat, zero
+        for k in range(n):
+            later = replaced(later, k, -hx[k] / rate)
         for i in range(n):
             jump = then[i] - slope(a[i], b[i], c[i], d[i], s)
             for k in range(n):
                 jump -= Lx[i * n + k] * first[k]
             for k in range(n):
                 found = replaced(found, i * n + k, Lx[i * n + k] + jump * hx[k] / rate)
-        return found
+        return found, later
 
     return saltation
