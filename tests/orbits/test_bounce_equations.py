@@ -6,6 +6,7 @@ import pytest
 import grazing as gz
 from grazing.orbits.signature import equations_of
 from tests.billiard.orbits import active_discs, bowl, in_a_row, pinball
+from tests.billiard.tables import unit_cell
 
 
 def test_a_graze_is_met_where_a_disc_touches_the_way():
@@ -35,9 +36,15 @@ def test_a_ball_in_a_bowl_doubles_where_it_rises_by_half_the_radius():
 
 
 def test_multipliers_are_those_of_the_map_and_virtual_orbits_have_some_too():
+    P = gz.collision_map(unit_cell(0.3))  # a ball without a radius between faces
+    _multipliers_are_those_of(P, gz.periodic_orbits(P, (2, 3), starts=1))
     P = gz.collision_map(pinball())
     found = gz.periodic_orbits(P, (2, 3), starts=200, virtual=True)
     assert any(not orbit.admissible for orbit in found)
+    _multipliers_are_those_of(P, found)
+
+
+def _multipliers_are_those_of(P, found):
     for orbit in found:
         assert np.isfinite(orbit.multipliers).all()
         if orbit.admissible:
