@@ -34,6 +34,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = path_of(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder; give the name of a file")
+    if os.path.exists(target) and not (os.path.islink(target) or os.path.isfile(target)):
+        raise InputError(f"{target} is a device or a pipe, which a file would replace; give the name of a file")
     part = target.with_name(f".{uuid4().hex}.partial")
     try:
         if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=_EFFECTIVE):

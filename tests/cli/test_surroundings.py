@@ -107,3 +107,9 @@ def test_code_of_ones_own_that_closes_the_output_is_named(line, tmp_path):
     done = subprocess.run([sys.executable, "-m", "grazing", *command], cwd=tmp_path, capture_output=True, text=True)
     said = "error: code of your own, or of a package, closed the standard output; leave that away.\n"
     assert (done.returncode, done.stderr) == (1, said)
+
+
+def test_a_machine_without_a_sound_null_device(monkeypatch, capsys):
+    """Where it may not be opened every command was a traceback."""
+    monkeypatch.setattr(os, "devnull", "/none/null")
+    assert main(["--version"]) == 0 and capsys.readouterr().out.startswith("grazing ")

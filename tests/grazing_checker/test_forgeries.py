@@ -52,20 +52,25 @@ def test_no_forgery_is_accepted_that_is_false(kind):
     assert 0.5 * SHORT[kind] < found["refused"] < SHORT[kind]  # those that are true pass, so the forger gets far
 
 
-def elsewhere_only(count, seed):
+VALUES = ("bifurcation value", "bifurcation value with walls")
+
+
+def elsewhere_only(kind, count, seed):
     """Curves of orbits that are right, each with its ends and its matrix, but beside the bifurcation, or over it."""
-    found = attack("bifurcation value", count, seed, (elsewhere,))
+    found = attack(kind, count, seed, (elsewhere,))
     assert found.total() == count and found["refused"] > 0
     return found
 
 
-def test_no_curve_beside_a_bifurcation_is_accepted():
-    elsewhere_only(2, "short")
+@pytest.mark.parametrize("kind", VALUES)
+def test_no_curve_beside_a_bifurcation_is_accepted(kind):
+    elsewhere_only(kind, 4, "short")
 
 
 @pytest.mark.long
-def test_no_curve_of_many_beside_a_bifurcation_is_accepted():
-    assert elsewhere_only(300, "long")["true"] > 0
+@pytest.mark.parametrize("kind", VALUES)
+def test_no_curve_of_many_beside_a_bifurcation_is_accepted(kind):
+    assert elsewhere_only(kind, 300, "long")["true"] > 0
 
 
 @pytest.mark.long

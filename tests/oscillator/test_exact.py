@@ -212,6 +212,35 @@ def test_chatter_or_release_is_decided_where_double_precision_is_not_asked():
     assert exact_period(m, (0.21150387156487616, 0.01709258673871694)).outcome == CHATTER | STUCK
 
 
+# ---- formulas and matrix exponentials
+
+#: Damped, undamped and over-damped, of negative stiffness and damping, near resonance and near critical damping.
+RATES = [(0.2, 1.1), (0.0, 1.3), (3.0, 1.0), (0.3, -0.4), (-0.1, 1.2), (0.01, 2.8901), (2.0, 1.001), (0.0, 0.0)]
+
+
+@pytest.mark.parametrize(("alpha", "stiffness"), RATES)
+def test_formulas_and_matrix_exponentials_agree(monkeypatch, alpha, stiffness):
+    """Their balls overlap at all times, and the periods are the same; near singular cases there are no formulas."""
+    force = gz.Forcing(omega=1.7, offset=-0.1, cos=(1.0, 0.2), sin=(0.3, 0.0))
+    m = gz.Oscillator(alpha=alpha, stiffness=stiffness, forcing=force, reset=gz.newton(0.8))
+    motion = Frame(m, 0, 0.3).motion
+    assert bool(motion.formulas) is ((alpha, stiffness) in RATES[:5])
+    flight = exact_flight.Flight(motion, arb(0.4), arb(0.1), arb(-0.3))
+    starts = [(0.01 * i, 0.3 - 0.05 * i) for i in range(12)]
+    found = [exact_period(m, start) for start in starts]
+    times = [arb(x) for x in (1e-6, 1e-3, 0.1, 1.0, 3.0)]
+    seen = [flight.at(s) for s in times]
+    motion.formulas = False
+    for (y, v), (y0, v0) in zip(seen, (flight.at(s) for s in times), strict=True):
+        assert y.overlaps(y0) and v.overlaps(v0) and max(y.rad(), v.rad()) < 1e-12
+    monkeypatch.setattr(exact_flight, "NEAR", math.inf)  # nothing is as far from singular cases as that
+    assert not Frame(m, 0, 0.3).motion.formulas
+    again = [exact_period(m, start) for start in starts]
+    assert [(each.state, each.impacts, each.outcome) for each in again] == [
+        (each.state, each.impacts, each.outcome) for each in found
+    ]
+
+
 # ---- ties
 
 

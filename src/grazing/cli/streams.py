@@ -15,9 +15,10 @@ def prepared() -> Iterator[None]:
     """Make stdout and stderr safe to write to: a missing one is replaced, letters they lack are escaped."""
     before = sys.stdout, sys.stderr
     opened: list[TextIO] = []
-    while (number := os.open(os.devnull, os.O_RDWR)) < 3:  # else a file of ours gets it, and what libraries print
-        pass
-    os.close(number)
+    with suppress(OSError):  # of a machine whose own is broken
+        while (number := os.open(os.devnull, os.O_RDWR)) < 3:  # else a file of ours gets it, and what libraries print
+            pass
+        os.close(number)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:

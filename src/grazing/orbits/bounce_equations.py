@@ -12,7 +12,7 @@ from grazing.billiard.table import Table
 from grazing.maps.map import Map
 from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, turn_of
 from grazing.orbits.bounces import Bounces, Surface, solid_surfaces
-from grazing.orbits.equations import Test
+from grazing.orbits.equations import Equations, Test
 from grazing.orbits.map_equations import tests_of
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.point_equations import PointEquations
@@ -88,6 +88,14 @@ class BounceEquations(PointEquations):
         except InputError:
             return np.full(n, np.nan), np.full((n, n), np.nan)
         return F[0], J[0][:, interleaved(np.arange(n))]
+
+    def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return F, dF/dx and dF/dp: closed forms go on beyond the ends of objects, so that differences may."""
+        return Equations.expanded(self, x, p)
+
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """Return dF/dp."""
+        return self.expanded(x, p)[2]
 
     def turn(self, x: Floats, p: Floats) -> Floats:
         """Return the derivative (3, 3) of one turn at the first impact."""

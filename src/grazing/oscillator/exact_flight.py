@@ -1,14 +1,16 @@
 """Forcing, flights and the contact rule in ball arithmetic, as one wall sees them.
 
-A flight is a sum of matrix exponentials: the ball under the constant force, and a ball at rest under each harmonic,
-obey small linear systems that have no singular case. Impacts are searched as in :mod:`grazing.oscillator.contact`: a
-piece of a window of one sign holds at most one, and signs on both sides of it prove it. The windows themselves are
-algebra: the force is a polynomial with rational coefficients.
+A flight is the steady response and a free flight about it, as formulas. Where these would lose digits, near a singular
+case or soon after the start, it is a sum of matrix exponentials: the ball under the constant force, and a ball at rest
+under each harmonic, obey small linear systems that have no singular case. Impacts are searched as in
+:mod:`grazing.oscillator.contact`: a piece of a window of one sign holds at most one, and signs on both sides of it
+prove it. The windows themselves are algebra: the force is a polynomial with rational coefficients.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import pairwise
 from math import floor, inf, isfinite, log2, nextafter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,7 +22,7 @@ from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from grazing.parameter import parameter_tuple
 
 if TYPE_CHECKING:
-    from flint import arb, fmpq
+    from flint import arb, arb_mat, fmpq
 
 #: Forces and matrix exponentials that are evaluated at one precision; beyond, the period stays undecided.
 BUDGET = 10_000
@@ -32,6 +34,9 @@ GOOD = 60
 SHORT = 1e-16
 #: A ball that leaves the wall faster is followed no further: twice its speed would be no double.
 FASTEST = 2.0**1021
+#: Formulas in which terms cancel to less than this share give way to matrix exponentials; so do they for flights that
+#: are as short a share of the fastest time scale.
+NEAR = 2.0**-8
 #: A state that is known to within 2^-TINY and may be 0 is 0.
 TINY = 900
 #: The share of a window at which its sign is looked at.
@@ -84,6 +89,16 @@ class Motion:
         self.swings = [
             arb_mat([[0, 1, 0, 0], [-self.k2, -self.alpha, 1, 0], [0, 0, 0, W], [0, 0, -W, 0]]) for W in rates
         ]
+        scale = self.alpha**2 + self.omega**2
+        self.short = NEAR / sum(rates, abs(self.alpha) + abs(self.k2).sqrt())
+        self.responses = []
+        self.formulas = abs(self.q2) > NEAR * (self.alpha**2 + abs(self.k2)) and abs(self.k2) > NEAR * scale
+        for j, c, s in self.waves:
+            W = j * self.omega
+            a, b = self.k2 - W * W, self.alpha * W
+            size = a * a + b * b
+            self.responses.append((j, W, (a * c - b * s) / size, (b * c + a * s) / size))
+            self.formulas = self.formulas and size > NEAR * (abs(self.k2) + W * W) ** 2
         self.work = 0
 
     def count(self, work: int) -> None:
@@ -114,13 +129,24 @@ class Motion:
     def steady(self, t: arb) -> tuple[arb, arb]:
         """Return the steady response and its slope at local time t; balls without end where there is none."""
         Y, dY, phase = self.level / self.k2, 0 * t, self.omega * t + self.theta
-        for j, c, s in self.waves:
-            W = j * self.omega
-            a, b = self.k2 - W * W, self.alpha * W
-            size, (sine, cosine) = a * a + b * b, (j * phase).sin_cos()
-            hc, hs = (a * c - b * s) / size, (b * c + a * s) / size
+        for j, W, hc, hs in self.responses:
+            sine, cosine = (j * phase).sin_cos()
             Y, dY = Y + hc * cosine + hs * sine, dY + W * (hs * cosine - hc * sine)
         return Y, dY
+
+    def free(self, s: arb, y: arb, v: arb) -> tuple[arb, arb]:
+        """Return the free flight from (y, v) after time s, by formulas."""
+        if self.q2 > 0:
+            rate = self.q2.sqrt()
+            sine, cosine = (rate * s).sinh_cosh()
+        else:
+            rate = (-self.q2).sqrt()
+            sine, cosine = (rate * s).sin_cos()
+        half, fading, sine = self.alpha / 2, (-self.alpha * s / 2).exp(), sine / rate
+        return (
+            fading * (cosine * y + sine * (half * y + v)),
+            fading * (cosine * v - sine * (half * v + self.k2 * y)),
+        )
 
     def force(self, t: arb) -> tuple[arb, arb]:
         """Return F and dF/dt at local time t."""
@@ -129,20 +155,37 @@ class Motion:
 
 
 class Flight:
-    """A free flight from (y, v) at local time t: the ball under a constant force, and at rest under each harmonic."""
+    """A flight from (y, v) at local time t.
+
+    It is the steady response and a free flight, or the ball under a constant force, and at rest under each harmonic.
+    """
 
     def __init__(self, motion: Motion, t: arb, y: arb, v: arb) -> None:
-        from flint import arb_mat
-
         self.motion, self.t, self.y, self.v = motion, t, y, v
         self.near = inf  # height of the lowest point that was no impact
-        self.parts = [(motion.still, arb_mat([[y], [v], [motion.level]]))]
-        for swing, (a, b) in zip(motion.swings, motion.forces(t), strict=True):
-            self.parts.append((swing, arb_mat([[0], [0], [a], [b]])))
+
+    @cached_property
+    def swing(self) -> tuple[arb, arb]:
+        """The free flight at the start: what remains without the steady response."""
+        Y, dY = self.motion.steady(self.t)
+        return self.y - Y, self.v - dY
+
+    @cached_property
+    def parts(self) -> list[tuple[arb_mat, arb_mat]]:
+        """The linear systems, each with its state at the start."""
+        from flint import arb_mat
+
+        found = [(self.motion.still, arb_mat([[self.y], [self.v], [self.motion.level]]))]
+        for system, (a, b) in zip(self.motion.swings, self.motion.forces(self.t), strict=True):
+            found.append((system, arb_mat([[0], [0], [a], [b]])))
+        return found
 
     def at(self, s: arb) -> tuple[arb, arb]:
         """Return (y, v) after time s."""
-        self.motion.count(len(self.parts))
+        self.motion.count(1 + len(self.motion.waves))
+        if self.motion.formulas and s > self.motion.short:
+            (Y, dY), (h, dh) = self.motion.steady(self.t + s), self.motion.free(s, *self.swing)
+            return Y + h, dY + dh
         y, v = 0 * s, 0 * s
         for system, start in self.parts:
             state = (system * s).exp() * start
@@ -153,8 +196,7 @@ class Flight:
         """Return whether a swinging ball surely stays off the wall: the steady response less the swing around it."""
         motion = self.motion
         motion.count(1)
-        (Y, dY), (low, _slope) = motion.steady(self.t), motion.steady(self.t + lo.union(hi))
-        h, dh = self.y - Y, self.v - dY
+        (h, dh), (low, _slope) = self.swing, motion.steady(self.t + lo.union(hi))
         widest = hi if motion.alpha < 0 else lo
         swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * widest / 2).exp()
         clear = low - swing
