@@ -78,6 +78,7 @@ _PUBLIC = {
     "bifurcation_diagram": "compare.bifurcation_diagram",
     "Attractor": "studies.attractors",
     "attractors": "studies.attractors",
+    "escape_rate": "studies.escape",
     "basins": "studies.basins",
     "chart": "studies.chart",
     "coexistence": "studies.coexistence",
@@ -189,6 +190,7 @@ if TYPE_CHECKING:
     from grazing.studies.chart import chart as chart
     from grazing.studies.coexistence import coexistence as coexistence
     from grazing.studies.density import density as density
+    from grazing.studies.escape import escape_rate as escape_rate
     from grazing.studies.graph import graph as graph
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram

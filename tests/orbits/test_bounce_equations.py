@@ -6,6 +6,7 @@ import pytest
 import grazing as gz
 from grazing.orbits.signature import equations_of
 from tests.billiard.orbits import active_discs, bowl, in_a_row, pinball
+from tests.billiard.tables import unit_cell
 
 
 def test_a_graze_is_met_where_a_disc_touches_the_way():
@@ -35,9 +36,15 @@ def test_a_ball_in_a_bowl_doubles_where_it_rises_by_half_the_radius():
 
 
 def test_multipliers_are_those_of_the_map_and_virtual_orbits_have_some_too():
+    P = gz.collision_map(unit_cell(0.3))  # a ball without a radius between faces
+    _multipliers_are_those_of(P, gz.periodic_orbits(P, (2, 3), starts=1))
     P = gz.collision_map(pinball())
     found = gz.periodic_orbits(P, (2, 3), starts=200, virtual=True)
     assert any(not orbit.admissible for orbit in found)
+    _multipliers_are_those_of(P, found)
+
+
+def _multipliers_are_those_of(P, found):
     for orbit in found:
         assert np.isfinite(orbit.multipliers).all()
         if orbit.admissible:
@@ -77,3 +84,23 @@ def test_slopes_and_other_surfaces_are_those_of_the_table():
     assert np.isnan(equations.defects(-x, p)[0]).all()
     with pytest.raises(gz.InputError, match="nothing"):
         equations_of(orbit, ("nothing",))
+
+
+def test_at_a_graze_a_flight_just_touches_a_bumper_and_the_branch_goes_on_virtual():
+    """A bumper is raised into a flight over it, with gravity; by a dense search on the flight the gap is 0."""
+    P = gz.collision_map(pinball())
+    orbit = next(one for one in gz.periodic_orbits(P, word="P(right)(left)", starts=100) if one.admissible)
+    branch = gz.continuation(P, orbit, "Q.y", (6.0, 8.0))
+    (graze,) = branch.special
+    assert graze.type == "gr" and graze.converged and graze.admissible and branch.complete
+    before, after = (branch.at(graze.value + shift)[0] for shift in (-1e-4, 1e-4))
+    assert before.admissible and not after.admissible
+    touching, g = graze.orbit, P.origin.table.gravity
+    gaps = []
+    for k in range(3):
+        (x, y), (x1, y1) = touching.corners[k], touching.corners[(k + 1) % 3]
+        T = touching.durations[k]
+        t = np.linspace(0.0, T, 400_001)
+        way = x + (x1 - x) * t / T, y + (y1 - y) * t / T + 0.5 * g * t * (T - t)
+        gaps.append((np.hypot(way[0] - 4.0, way[1] - graze.value) - 0.6).min())
+    assert abs(min(gaps)) < 1e-9

@@ -110,6 +110,11 @@ def test_words_that_no_orbit_can_have_are_refused_with_the_reason():
         gz.periodic_orbits(P, word="A(away)")
     with pytest.raises(gz.InputError, match="word 'AD' has 'D' at position 1"):
         gz.periodic_orbits(P, word="AD")
+    pins = gz.collision_map(
+        gz.table([gz.disc(name, (x, 0.0), x, ELASTIC) for name, x in (("A", 0.0), ("B", 2.0))]), on="B"
+    )
+    with pytest.raises(gz.InputError, match="a ball without a radius never meets A"):
+        gz.periodic_orbits(pins, word="AB")
     Q = gz.collision_map(pinball())
     with pytest.raises(gz.InputError, match="the impacts take energy, and none gives any"):
         gz.periodic_orbits(Q, word="(left)(right)")

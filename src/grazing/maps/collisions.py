@@ -165,6 +165,8 @@ def blocks_at(blocks: Floats) -> Floats:
 class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
+    stirred = ("angle",)
+
     def __init__(self, table: Table, on: str) -> None:
         self.table, self.impacts_on, self.on = table, table, on
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)

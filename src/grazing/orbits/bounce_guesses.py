@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from grazing.billiard.table import Table
 from grazing.kernel.random import uniform
-from grazing.orbits.bounces import Bounces, Surface, solid_surfaces
+from grazing.orbits.bounces import Bounces, Surface, by_number, solid_surfaces
 from grazing.orbits.sight import normal_of
-from grazing.oscillator.reset import in_python
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -59,10 +58,10 @@ def typical_speed(bounces: Bounces) -> float:
     for surface in bounces.word:
         law = bounces.table.objects[surface.owner].law
         assert law is not None
-        f, p = in_python(law.law), parameters(law.params)
-        kick = f(0.0, p)
-        rest = 1.0 - f(-kick, p) / kick + 1.0 if kick > 0.0 else 1.0
-        found.append(kick / rest if rest > 0.0 else kick)
+        each = by_number(law.law, parameters(law.params))
+        kick = float(np.nan_to_num(each(np.zeros(1))[0]))
+        loss = float(np.nan_to_num(2.0 - each(np.array([-kick]))[0] / kick, nan=1.0)) if kick > 0.0 else 1.0
+        found.append(kick / loss if loss > 0.0 else kick)
     return float(np.mean(found)) or 1.0
 
 

@@ -144,7 +144,7 @@ def turn_of(bounces: Bounces, x: Floats) -> Floats:
     p, normal, _m = bounces.frames(x[:n])
     w, b = bounces.velocities(x)
     bent = bounces.slopes((normal * b).sum(0))
-    curved = (bounces.sign / bounces.size * bounces.q).tolist()
+    curved = [surface.sign / surface.size if surface.round else 0.0 for surface in bounces.word]
     frames = [(*normal[:, i].tolist(), curved[i]) for i in range(n)]
     for i, tau in enumerate(x[n:].tolist()):
         k = (i + 1) % n

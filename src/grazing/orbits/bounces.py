@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from grazing.billiard.objects import DRAIN, Thing
 from grazing.billiard.rows import ANGLE, EX, EY, LONG, OWNER, PX, PY, SIGN, SIZE, surfaces_of
 from grazing.billiard.table import Table
-from grazing.oscillator.reset import Reset, in_python
+from grazing.oscillator.reset import Reset
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -79,24 +79,34 @@ def solid_surfaces(table: Table) -> tuple[Surface, ...]:
     return tuple(found)
 
 
-def elastic(law: Reset | None) -> bool:
-    """Whether a law turns the velocity round and changes nothing else, at every speed that is tried."""
-    return law is not None and all(in_python(law.law)(-v, parameters(law.params)) == v for v in TRIED.tolist())
-
-
-def conserves(things: Sequence[Thing]) -> bool:
-    """Whether impacts with all of these objects conserve energy."""
-    return all(elastic(one.law) for one in things)
-
-
 def by_number(law: Callable[..., float], params: object) -> Callable[[Floats], Floats]:
-    """Return a law, or its slope, of many velocities at once."""
-    each = np.frompyfunc(lambda v: law(v, params), 1, 1)
+    """Return a law, or its slope, of many velocities at once; NaN where it gives no number.
+
+    Newton's method asks for velocities away from the surface as well, at which a law need not be defined.
+    """
+
+    def one(v: float) -> float:
+        try:
+            return float(law(v, params))
+        except Exception:  # of a law of one's own
+            return float("nan")
+
+    each = np.frompyfunc(one, 1, 1)
 
     def many(v: Floats) -> Floats:
         return np.asarray(each(v), np.float64)
 
     return many
+
+
+def elastic(law: Reset | None) -> bool:
+    """Say whether a law turns the velocity round and changes nothing else, at every speed that is tried."""
+    return law is not None and bool((by_number(law.law, parameters(law.params))(-TRIED) == TRIED).all())
+
+
+def conserves(things: Sequence[Thing]) -> bool:
+    """Whether impacts with all of these objects conserve energy."""
+    return all(elastic(one.law) for one in things)
 
 
 class Bounces:
@@ -124,7 +134,7 @@ class Bounces:
             law = self.table.objects[one.owner].law
             assert law is not None
             p = parameters(law.params)
-            found.append((by_number(in_python(law.law), p), by_number(in_python(law.slope), p)))
+            found.append((by_number(law.law, p), by_number(law.slope, p)))
         return found
 
     def slopes(self, coming: Floats) -> list[float]:

@@ -75,6 +75,9 @@ class Words:
     def never_next(self, a: int, b: int) -> str:
         """Say why an object cannot be hit next after another; empty if it can."""
         own = [[i for i, s in enumerate(self.surfaces) if s.owner == owner] for owner in (a, b)]
+        for owner, surfaces in zip((a, b), own, strict=True):
+            if not surfaces:
+                return f"a ball without a radius never meets {self.table.names[owner]}"
         said = [self.unseen.get((i, j), "") for i, j in product(*own)]
         return said[0] if all(said) else ""
 
