@@ -5,6 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.outcome import ESCAPED
+from tests.billiard.directions import cycles_of_directions
 from tests.billiard.orbits import active_discs, bowl, pinball
 from tests.billiard.tables import three_discs
 
@@ -35,6 +36,14 @@ def test_a_piecewise_linear_map_lets_go_of_what_its_slopes_say():
 def test_balls_leave_three_discs_as_fast_as_cycles_say(table, known, transient):
     found = gz.escape_rate(gz.collision_map(table), orbits=10_000, transient=transient, steps=15)
     assert abs(found.rate - known) < 4.0 * found.error < 0.02
+
+
+def test_without_a_kick_balls_leave_as_fast_as_cycles_of_their_directions_say():
+    """0.840742 an impact at r = 0.8: speed scales out, and tan(angle) grows by 1/r at each impact."""
+    exact = gz.theory.cycle_expansion(cycles_of_directions(3.0, 0.8, 8), per="impact", contracting=False)
+    assert exact.escape_rate == pytest.approx(0.840742, abs=1e-5) and exact.error < 2e-5
+    found = gz.escape_rate(gz.collision_map(active_discs(3.0, V=0.0)), orbits=10_000, transient=10, steps=15)
+    assert abs(found.rate - exact.escape_rate) < 4.0 * found.error < 0.02
 
 
 def test_equal_seeds_give_equal_numbers_on_any_threads():
