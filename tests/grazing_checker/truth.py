@@ -11,6 +11,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from grazing import theory
+from tests.grazing_checker import truth_table
 from tests.grazing_checker.truth_walls import WalledRig, entries_of, exponential
 
 word_edges = cache(theory.word_edges)
@@ -487,7 +488,33 @@ def exact(text):
     return mpf(int(mantissa, 16)) * mpf(2) ** int(exponent)
 
 
+def table_orbit(data):
+    """An orbit on a table: its sums are those of the eigenvalues of a turn by differences."""
+
+    def check_sums(J, claims, level):
+        roots = [mp.mpc(root) for root in mp.eig(J, left=False, right=False)]
+        if level:
+            del roots[min(range(3), key=lambda k: abs(roots[k] - 1))]
+            roots_sums = [sum(roots)]
+        else:
+            a, b, c = roots
+            roots_sums = [a + b + c, a * b + b * c + c * a, a * b * c]
+        hold(len(claims["sums"]) == len(roots_sums), "another number of sums")
+        size = max(1, *map(abs, roots_sums))
+        for found, (low, high) in zip(roots_sums, claims["sums"], strict=True):
+            slack = mpf(10) ** -14 * size**2
+            hold(mpf(low) - slack <= mp.re(found) <= mpf(high) + slack, "a sum of multipliers is another")
+        outside = max(map(abs, roots))
+        if claims["stability"] == "stable":
+            hold(outside < 1 and not level, f"a multiplier is {mp.nstr(outside, 10)}")
+        if claims["stability"] == "unstable":
+            hold(outside > 1, f"the largest multiplier is {mp.nstr(outside, 10)}")
+
+    truth_table.table_orbit(data, Untrue, inside, check_sums)
+
+
 TRUTHS = {
+    "periodic orbit on a table": table_orbit,
     "gap map orbit": gap_orbit,
     "gap map edge": gap_edge,
     "gap map without attracting orbits": no_attractor,

@@ -198,16 +198,18 @@ def closer(harmonics: int, walled: bool) -> tuple[Callable[..., Any], Callable[.
     Returns
     -------
     gaps : callable
-        ``gaps(row, x, N, laws, F, J) -> bool``.
+        ``gaps(rows, x, N, laws, F, J)`` at k points: x (k, 2n), laws (k, n, 4), F (k, 2n), J (k, 2n, 2n).
     close : callable
         ``close(row, guesses, N, laws, residuals)``: Newton's method from each row of guesses (k, 2n).
     profile : callable
-        ``profile(row, x, N, laws, contacts, table, out)``: ``out`` (3,) gets what :func:`profiled` returns.
+        ``profile(rows, x, N, laws, contacts, table, out)`` at k points: ``out`` (k, 3) gets what :func:`profiled`
+        returns.
     """
     frames = framer(harmonics, walled)
 
-    def gaps_at(row: Any, x: Any, N: int, laws: Any, F: Any, J: Any) -> bool:
-        return gaps(x, len(x) // 2, N, laws, frames(row), F, J)
+    def gaps_at(rows: Any, x: Any, N: int, laws: Any, F: Any, J: Any) -> None:
+        for i in range(x.shape[0]):
+            gaps(x[i], x.shape[1] // 2, N, laws[i], frames(rows[i]), F[i], J[i])
 
     def close_all(row: Any, guesses: Any, N: int, laws: Any, residuals: Any) -> None:
         c = frames(row)
@@ -216,7 +218,9 @@ def closer(harmonics: int, walled: bool) -> tuple[Callable[..., Any], Callable[.
         for i in range(guesses.shape[0]):
             residuals[i] = close(guesses[i], n, N, laws, c, F, J)
 
-    def profile_at(row: Any, x: Any, N: int, laws: Any, contacts: bool, table: Any, out: Any) -> None:
-        out[0], out[1], out[2] = profiled(x, len(x) // 2, N, laws, contacts, frames(row), table)
+    def profile_at(rows: Any, x: Any, N: int, laws: Any, contacts: bool, table: Any, out: Any) -> None:
+        for i in range(x.shape[0]):
+            n, c = x.shape[1] // 2, frames(rows[i])
+            out[i, 0], out[i, 1], out[i, 2] = profiled(x[i], n, N, laws[i], contacts, c, table[i])
 
     return compiled(gaps_at), compiled(close_all), compiled(profile_at)

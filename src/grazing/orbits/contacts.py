@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.maps.hits import LATER, Hits, Struck
 from grazing.maps.map import Map
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.oscillator.constants import HEAD, constants_of
-from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows, plain_frames
+from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses, law_kind, law_start
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
@@ -117,36 +118,48 @@ def pieces_of(model: Model, incoming: Floats, walls: Sequence[int] | None = None
     return tuple(found)
 
 
-def law_numbers(model: Model, j: int, values: Floats) -> dict[str, float]:
-    """Return the parameters of the law of wall j by name, of all parameters of the model."""
+def law_numbers(model: Model, j: int, values: Floats) -> dict[str, Floats]:
+    """Return the parameters (k,) of the law of wall j by name, of all parameters (k, ...) of the model."""
     law = walls_of(model)[j].law.params
-    place = model.places[j].law if isinstance(model, Walled) else slice(len(values) - len(law), len(values))
-    return dict(zip(law, values[place].tolist(), strict=True))
+    place = model.places[j].law if isinstance(model, Walled) else slice(-len(law), None)
+    return dict(zip(law, values[:, place].T, strict=True))
 
 
 def numbers_seen(model: Model, values: Floats) -> list[Floats]:
-    """Return for each wall the parameters that it sees, of all parameters of the model."""
+    """Return for each wall the parameters that it sees (k, numbers), of all parameters (k, ...) of the model."""
     if isinstance(model, Oscillator):
         return [values]
-    rows = values[None]
-    return [model.rows_seen_from(j, rows)[0] for j in range(len(model.walls))]
+    return [model.rows_seen_from(j, values) for j in range(len(model.walls))]
 
 
-def flight_row(model: Model, values: Floats) -> Floats:
-    """Return the numbers that flights need, as :func:`framer` takes them; the fields of laws are 0."""
+def flight_rows(model: Model, values: Floats, seen: Sequence[Floats], phase: float = 0.0) -> Floats:
+    """Return the numbers (k, ...) that flights need, as :func:`framer` takes them; the fields of laws are 0.
+
+    ``seen`` is what :func:`numbers_seen` returns at these values (k, ...); local time 0 is the phase.
+    """
     n, head = len(flight_fields(model.harmonics)), len(HEAD) + 2 * model.harmonics + 1  # alpha to sigma
-    seen = numbers_seen(model, values)
     ends = (seen[0],) if isinstance(model, Oscillator) else (seen[0], seen[-1])
-    row = np.zeros(n * len(ends))
+    links = () if isinstance(model, Oscillator) else (link_rows(model, values),)
+    rows = np.zeros((len(values), n * len(ends) + sum(one.shape[1] for one in links)))
     for j, numbers in enumerate(ends):
-        row[j * n : j * n + head] = numbers[:head]
-        row[j * n + head + 1] = 1.0 if model.stiffness is not None else 0.0  # direct
-    return row if isinstance(model, Oscillator) else np.append(row, link_rows(model, values[None])[0])
+        rows[:, j * n : j * n + head] = numbers[:, :head]
+        rows[:, j * n + head] = phase
+        rows[:, j * n + head + 1] = 1.0 if model.stiffness is not None else 0.0  # direct
+    for link in links:
+        rows[:, n * len(ends) :] = link
+    return rows
+
+
+def room_in(model: Model, rows: Floats) -> Floats:
+    """Return the room between the walls, from rows of :func:`flight_rows`; infinite over one wall."""
+    if isinstance(model, Oscillator):
+        return np.full(len(rows), np.inf)
+    return rows[:, 2 * len(flight_fields(model.harmonics)) + 2]
 
 
 @lru_cache(maxsize=64)
 def framer(harmonics: int, walled: bool) -> Callable[[Any], Frames]:
-    """Return the kernel ``frames(row) -> Frames`` for rows of :func:`flight_row`.
+    """Return the kernel ``frames(row) -> Frames`` for rows of :func:`flight_rows`.
 
     ``walled`` says whether the model has walls of its own, :class:`grazing.oscillator.walled.Walled`.
     """
@@ -166,10 +179,15 @@ def framer(harmonics: int, walled: bool) -> Callable[[Any], Frames]:
 
 
 def frames_at(model: Model, values: Floats, phase: float = 0.0) -> Frames:
-    """Return the frames of a model in plain Python; local time 0 is the phase."""
-    if isinstance(model, Walled):
-        return plain_frames(model, np.append(values, phase))
-    return alone(constants_of(model.harmonics)(flight_kind(model.harmonics)(*flight_row(model, values).tolist())))
+    """Return the frames of a model as numbers of Python; local time 0 is the phase."""
+    rows = flight_rows(model, values[None], numbers_seen(model, values[None]), phase)
+    return framed(model, rows[0])
+
+
+def framed(model: Model, row: Floats) -> Frames:
+    """Return the frames of a model at a row of :func:`flight_rows`, as numbers of Python."""
+    found: Frames = call(compiled(framer(model.harmonics, isinstance(model, Walled))), row, who="the frames of walls")
+    return found
 
 
 def addresses(model: Model, contacts: Sequence[int]) -> list[tuple[float, float, int]]:

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.orbits.orbit import Orbit
-from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
+
+#: Where parameters are moved to, in one distance, for their derivatives of fourth order.
+AROUND = (1.0, -1.0, 2.0, -2.0)
 
 
 class Test(NamedTuple):
@@ -107,31 +109,47 @@ class Equations(ABC):
         """Say what is met from a solution in a direction, in which there is no other one farther than ``gap``."""
         return Ending("", -1, 0.0)
 
-    def slopes(self, x: Floats, p: Floats) -> Floats:
-        """Return dF/dp, shape (n, len(names)), by differences of fourth order; one-sided at the end of a range."""
-        columns = []
-        for j in range(len(self.names)):
-            span = float(self.spans[j])
-            h = 1e-3 * min(span, max(abs(float(p[j])), 1e-3 * span))
-            shift = np.zeros(len(p))
-            shift[j] = h
-            try:
-                near = self.defects(x, p + shift)[0] - self.defects(x, p - shift)[0]
-                far = self.defects(x, p + 2.0 * shift)[0] - self.defects(x, p - 2.0 * shift)[0]
-                column = (8.0 * near - far) / (12.0 * h)
-            except InputError:
-                column = np.full(len(x), np.nan)
-            columns.append(column if np.isfinite(column).all() else self._one_sided(x, p, shift, h))
-        return np.column_stack(columns)
+    def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return :meth:`defects` at several points, x (k, n) and p (k, names): shapes (k, n) and (k, n, n)."""
+        found = [self.defects(*one) for one in zip(x, p, strict=True)]
+        return np.array([F for F, _J in found]), np.array([J for _F, J in found])
+
+    def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
+        """Return a test function (k,) by its place at several points, x (k, n) and p (k, names).
+
+        NaN where the one there is not of this type and about this impact, flight or point: then the tests are others.
+        """
+        found = np.full(len(x), np.nan)
+        for i, one in enumerate(zip(x, p, strict=True)):
+            tests = self.tests(*one)
+            if index < len(tests) and tests[index][::2] == kind:
+                found[i] = tests[index].value
+        return found
+
+    def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return F, dF/dx and dF/dp, shape (n, len(names)).
+
+        The last by differences of fourth order; one-sided at the end of a range.
+        """
+        h = 1e-3 * np.minimum(self.spans, np.maximum(np.abs(p), 1e-3 * self.spans))
+        shifts = np.diag(h)
+        F, J = self.evaluated(*beside(x, p, np.concatenate([0.0 * shifts[:1], *(one * shifts for one in AROUND)])))
+        forward, back, ahead, behind = F[1:].reshape(len(AROUND), len(h), -1)
+        columns = (8.0 * (forward - back) - (ahead - behind)) / (12.0 * h[:, None])
+        for j in np.flatnonzero(~np.isfinite(columns).all(axis=1)):
+            columns[j] = self._one_sided(x, p, shifts[j], float(h[j]))
+        return F[0], J[0], columns.T
 
     def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:
         """Return one column of dF/dp from values on the side where the parameter is allowed."""
         for side in (1.0, -1.0):
-            try:
-                F = [self.defects(x, p + side * i * shift)[0] for i in range(5)]
-            except InputError:
-                continue
-            if not np.isfinite(F).all():
-                continue
-            return np.asarray(side * (-25.0 * F[0] + 48.0 * F[1] - 36.0 * F[2] + 16.0 * F[3] - 3.0 * F[4]) / (12.0 * h))
+            F = self.evaluated(*beside(x, p, side * np.outer(np.arange(5.0), shift)))[0]
+            if np.isfinite(F).all():
+                found = -25.0 * F[0] + 48.0 * F[1] - 36.0 * F[2] + 16.0 * F[3] - 3.0 * F[4]
+                return np.asarray(side * found / (12.0 * h))
         return np.full(len(x), np.nan)
+
+
+def beside(x: Floats, p: Floats, shifts: Floats) -> tuple[Floats, Floats]:
+    """Return the same unknowns (k, n) at shifted parameters (k, names)."""
+    return np.repeat(x[None], len(shifts), axis=0), p + shifts

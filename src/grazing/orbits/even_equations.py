@@ -47,8 +47,17 @@ class EvenEquations(Equations):
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the first half of the impacts, and their derivatives."""
-        F, J = self.base.defects(self.whole(x, p), p)
-        return F[self._first], (J @ self._both)[self._first]
+        F, J = self.evaluated(x[None], p[None])
+        return F[0], J[0]
+
+    def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return :meth:`defects` at several points."""
+        F, J = self.base.evaluated(np.array([self.whole(*one) for one in zip(x, p, strict=True)]), p)
+        return F[:, self._first], (J @ self._both)[:, self._first]
+
+    def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
+        """Return a test function at several points."""
+        return self.base.heights(np.array([self.whole(*one) for one in zip(x, p, strict=True)]), p, index, kind)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return the test functions of the orbit: *lp* is zero where symmetry breaks, too."""

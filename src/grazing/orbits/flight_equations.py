@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.contacts import Model, flight_row, frames_at, oscillators_of
+from grazing.orbits.contacts import Model, flight_rows, framed, numbers_seen, oscillators_of, room_in
 from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD
 from grazing.oscillator.frames import Frames, frame_of
-from grazing.oscillator.walled import Walled
 from grazing.parameter import checked_name, named_by
 
 Floats = NDArray[np.float64]
+
+#: How many values of the parameters are kept with what was prepared for them: those of a few points, and beside one.
+KEPT = 6
+
+
+class Prepared(NamedTuple):
+    """All parameters of a model at k values of those that vary, and what follows from them.
+
+    ``seen`` are the parameters that each wall sees, ``rows`` (k, ...) the numbers of flights, ``room`` (k,) is the one
+    between the walls, see :mod:`grazing.orbits.contacts`, and ``laws`` (k, impacts, 4) those of impacts.
+    """
+
+    values: Floats
+    seen: list[Floats]
+    rows: Floats
+    room: Floats
+    laws: Floats
 
 
 class FlightEquations(Equations):
@@ -40,26 +56,41 @@ class FlightEquations(Equations):
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self._places = [[list(params).index(one) for one in named_by(name, params)] for name in names]
         self._base = np.array(list(params.values()))
+        self._kept: dict[tuple[int, bytes], Prepared] = {}
 
     @property
     def own(self) -> Floats:
         """The values that the model itself has for the parameters that vary."""
         return self._base[[first for first, *_others in self._places]]
 
+    def prepared(self, p: Floats) -> Prepared:
+        """Return what kernels need at several values (k, names) of the parameters that vary; some are kept."""
+        place = len(p), p.tobytes()
+        found = self._kept.get(place)
+        if found is None:
+            values = np.repeat(self._base[None], len(p), axis=0)
+            for places, column in zip(self._places, p.T, strict=True):
+                values[:, places] = column[:, None]
+            values = self.model.made_from_base(values)
+            seen = numbers_seen(self.model, values)
+            rows = flight_rows(self.model, values, seen)
+            found = Prepared(values, seen, rows, room_in(self.model, rows), self.laws(seen))
+            while len(self._kept) >= KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[place] = found
+        return found
+
+    def laws(self, seen: list[Floats]) -> Floats:
+        """Return what kernels need to know of the law of each impact at k values (k, impacts, 4); of none here.
+
+        ``seen`` are the parameters that each wall sees.
+        """
+        return np.empty((len(seen[0]), 0, 4))
+
     def values(self, p: Floats) -> Floats:
         """Return all parameters of the model, in their order."""
-        values: Floats = self._base.copy()
-        for places, value in zip(self._places, p, strict=True):
-            values[places] = value
-        return self.model.made_from_base(values)
-
-    def row(self, values: Floats) -> Floats:
-        """Return the numbers that a flight needs, see :func:`grazing.orbits.contacts.flight_row`."""
-        return flight_row(self.model, values)
-
-    def apart(self, values: Floats) -> bool:
-        """Whether there is room between the walls."""
-        return not isinstance(self.model, Walled) or bool(self.model.rooms(values[None])[0] > 0.0)
+        values: Floats = self.prepared(p[None]).values[0]
+        return values
 
     def model_at(self, p: Floats) -> Model:
         """Return the model with these values of the parameters that vary."""
@@ -70,8 +101,8 @@ class FlightEquations(Equations):
         return float(2.0 * np.pi / self.values(p)[HEAD.index("omega")])
 
     def frames(self, p: Floats) -> Frames:
-        """Return what the walls see, in plain Python."""
-        return frames_at(self.model, self.values(p))
+        """Return what the walls see, as numbers of Python."""
+        return framed(self.model, self.prepared(p[None]).rows[0])
 
     @cached_property
     def own_frames(self) -> Frames:
@@ -79,7 +110,7 @@ class FlightEquations(Equations):
         return self.frames(self.own)
 
     def constants(self, p: Floats) -> Any:
-        """Return the constants of flights as the first wall sees them, in plain Python."""
+        """Return the constants of flights as the first wall sees them, as numbers of Python."""
         return self.frames(p).a
 
     def sizes(self, wall: int = 0) -> tuple[float, float]:

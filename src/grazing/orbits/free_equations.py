@@ -44,9 +44,14 @@ class FreeEquations(FlightEquations):
 
     def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the state after a period, its derivative, and for each wall the lowest dip and its time in [0, T)."""
-        out, walls = np.empty(10), len(walls_of(self.model))
-        call(self._turn, self.row(self.values(p)), np.ascontiguousarray(x, np.float64), out, who="the free flight")
-        return out[:2], out[2:6].reshape(2, 2), out[6:].reshape(2, 2)[:walls]
+        ends, E, dips = self._turned(x[None], p[None])
+        return ends[0], E[0], dips[0]
+
+    def _turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return :meth:`turned` at several points, x (k, 2) and p (k, names)."""
+        out, walls = np.empty((len(x), 10)), len(walls_of(self.model))
+        call(self._turn, self.prepared(p).rows, np.ascontiguousarray(x, np.float64), out, who="the free flight")
+        return out[:, :2], out[:, 2:6].reshape(-1, 2, 2), out[:, 6:].reshape(-1, 2, 2)[:, :walls]
 
     def start(self, p: Floats) -> Floats:
         """Return the solution, which is unique where the free flight has no multiplier 1; else NaN."""
@@ -70,10 +75,13 @@ class FreeEquations(FlightEquations):
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return by how much the state after a period differs, and the derivative of that."""
-        if not self.apart(self.values(p)):
-            return np.full(2, np.nan), np.full((2, 2), np.nan)
-        end, E, _dips = self.turned(x, p)
-        return end - x, E - np.eye(2)
+        F, J = self.evaluated(x[None], p[None])
+        return F[0], J[0]
+
+    def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return :meth:`defects` at several points."""
+        (ends, E, _dips), room = self._turned(x, p), self.prepared(p).room > 0.0
+        return np.where(room[:, None], ends - x, np.nan), np.where(room[:, None, None], E - np.eye(2), np.nan)
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and ns, and the clearance of each wall, in units of the motion's size."""
@@ -135,7 +143,7 @@ def free_orbit(model: Model | None) -> ImpactOrbit | None:
 
 @lru_cache(maxsize=64)
 def turner(harmonics: int, walled: bool) -> Callable[..., None]:
-    """Compile ``turn(row, x, out)``: one period from (y, v); see :meth:`FreeEquations.turned`."""
+    """Compile ``turn(rows, x, out)``: one period from each (y, v); see :meth:`FreeEquations.turned`."""
     frames = framer(harmonics, walled)
 
     def dip(y: float, v: float, c: Constants) -> tuple[float, float]:
@@ -148,7 +156,11 @@ def turner(harmonics: int, walled: bool) -> Callable[..., None]:
         low, _dip, _dips, when, _deepest = lowest_dip(begin, height, fastest, c.T, False, c)
         return low, begin + when - (c.T if begin + when >= c.T else 0.0)
 
-    def turn(row: Any, x: Any, out: Any) -> None:
+    def turn(rows: Any, x: Any, out: Any) -> None:
+        for i in range(x.shape[0]):
+            once(rows[i], x[i], out[i])
+
+    def once(row: Any, x: Any, out: Any) -> None:
         c = frames(row)
         here = c.a
         out[0], out[1] = flight(here.T, anchored(0.0, x[0], x[1], here), here)

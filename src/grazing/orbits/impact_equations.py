@@ -21,13 +21,12 @@ from grazing.orbits.contacts import (
     frames_at,
     law_numbers,
     letters_of_walls,
-    numbers_seen,
     piece_of,
     wall_of,
     walls_of,
 )
 from grazing.orbits.equations import Test
-from grazing.orbits.flight_equations import FlightEquations
+from grazing.orbits.flight_equations import FlightEquations, Prepared
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
@@ -84,83 +83,102 @@ class ImpactEquations(FlightEquations):
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
+        self._at = [[i for i, one in enumerate(self.walls) if one == wall] for wall in range(len(walls_of(model)))]
         sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
         self._force = self.own_frames.a.force or 1.0
         self.scale = np.array([self.period_at(self.own)] * self.n + [self._fast[wall] for wall in self.walls])
         self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
 
-    def _laws(self, values: Floats) -> tuple[Floats, Any]:
-        """Return for each impact the addresses of its law, of its slope and of their numbers, its wall; and numbers.
+    def laws(self, seen: list[Floats]) -> Floats:
+        """Return for each impact the addresses of its law, of its slope and of their numbers, and its wall.
 
-        The numbers must live as long as their addresses are used.
+        Their numbers are those that the walls see, and must live as long as the addresses are used.
         """
-        laws, numbers = self._codes.copy(), numbers_seen(self.model, values)
-        rows = np.array([row.ctypes.data for row in numbers], np.float64)
-        laws[:, 2] += rows[self.walls]
-        return laws, numbers
+        k = len(seen[0])
+        laws = np.repeat(self._codes[None], k, axis=0)
+        for j, one in enumerate(seen):
+            laws[:, self._at[j], 2] += (one.ctypes.data + one.strides[0] * np.arange(k))[:, None]
+        return laws
 
     @cached_property
     def _codes(self) -> Floats:
-        """What :meth:`_laws` returns, of numbers their places in a row: it holds for all values of parameters."""
+        """What :meth:`laws` returns, of numbers their places in a row: it holds for all values of parameters."""
         return np.column_stack([addresses(self.model, self.pieces), self.walls]).astype(np.float64)
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the closing equations and their derivatives; NaN for flights of no time."""
-        values, F, J = self.values(p), np.full(2 * self.n, np.nan), np.full((2 * self.n, 2 * self.n), np.nan)
-        if not self.apart(values):
-            return F, J
-        laws, _numbers = self._laws(values)
-        call(self._gaps, self.row(values), x, self.N, laws, F, J, who="the closing equations")
+        F, J = self.evaluated(x[None], p[None])
+        return F[0], J[0]
+
+    def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """Return :meth:`defects` at several points."""
+        at, n = self.prepared(p), 2 * self.n
+        F, J = np.full((len(x), n), np.nan), np.full((len(x), n, n), np.nan)
+        call(self._gaps, at.rows, np.ascontiguousarray(x), self.N, at.laws, F, J, who="the closing equations")
+        shut = ~(at.room > 0.0)
+        if shut.any():
+            F[shut], J[shut] = np.nan, np.nan
         return F, J
 
     def solve(self, guesses: Floats, p: Floats) -> Floats:
         """Solve by Newton's method from each row of guesses (k, 2n), which they become; residuals, NaN for none."""
-        values, residuals = self.values(p), np.full(len(guesses), np.nan)
-        laws, _numbers = self._laws(values)
-        arguments = self.row(values), guesses, self.N, laws, residuals
+        at, residuals = self.prepared(p[None]), np.full(len(guesses), np.nan)
+        arguments = at.rows[0], guesses, self.N, at.laws[0], residuals
         call(self._close, *arguments, who="the closing equations")
         return residuals
 
     def profile(self, x: Floats, p: Floats, contacts: bool = False) -> Profile:
         """Return what a solution's flights do; with ``contacts`` each is flown by the exact advance as well."""
-        values, table, out = self.values(p), np.empty((self.n, PROFILE)), np.empty(3)
-        laws, _numbers = self._laws(values)
-        arguments = self.row(values), x, self.N, laws, contacts, table, out
+        tables, out = self._profiles(x[None], self.prepared(p[None]), contacts)
+        return Profile(tables[0], *out[0].tolist())
+
+    def _profiles(self, x: Floats, at: Prepared, contacts: bool = False) -> tuple[Floats, Floats]:
+        """Return tables (k, n, PROFILE) of several solutions, and their s tr J, s det J and s (k, 3)."""
+        tables, out = np.empty((len(x), self.n, PROFILE)), np.empty((len(x), 3))
+        arguments = at.rows, np.ascontiguousarray(x), self.N, at.laws, contacts, tables, out
         call(self._profile, *arguments, who="the closing equations")
-        return Profile(table, *out.tolist())
+        return tables, out
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, bp-and-lp, ns of the turn, then for each impact its speed, trigger and force, and the dips.
 
         All are in units of their size.
         """
-        table, trace, det, scale = self.profile(x, p)
+        return tuple(Test(type, float(values[0]), where) for type, where, values in self._tested(x[None], p[None]))
+
+    def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
+        """Return a test function at several points."""
+        if (x[:, self.n :] == 0.0).any():  # there a test of the force comes in between
+            return super().heights(x, p, index, kind)
+        type, where, values = self._tested(x, p)[index]
+        return values if (type, where) == kind else np.full(len(x), np.nan)
+
+    def _tested(self, x: Floats, p: Floats) -> list[tuple[str, int, Floats]]:
+        """Return all test functions at several points, each with its type and what it is about."""
+        at = self.prepared(p)
+        table, (trace, det, scale) = (one.T for one in self._profiles(x, at))
         sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
         found = [
-            Test("pd", sign * (scale + trace + det)),
-            Test("lp", sign * (scale - trace + det)),
-            Test("ns", sign * (scale - det)),
+            ("pd", -1, sign * (scale + trace + det)),
+            ("lp", -1, sign * (scale - trace + det)),
+            ("ns", -1, sign * (scale - det)),
         ]
-        laws = [law_numbers(self.model, j, self.values(p)) for j in range(len(walls_of(self.model)))]
         for i in range(self.n):
             k = (i + 1) % self.n
-            speed, law, fast = -table[i, ENDING], laws[self.walls[k]], self._fast[self.walls[k]]
-            found.append(Test("v0", speed / fast, k))
+            speed, fast = -table[ENDING, i], self._fast[self.walls[k]]
+            found.append(("v0", k, speed / fast))
             if piece_of(self.pieces[k]) != WHOLE:
-                trigger = law["trigger"]
-                over = speed - trigger if piece_of(self.pieces[k]) == FIRED else trigger - speed
-                found.append(Test("law", over / fast if law["V"] != 0.0 else 1.0, k))  # without a kick both are one law
-            low = float(table[i, LOW])
-            lows = [low] if len(laws) == 1 else [low, float(table[i, LOW + OTHER])]
-            walls = (self.walls[i], 1 - self.walls[i])
-            found += [
-                Test("gr", low / self._high[wall] if np.isfinite(low) else 1.0, wall * self.n + i)
-                for low, wall in zip(lows, walls, strict=False)
-            ]
-            if x[self.n + i] == 0.0:
-                found.append(Test("st", table[i, FORCE] / self._force, i))
-        return tuple(found)
+                law = law_numbers(self.model, self.walls[k], at.values)
+                over = speed - law["trigger"] if piece_of(self.pieces[k]) == FIRED else law["trigger"] - speed
+                found.append(("law", k, np.where(law["V"] != 0.0, over / fast, 1.0)))  # without a kick both are one law
+            wall = self.walls[i]
+            for low, dipped in ((LOW, wall), (LOW + OTHER, 1 - wall))[: len(at.seen)]:
+                lows = table[low, i]
+                found.append(("gr", dipped * self.n + i, np.where(np.isfinite(lows), lows / self._high[dipped], 1.0)))
+            if x[0, self.n + i] == 0.0:
+                found.append(("st", i, table[FORCE, i] / self._force))
+        return found
 
     def touched(self, type: str, where: int) -> tuple[int, int]:
         """Return which impact or flight a test function is about, and at which wall."""

@@ -69,43 +69,26 @@ class LocusEquations(Equations):
         """Return the unknowns of the orbit and both parameters."""
         return X[:-1], np.array([X[-1], p[-1]])
 
-    def height(self, x: Floats, both: Floats) -> float:
-        """Return the test function; NaN where the tests are others."""
-        tests = self.base.tests(x, both)
-        if self._index >= len(tests) or tests[self._index][::2] != self._kinds[self._index]:
-            return float("nan")
-        return tests[self._index].value
-
     def defects(self, X: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return the defects of the orbit and the test function, with their derivatives."""
+        F, J, _slopes = self.expanded(X, p)
+        return F, J
+
+    def expanded(self, X: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the defects of the orbit and the test function, with their derivatives, those in p apart."""
         x, both = self.split(X, p)
         n = len(x)
-        F, J = self.base.defects(x, both)
-        wide = np.full((n + 1, n + 1), np.nan)
+        F, J, slopes = self.base.expanded(x, both)
+        wide = np.full((n + 1, n + 2), np.nan)
         if not (np.isfinite(F).all() and np.isfinite(J).all()):
-            return np.full(n + 1, np.nan), wide
-        here = self.height(x, both)  # next, while what the defects needed is still known
-        wide[:n, :n], wide[:n, n] = J, self.base.slopes(x, both)[:, 0]
-        for j in range(n + 1):
-            h = MOVED * float(self.scale[j])
-            ends = []
-            for side in (h, -h):
-                moved, params = x.copy(), both.copy()
-                if j < n:
-                    moved[j] += side
-                else:
-                    params[0] += side
-                ends.append(self.height(moved, params))
-            wide[n, j] = (ends[0] - ends[1]) / (2.0 * h)
-        return np.append(F, here), wide
-
-    def slopes(self, X: Floats, p: Floats) -> Floats:
-        """Return the derivatives in the second parameter."""
-        x, both = self.split(X, p)
-        h = MOVED * float(self.spans[0])
-        shift = np.array([0.0, h])
-        across = (self.height(x, both + shift) - self.height(x, both - shift)) / (2.0 * h)
-        return np.append(self.base.slopes(x, both)[:, 1], across)[:, None]
+            return np.full(n + 1, np.nan), wide[:, :-1], wide[:, -1:]
+        h = MOVED * np.append(self.scale, self.spans[0])
+        around = np.append(x, both) + np.concatenate([np.zeros((1, n + 2)), np.diag(h), -np.diag(h)])
+        kind = self._kinds[self._index]
+        heights = self.base.heights(around[:, :n], around[:, n:], self._index, kind)
+        wide[:n, :n], wide[:n, n:] = J, slopes
+        wide[n] = (heights[1 : n + 3] - heights[n + 3 :]) / (2.0 * h)
+        return np.append(F, heights[0]), wide[:, :-1], wide[:, -1:]
 
     def tests(self, X: Floats, p: Floats) -> tuple[Test, ...]:
         """Return the other test functions of the orbit: where one of them is zero, two things happen at once."""

@@ -59,9 +59,20 @@ def tests_of(J: Floats) -> list[float]:
         return [np.nan] * (3 if len(J) > 1 else 2)
     if len(J) == 1:  # as most maps of one's own, without the algebra of matrices
         return [1.0 + float(J[0, 0]), 1.0 - float(J[0, 0])]
+    if len(J) == 2:
+        (a, b), (c, d) = J.tolist()
+        return [(1.0 + a) * (1.0 + d) - b * c, (1.0 - a) * (1.0 - d) - b * c, 1.0 - (a * d - b * c)]
     same, roots = np.eye(len(J)), np.linalg.eigvals(J)
     pairs = np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)])
     return [float(np.linalg.det(same + J)), float(np.linalg.det(same - J)), float(pairs.real)]
+
+
+def alike(size: Floats, places: Floats) -> bool:
+    """Whether differences of orbits (k, ..., numbers) are taken at equally many distances."""
+    with np.errstate(divide="ignore"):
+        fine = (size / np.abs(places)).reshape(len(places), -1).max(axis=1)
+    coarsest, finest = (places[i] for i in (int(fine.argmin()), int(fine.argmax())))
+    return len(distances(size, coarsest)) == len(distances(size, finest))
 
 
 class MapEquations(PointEquations):
@@ -129,22 +140,33 @@ class MapEquations(PointEquations):
             P = self.map_at(p)
             J = np.array([P.jacobian(point) for point in x.reshape(self.N, -1)])
             return Stepped(images, J, 4.0 * EPS * np.abs(J), letters)
-        N, d = self.N, self.P.dimension
-        points = x.reshape(N, d)
-        h = distances(self.size, points)  # (levels, N, d), one for each coordinate that moves
-        moved = np.eye(d)[None, None, None] * h[None, ..., None]  # (1, levels, N, d, d)
-        states = points[:, None, :] + np.concatenate([-moved, moved])
-        flat = np.concatenate([points, states.reshape(-1, d)])
-        ran, letters_of = self.ran(self.rows(p[None]), flat.T[None])
-        after, seen = ran[0].T, letters_of[0]
-        middle, own = after[:N], tuple(seen[:N].tolist())
-        values = after[N:].reshape(2, -1, N, d, d)
-        same = seen[N:].reshape(2, -1, N, d) == seen[:N, None]
+        images, J, error, seen = self._looked(x[None], p[None])
+        return Stepped(images[0], J[0], error[0], tuple(seen[0].tolist()))
+
+    def _looked(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats, Ints]:
+        """Return images, derivatives by differences, their errors and letters of the points of k orbits at once."""
+        k, N, d = len(x), self.N, self.P.dimension
+        points = x.reshape(k, N, d)
+        h = distances(self.size, points)  # (levels, k, N, d), one for each coordinate that moves
+        moved = np.eye(d) * h[None, ..., None]  # (1, levels, k, N, d, d)
+        states = points[..., None, :] + np.concatenate([-moved, moved])
+        flat = np.concatenate([points, states.transpose(2, 0, 1, 3, 4, 5).reshape(k, -1, d)], axis=1)
+        after, seen = self.ran(self.rows(p), flat.transpose(0, 2, 1))
+        after = after.transpose(0, 2, 1)
+        middle, own = after[:, :N], seen[:, :N]
+        values = after[:, N:].reshape(k, 2, -1, N, d, d).transpose(1, 2, 0, 3, 4, 5)
+        same = seen[:, N:].reshape(k, 2, -1, N, d).transpose(1, 2, 0, 3, 4) == own[..., None]
         low, high = np.where(same[..., None], values, np.nan)
-        places = np.einsum("skjii->skji", states)
+        places = np.einsum("slkjii->slkji", states)
         down, up = (np.abs(places - points) + np.where(places == points, np.nan, 0.0))[..., None]
-        found = slope(middle[:, None], low, high, down, up)
-        return Stepped(middle, found.value.swapaxes(1, 2), found.error.swapaxes(1, 2), own)
+        found = slope(middle[:, :, None], low, high, down, up)
+        return middle, found.value.swapaxes(2, 3), found.error.swapaxes(2, 3), own
+
+    def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
+        """Return a test function at several points."""
+        if self.P.tangent is not None or not alike(self.size, x.reshape(len(x), self.N, -1)):
+            return super().heights(x, p, index, kind)
+        return np.array([tests_of(product(one))[index] for one in self._looked(x, p)[1]])
 
     def slopes(self, x: Floats, p: Floats) -> Floats:
         """Return dF/dp by differences that stay on the piece."""

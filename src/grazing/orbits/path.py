@@ -152,9 +152,9 @@ def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
 def linearised(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
     """Return the defects and their derivative (n, n + 1) in scaled coordinates, see :func:`weighed`."""
     x, p = unscaled(equations, z)
-    F, J = equations.defects(x, p)
+    F, J, slopes = equations.expanded(x, p)
     wide = np.empty((len(F), len(z)))
-    wide[:, : len(x)], wide[:, len(x) :] = J * equations.scale, equations.slopes(x, p) * equations.spans
+    wide[:, : len(x)], wide[:, len(x) :] = J * equations.scale, slopes * equations.spans
     return weighed(F, wide)
 
 

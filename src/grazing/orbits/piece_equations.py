@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grazing.maps.bordered import Images
 from grazing.maps.map import Map
 from grazing.orbits.equations import Ending, Test
-from grazing.orbits.map_equations import MapEquations, product, product_error
+from grazing.orbits.map_equations import MapEquations, alike, product, product_error, tests_of
 from grazing.orbits.one_sided import EPS, FINER, FIRST, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.piece_end import JUMP, POWER, TURN
@@ -200,8 +200,28 @@ class PieceEquations(PointEquations):
         return found
 
     def _looked(self, x: Floats, p: Floats) -> Looked:
-        N, d, m = self.N, self.P.dimension, len(self.names)
         points, roots = self.parted(x)
+        return self._looked_at(points, roots, p[None], len(self.names))
+
+    def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
+        """Return a test function at several points."""
+        points, roots = self.parted(x)
+        if kind[0] == "bcb":
+            return self._distances(self.ran(x, p)[1], roots)[index - (3 if self.P.dimension > 1 else 2)][1]
+        near = (np.abs(points) < NEAR * self.size).any(axis=(1, 2))
+        if near.any() and not (near.all() and alike(2.0 * self.size, points)):
+            return super().heights(x, p, index, kind)
+        d, k = self.P.dimension, len(x)
+        at = self._looked_at(points.reshape(-1, d), roots.ravel(), p, 0)
+        each = (Looked(*one) for one in zip(*(part.reshape(k, self.N, *part.shape[1:]) for part in at), strict=True))
+        return np.array([self._height(*one, index) for one in zip(each, roots, strict=True)])
+
+    def _looked_at(self, points: Floats, roots: Floats, p: Floats, m: int) -> Looked:
+        """Return images, borders and derivatives at the points (k N, dim) of k orbits with parameters (k, names).
+
+        Those in the first m parameters too: of one orbit all of them, of several none.
+        """
+        d, N = self.P.dimension, len(points)
         state, unit, place = points, self.size, points
         if self.some:
             state, unit = np.column_stack([points, roots]), np.append(self.size, np.sqrt(self.units[0]))
@@ -217,8 +237,9 @@ class PieceEquations(PointEquations):
             L = len(self._apart)
             moves, shifts, which = pattern(N, k, m, L)
             moves = moves * (2.0 * unit)
-        here_at = state[:, None, :]
-        states, values = here_at + moves, p + shifts * self.spans
+        here_at, pieces, own = state[:, None, :], np.resize(self.which, N), np.repeat(np.arange(len(p)), self.N)
+        states, values = here_at + moves, p + shifts * self.spans if m else p
+        which = which + own[:, None]
         off = np.abs(states - here_at).sum(axis=-1)
         if m:
             off[..., k:] = np.abs(values[1:] - p).sum(axis=-1).reshape(m, 2, L).transpose(1, 2, 0)[:, :, None]
@@ -226,11 +247,11 @@ class PieceEquations(PointEquations):
         off = off[..., None]
         every, letters = (
             np.concatenate([state, states.reshape(-1, k)]),
-            np.broadcast_to(self.which[:, None], which.shape),
+            np.broadcast_to(pieces[:, None], which.shape),
         )
         images, ends = self._images(
-            self._plain.rows(values), np.append(np.zeros(N, np.int64), which), every[:, :d],
-            np.append(self.which, letters), every[:, d] if self.some else 0.0,
+            self._plain.rows(values), np.append(own, which), every[:, :d],
+            np.append(pieces, letters), every[:, d] if self.some else 0.0,
         )  # fmt: skip
         here, borders = images[:N].copy(), ends[:N].copy()
         both = np.column_stack([images, ends]) if self.some else images
@@ -257,8 +278,12 @@ class PieceEquations(PointEquations):
             return np.full(n, np.nan), np.full((n, n), np.nan)
         at = self.looked(x, p)
         F = self.missed(x[None], at.images[None], at.borders[None])[0]
-        _points, roots = self.parted(x)
-        wide, d = np.zeros((n, n)), self.P.dimension
+        return F, self._wide(at, self.parted(x)[1])
+
+    def _wide(self, at: Looked, roots: Floats) -> Floats:
+        """Return the derivative of the equations in their unknowns."""
+        n, d = int(self.starts[-1]), self.P.dimension
+        wide = np.zeros((n, n))
         wide[self.at_points, self.at_points] = -1.0
         for j in range(self.N):
             own, to = int(self.starts[j]), int(self.starts[(j + 1) % self.N])
@@ -267,12 +292,14 @@ class PieceEquations(PointEquations):
                 side = -1.0 if self.letters[j] == 0 else 1.0
                 wide[own + d, own : own + d] = side * at.across[j, 0]
                 wide[own + d, own + d] = -2.0 * roots[j]
-        return F, wide
+        return wide
 
     def steps(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (N, dim, dim) of all steps times twice their roots, those factors, and the errors."""
-        at, d = self.looked(x, p), self.P.dimension
-        _points, roots = self.parted(x)
+        return self._steps(self.looked(x, p), self.parted(x)[1])
+
+    def _steps(self, at: Looked, roots: Floats) -> tuple[Floats, Floats, Floats]:
+        d = self.P.dimension
         twice = np.where(self.rooted, 2.0 * roots, 1.0)
         if not self.some:
             return at.J, twice, at.error
@@ -296,31 +323,45 @@ class PieceEquations(PointEquations):
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and ns without the poles that they have where a root is 0, and the distances from borders."""
-        steps, twice, error = self.steps(x, p)
-        at, d = self.looked(x, p), self.P.dimension
+        at, roots = self.looked(x, p), self.parted(x)[1]
+        steps, twice, error = self._steps(at, roots)
         middle, *ends = (self._stability(one, twice) for one in (steps, steps - error, steps + error))
         with np.errstate(invalid="ignore"):
-            off = np.max(np.abs(np.array(ends) - middle), axis=0)
-        if self.some and d > 1:
-            middle[:2] = self._closing(x, p)
-            if d == 2:
-                middle[2] = self._turning(at, twice)
-        kinds = ("pd", "lp", "ns") if d > 1 else ("pd", "lp")
-        found = [Test(kind, value, -1, miss) for kind, value, miss in zip(kinds, middle, off.tolist(), strict=True)]
-        _points, roots = self.parted(x)
-        for j in range(self.N):
-            if self.rooted[j]:
-                found.append(Test("bcb", float(roots[j] / np.sqrt(self.units[0])), j))
-                continue
-            found += [Test("bcb", float(s * at.borders[j, i] / self.units[i]), j) for i, s in self.sides[j]]
+            off = np.max(np.abs(np.array(ends) - middle), axis=0).tolist()
+        kinds = ("pd", "lp", "ns") if self.P.dimension > 1 else ("pd", "lp")
+        values = self._without_poles(at, roots, twice, middle)
+        found = [Test(*one) for one in zip(kinds, values, (-1,) * len(kinds), off, strict=True)]
+        found += [Test("bcb", float(one[0]), j) for j, one in self._distances(at.borders[None], roots[None])]
         return tuple(found)
 
-    def _closing(self, x: Floats, p: Floats) -> list[float]:
+    def _distances(self, borders: Floats, roots: Floats) -> list[tuple[int, Floats]]:
+        """Return for each point and border of its letter how far it is from it at k orbits, or the root of that."""
+        found = []
+        for j in range(self.N):
+            if self.rooted[j]:
+                found.append((j, roots[:, j] / np.sqrt(self.units[0])))
+                continue
+            found += [(j, s * borders[:, j, i] / self.units[i]) for i, s in self.sides[j]]
+        return found
+
+    def _without_poles(self, at: Looked, roots: Floats, twice: Floats, tests: list[float]) -> list[float]:
+        """Return pd, lp and ns without the poles that they have where a root is 0, from those with factors."""
+        if not self.some or self.P.dimension == 1:
+            return tests
+        pd, lp = self._closing(at, roots)
+        return [pd, lp, self._turning(at, twice) if self.P.dimension == 2 else tests[2]]
+
+    def _height(self, at: Looked, roots: Floats, index: int) -> float:
+        """Return pd, lp or ns by its place."""
+        steps, twice, _error = self._steps(at, roots)
+        return self._without_poles(at, roots, twice, self._stability(steps, twice))[index]
+
+    def _closing(self, at: Looked, roots: Floats) -> list[float]:
         """Return pd and lp, times the factors of all roots, without dividing by one: the derivative of the equations.
 
         Its determinant is that of 1 - J; with the last step reversed, that of 1 + J.
         """
-        wide = -self.defects(x, p)[1]
+        wide = -self._wide(at, roots)
         if not np.isfinite(wide).all():
             return [np.nan, np.nan]
         lp, d = float(np.linalg.det(wide)), self.P.dimension
@@ -352,13 +393,7 @@ class PieceEquations(PointEquations):
         if not np.isfinite(J).all():  # a root is 0: the limit from either side has no pole, see there
             twice = np.where(twice == 0.0, EPS * self.size.max(), twice)
             poles, J = float(np.prod(twice)), product(steps / twice[:, None, None])
-        same, roots = np.eye(len(J)), np.linalg.eigvals(J)
-        pairs = np.prod([1.0 - roots[i] * roots[j] for i in range(len(J)) for j in range(i)])
-        return [
-            poles * float(np.linalg.det(same + J)),
-            poles * float(np.linalg.det(same - J)),
-            poles * float(pairs.real),
-        ]
+        return [poles * one for one in tests_of(J)]
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say nothing: the equations hold beyond all borders."""

@@ -37,6 +37,14 @@ class PointEquations(Equations):
     def turn_error(self, x: Floats, p: Floats) -> Floats:
         """Return by how much each number of that may be off."""
 
+    def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return F, dF/dx and dF/dp."""
+        return *self.defects(x, p), self.slopes(x, p)
+
+    @abstractmethod
+    def slopes(self, x: Floats, p: Floats) -> Floats:
+        """Return dF/dp by differences that stay on one piece of the map."""
+
     def doubt(self, x: Floats, p: Floats, multipliers: NDArray[np.complex128]) -> float:
         """Return by how much multipliers may be off: by the derivative's errors, and by those of the points near 1.
 

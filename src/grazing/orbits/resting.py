@@ -18,7 +18,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.contacts import PIECES, Model, addresses, framer, model_of, numbers_seen, on_wall, walls_of
+from grazing.orbits.contacts import PIECES, Model, addresses, framer, model_of, on_wall, walls_of
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.orbit import Orbit
@@ -125,14 +125,14 @@ class RestEquations(FlightEquations):
 
     def rest(self, p: Floats) -> Rest | None:
         """Return what happens until the ball is released there again; None where it is not, or never rests."""
-        values, first = self.values(p), self.begun(p)
-        if first is None or not self.apart(values):
+        at, first = self.prepared(p[None]), self.begun(p)
+        if first is None or not at.room[0] > 0.0:
             return None
         (start, wall), T = first, self.period_at(p)
-        rows, laws, out = numbers_seen(self.model, values), np.zeros((2, 3)), np.zeros(5)
-        for j, (at, slope, place) in enumerate(addresses(self.model, [PIECES * j for j in range(len(rows))])):
-            laws[j] = at, slope, float(rows[j].ctypes.data + place)
-        settle, row = settler(self.model.harmonics, isinstance(self.model, Walled)), self.row(values)
+        laws, out = np.zeros((2, 3)), np.zeros(5)
+        for j, (law, slope, place) in enumerate(addresses(self.model, [PIECES * j for j in range(len(at.seen))])):
+            laws[j] = law, slope, float(at.seen[j].ctypes.data + place)
+        settle, row = settler(self.model.harmonics, isinstance(self.model, Walled)), at.rows[0]
         begun, time, impacts, left = start, start, 0, np.inf
         for _ in range(STAGES):
             call(settle, row, begun, float(wall), laws, out, who="the chatter")

@@ -305,7 +305,7 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off
         return False
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
-    extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
+    extent = Extent(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0)
     start = int(0.0)  # of a literal 0 the compiler would make versions of their own
     cell, n, m = start, start + CERTIFICATE, start + ROWS
     for i in range(windows):
