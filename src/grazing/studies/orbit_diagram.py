@@ -16,7 +16,6 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name
 from grazing.studies import labels
 from grazing.studies.classify import settled_columns
-from grazing.studies.growth import sides_of
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
@@ -199,20 +198,23 @@ def _fill(runs: Runs, cells: Ints, arrays: Arrays, part: slice, states: Floats |
     runs.say_outside(cells, found.points[:, -1], {name: array[part] for name, array in arrays.items()})
     settled = settled_columns(runs.P, runs.rows(cells), found)
     arrays["period"][part], arrays["trust"][part] = settled.period, settled.trust
-    arrays["word"][part], arrays["drift"][part] = settled.words, drift_of(runs.P, found.points, settled.period)
+    arrays["word"][part] = settled.words
+    arrays["drift"][part] = drift_of(found.points, settled.period, runs.boxes(cells))
     for name in NEARNESS:
         arrays[name][part] = getattr(found, name)
 
 
-def drift_of(P: Map, points: Floats, period: NDArray[np.int32]) -> Floats:
+def drift_of(points: Floats, period: NDArray[np.int32], boxes: Floats) -> Floats:
     """Return how far last points are from those a period earlier, in sides of the box; not a number without a period.
 
-    ``points`` (columns, keep, dim, starts), ``period`` (columns, starts).
+    ``points`` (columns, keep, dim, starts), ``period`` (columns, starts), ``boxes`` (columns, dim, 2) where starts lie:
+    that of the map depends on values that vary, which a recipe does not keep.
     """
     known = period > 0
     before = points.shape[1] - 1 - np.where(known, period, 0)
     change = points[:, -1] - np.take_along_axis(points, before[:, None, None], axis=1)[:, 0]
-    return np.where(known, np.abs(change / sides_of(P)[:, None]).max(axis=1), np.nan)
+    sides = boxes[:, :, 1] - boxes[:, :, 0]
+    return np.where(known, np.abs(change / sides[:, :, None]).max(axis=1), np.nan)
 
 
 def turned(values: Any, i: int, out: Any) -> None:
