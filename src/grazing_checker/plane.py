@@ -284,7 +284,7 @@ def words(things: Sequence[Any]) -> str:
     said = []
     for one in things:
         numbers = ", ".join(f"{name} = {float.fromhex(x)!r}" for name, x in one["shape"].items())
-        law = ""
+        law = ", met where the centre of the ball is on it"
         if "law" in one:
             inside = ", ".join(f"p.{name} = {float.fromhex(x)!r}" for name, x in one["law"]["parameters"].items())
             law = f", which makes {law_text(one['law']['after'])} of v{f' with {inside}' if inside else ''}"

@@ -9,6 +9,7 @@ from flint import arb
 from grazing_checker import Rejected, check
 from grazing_checker.balls import number, precision
 from grazing_checker.plane import Apart, Flight, Thing, factored, over, value
+from grazing_checker.reading import exact
 from grazing_checker.table import Table, margins, sums_of
 from tests.grazing_checker.bases import table_bases
 from tests.grazing_checker.forgeries import fit, fitting_matrix, newton, sealed
@@ -70,6 +71,18 @@ def test_what_is_in_the_way_is_found_and_what_is_beside_it_is_not():
         ("arc", {"x": 3, "y": 0, "radius": 0.5, "start": 0.0, "stop": 6.28}),
     ):
         refused("back and forth", more(kind, **numbers), "not surely off new")
+
+
+def test_the_sentence_says_that_a_drain_is_met_by_the_centre_of_the_ball():
+    """On the tip the ball has a radius: a drain within it is not met, which "meets nothing else" alone denies."""
+    data = table_bases()["on the tip"]["data"]
+    assert float.fromhex(data["rho"]) == 0.1
+    with precision(256):
+        table = Table(data)
+        (x, y), (nx, ny), _m = table.frames([exact(text) for text in data["centre"]])[0]
+    x, y = float(x - nx * 0.05), float(y - ny * 0.05)  # half a radius below the lowest place of the centre
+    said = check(changed("on the tip", more("drain", x1=x - 1e-3, y1=y, x2=x + 1e-3, y2=y)))
+    assert 'the drain "new"' in said and "met where the centre of the ball is on it" in said
 
 
 def test_an_impact_must_be_on_its_part():

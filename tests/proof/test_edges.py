@@ -19,3 +19,20 @@ def test_every_edge_is_proven_or_says_why_not(alpha, r, V):
         low, high = proof.value
         assert low <= edge <= high and high - low < 1e-12
         assert gz.check_certificate(proof.document) == proof.statement
+
+
+def test_the_proof_of_a_graze_is_of_the_wall_that_the_window_names():
+    walls = gz.wall(-0.5, gz.newton(0.8)), gz.wall(0.5, gz.newton(0.6))
+    model = gz.Oscillator(alpha=0.1, k=0.5, forcing=gz.Forcing(omega=2.0, cos=(2.0,)), walls=walls)
+    table = gz.windows(model, "omega", 1, (1.6, 1.9), samples=3, words="AB")
+    grazes = [
+        (w, side) for w in range(table.sizes["window"]) for side in ("low", "high") if table[f"{side}_type"][w] == "gr"
+    ]
+    assert grazes
+    proofs = {(w, side): proof for w, side, proof in edge_proofs(model, table)}
+    for w, side in grazes:
+        named = str(table[f"{side}_wall"].values[w])
+        assert proofs[w, side].document["data"]["dip"]["wall"] == named
+        table[f"{side}_wall"].values[w] = {"A": "B", "B": "A"}[named]
+    wrong = {(w, side): proof for w, side, proof in edge_proofs(model, table)}
+    assert all("the proof is of a graze of the wall" in str(wrong[at]) for at in grazes)

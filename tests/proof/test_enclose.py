@@ -119,6 +119,19 @@ def test_a_bifurcation_that_is_not_there_is_not_found():
         assert "give an orbit nearer" in certificate.reason or "give one nearer" in certificate.reason
 
 
+@pytest.mark.parametrize(("alpha", "r", "d", "N"), [(0.05, 0.74, -0.26, 2), (0.05, 0.72, -0.485, 1)])
+def test_the_bifurcation_of_another_branch_is_not_that_of_the_orbit(alpha, r, d, N):
+    """Without stiffness two orbits have one velocity, far from each other in time: one of them doubles."""
+    model = gz.pinball(alpha=alpha, k=0, omega=2, d=d, r=r, V=0.4)
+    doubles, other = (one for one in gz.one_impact_orbits(model, N) if one.admissible)
+    low, high = checked(enclose(doubles, "pd", "omega")).value
+    near = gz.one_impact_orbits(model.replace(omega=(low + high) / 2), N)
+    off = [min(abs(one.multipliers + 1)) for one in near]
+    assert len(near) == 2 and min(off) < 1e-9 and max(off) > 0.9
+    certificate = enclose(other, "pd", "omega")
+    assert not certificate.proven and "nearer to it" in certificate.reason
+
+
 def test_a_bifurcation_of_a_virtual_orbit_is_refused():
     (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
     certificate = enclose(orbit, "lp", "sigma")

@@ -19,7 +19,7 @@ from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.pool import LOCK
 from grazing.proof.clearance import check_impacts, cleared_flight
-from grazing.proof.equations import Equations, Flight, Matrix
+from grazing.proof.equations import Equations, Matrix
 from grazing.proof.expression import NotAnExpression
 from grazing.proof.flow import TooLong
 from grazing.proof.gap import GapProof, certify_gap_orbit
@@ -287,7 +287,7 @@ def _proof(orbit: ImpactOrbit, bits: int) -> tuple[dict[str, Any], list[dict[str
                 f"(residual {orbit.residual:.1e}); give an orbit of a smaller residual"
             ) from None
         flights = equations.flights(centre)
-        natural = scales(equations, flights, centre)
+        natural = equations.scales(centre, flights)
         _same(guess, centre, natural)
         C = inverse(equations.jacobian(flights))
         rows, unique = uniqueness(equations, centre, C, natural)
@@ -351,18 +351,6 @@ def _same(guess: list[arb], centre: list[arb], natural: list[arb]) -> None:
             "Newton's method went from the times and velocities given to another orbit; give an orbit of a "
             "smaller residual"
         )
-
-
-def scales(equations: Equations, flights: list[Flight], centre: list[arb]) -> list[arb]:
-    """Return the natural scale of each coordinate."""
-    from flint import arb
-
-    flow = equations.flow(centre)
-    speed = arb(max(max(float(abs(f.w)), float(abs(f.v))) for f in flights) or 1.0)
-    if equations.n == 0:
-        speed = max(speed, abs(centre[0]) * flow.scale, key=float)
-        return [speed / flow.scale, speed]
-    return [1 / flow.scale] * equations.n + [speed] * equations.n
 
 
 def uniqueness(

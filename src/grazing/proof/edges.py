@@ -56,7 +56,17 @@ def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Cer
                 yield w, side, why
                 continue
             word = str(row["word"].values) if "word" in row else ""
-            yield w, side, _enclosed(model, name, N, word, kind, ends[side], ends[other] - ends[side])
+            proof = _enclosed(model, name, N, word, kind, ends[side], ends[other] - ends[side])
+            yield w, side, proof if isinstance(proof, str) else _of_the_wall(proof, row, side)
+
+
+def _of_the_wall(proof: Certificate, row: xr.Dataset, side: str) -> Certificate | str:
+    """Return the proof of a graze if it is of the wall that the window names; its own mirror image grazes both."""
+    touched = (proof.document or {})["data"].get("dip", {}).get("wall", "")
+    named = str(row[f"{side}_wall"].values) if "word" in row else touched
+    if touched in ("", named) or bool(row["symmetric"]):
+        return proof
+    return f"the proof is of a graze of the wall {touched}, not {named}"
 
 
 def _orbits(model: Model, N: int, word: str) -> Sequence[ImpactOrbit]:

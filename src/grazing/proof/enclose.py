@@ -65,7 +65,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     ----------
     orbit : Orbit
         An orbit near the bifurcation, of the oscillator, over one wall or between walls which may move, or of the gap
-        map; from it the search starts. It may be that of the special point of a branch. Of an orbit at a graze, an
+        map; from it the search goes along its branch. It may be that of the special point of a branch. Of one at a
+        graze, an
         impact without speed is taken for the touch.
     kind : str
         ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map

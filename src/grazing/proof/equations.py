@@ -104,6 +104,17 @@ class Equations:
             self._fixed[wall] = Flow(self.model, wall=wall)
         return self._fixed[wall]
 
+    def scales(self, x: list[arb], flights: list[Flight]) -> list[arb]:
+        """Return the natural scale of each coordinate of an orbit but the parameter."""
+        from flint import arb
+
+        flow = self.flow(x)
+        speed = arb(max(max(float(abs(f.w)), float(abs(f.v))) for f in flights) or 1.0)
+        if self.n == 0:
+            speed = max(speed, abs(x[0]) * flow.scale, key=float)
+            return [speed / flow.scale, speed]
+        return [1 / flow.scale] * self.n + [speed] * self.n
+
     def flows(self, x: list[arb], derivative: bool = False) -> list[Flow]:
         """Return the flow of every wall."""
         return [self.flow(x, derivative, wall) for wall in self.walls]

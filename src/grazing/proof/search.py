@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grazing.proof.clearance import started
 from grazing.proof.equations import Equations, Flight
@@ -17,12 +18,17 @@ if TYPE_CHECKING:
 
     Point = list[arb]
 
+Floats = NDArray[np.float64]
+
 #: Most steps of the secant method, and steps with a shorter and shorter way to go.
 SECANTS, TRIES = 80, 12
 #: Bits of the first, rough search.
 ROUGH = 96
 #: Longest step of the search in the coordinate that is varied, in units of its size.
 STRIDE = 0.05
+#: How far Newton's method may go from the tangent, as part of the step and in scales of the coordinates: farther off
+#: lies another branch. How far from the orbit given.
+ASTRAY, FAR, NEAR = 0.2, 0.05, 0.01
 
 
 class Dip(NamedTuple):
@@ -48,6 +54,8 @@ class Search:
         if kind == "lp":  # the parameter turns round at a fold: there no orbit is alone at its value
             self.pinned = self._steepest(start)
         self.start = self.solved(start)
+        if self._apart(start, self.start) > NEAR:
+            raise NotProven("Newton's method went from the orbit given to another one; give one of a smaller residual")
 
     def solved(self, x: Point) -> Point:
         """Return the orbit at the pinned coordinate of a guess."""
@@ -58,11 +66,18 @@ class Search:
                 "Newton's method does not find the orbit near the one given; give one nearer to the bifurcation"
             ) from None
 
+    def _tangent(self, x: Point) -> Floats:
+        """Return the direction of the curve at an orbit."""
+        rows = self.equations.jacobian(self.equations.flights(x, derivative=True))
+        matrix = np.array([[float(a) for a in row] for row in rows])
+        try:
+            return np.asarray(np.linalg.svd(matrix)[2][-1])
+        except np.linalg.LinAlgError:
+            raise NotProven("the equations of the orbit have no derivative there; give another orbit") from None
+
     def _steepest(self, x: Point) -> int:
         """Return the coordinate that changes most along the curve."""
-        rows = self.equations.jacobian(self.equations.flights(x, derivative=True))
-        tangent = np.linalg.svd(np.array([[float(a) for a in row] for row in rows]))[2][-1]
-        return int(np.argmax(np.abs(tangent)))
+        return int(np.argmax(np.abs(self._tangent(x))))
 
     def test(self, x: Point) -> arb:
         """Return the test function at an orbit."""
@@ -95,14 +110,14 @@ class Search:
         return self.solved(x)
 
     def _secant(self, x: Point, stride: float) -> Point:
-        """Return the zero along the curve by the secant method, with orbits extrapolated from the last two."""
+        """Return the zero along the curve by the secant method, each orbit found from the tangent at the last one."""
         from flint import arb, ctx
 
         x = self.solved(x)
-        value, last, before = self.test(x), x, None
+        value, last = self.test(x), x
         step = arb(stride * self._unit(x))
         for _ in range(SECANTS):
-            new = self._advanced(last, before, step)
+            new = self._advanced(last, step)
             old, value = value, self.test(new)
             before, last = last, new
             rise = (value - old).mid()
@@ -114,7 +129,7 @@ class Search:
             moved, unit = (last[c] - before[c]).mid(), self._unit(last)
             step = (-value * moved / rise).mid()
             if float(abs(step)) <= 2.0 ** -(2 * ctx.prec // 5) * unit:
-                return self._guess(last, before, step)
+                return self._guess(last, self._tangent(last), step)
             longest = max(STRIDE * unit, 2 * float(abs(moved)))
             if not float(abs(step)) < longest:
                 step = arb(longest if step > 0 else -longest)
@@ -133,22 +148,37 @@ class Search:
             "give an orbit nearer to it"
         )
 
-    def _guess(self, x: Point, before: Point | None, step: arb) -> Point:
-        """Return a guess of the orbit a step further, from the last two."""
-        c = self.pinned
-        if before is None or before[c] == x[c]:
-            return [*x[:c], (x[c] + step).mid(), *x[c + 1 :]]
-        share = step / (x[c] - before[c])
-        return [(a + share * (a - b)).mid() for a, b in zip(x, before, strict=True)]
+    def _guess(self, x: Point, tangent: Floats, step: arb) -> Point:
+        """Return a guess of the orbit a step further, along the tangent."""
+        from flint import arb
 
-    def _advanced(self, x: Point, before: Point | None, step: arb) -> Point:
-        """Return the orbit a step further, or less far if there is none."""
+        ahead = tangent[self.pinned]
+        if ahead == 0.0:
+            raise NotProven("the branch turns back where it was to go on; give an orbit nearer to the bifurcation")
+        return [(a + step * arb(b / ahead)).mid() for a, b in zip(x, tangent.tolist(), strict=True)]
+
+    def _advanced(self, x: Point, step: arb) -> Point:
+        """Return the orbit a step further along its branch, or less far if there is none near the tangent."""
+        tangent = self._tangent(x)
         for _ in range(TRIES):
+            guess = self._guess(x, tangent, step)
             try:
-                return newton(self.equations, self._guess(x, before, step), self.pinned)
+                new = newton(self.equations, guess, self.pinned)
+                if self._apart(guess, new) <= min(ASTRAY * self._way(x, guess), FAR):
+                    return new
             except (NoConvergence, TooLong):
-                step = (step / 4).mid()
+                pass
+            step = (step / 4).mid()
         raise NotProven("the orbit cannot be followed towards the bifurcation; give one nearer to it")
+
+    def _way(self, x: Point, guess: Point) -> float:
+        """Return the length of a step: of the orbit, or of what is varied where the orbit hardly changes with it."""
+        return max(self._apart(x, guess), min(STRIDE, float(abs(guess[self.pinned] - x[self.pinned])) / self._unit(x)))
+
+    def _apart(self, one: Point, two: Point) -> float:
+        """Return how far two orbits are from each other: the largest difference, in scales of the coordinates."""
+        sizes = map(float, self.equations.scales(two, self.equations.flights(two)))
+        return max(float(abs(a - b)) / size for a, b, size in zip(one, two, sizes, strict=False))
 
 
 def dips_of(equations: Equations, flights: list[Flight], i: int, x: Point) -> list[Dip]:
