@@ -132,3 +132,25 @@ def test_a_word_is_spelled_once():
         assert len(words) == many and len(every) == n * many
         whole = sum(1 for w in product((0, 1), repeat=n) if not any(w == w[k:] + w[:k] for k in range(1, n)))
         assert len(every) == whole
+
+
+def test_no_rate_is_greater_than_that_of_the_slowest_cycle():
+    # cut at so few impacts the series of nearly touching discs has a zero far above, which was given as the rate
+    cycles = three_disc_cycles(2.05, 6)
+    with pytest.raises(gz.InputError, match="has no zero"):
+        cycle_expansion(cycles)
+
+
+def test_discs_far_apart_have_a_rate_beyond_many_mean_times():
+    found = cycle_expansion(three_disc_cycles(1e12, 4))
+    # a disc lets all but about one in 1e12 go: the rate is some 27 a flight, and the search ended at 20
+    assert 0.0 < found.escape_rate * 1e12 < 30.0 and found.error < 1e-3 * found.escape_rate
+
+
+def test_multipliers_whose_powers_are_no_doubles_count():
+    cycles = [Cycle(1, 1.0, (1e40,)), Cycle(10, 10.0, (1e300,))]
+    assert cycle_expansion(cycles).escape_rate == pytest.approx(69.0775527898)  # 30 ln 10 in a time
+    with pytest.raises(gz.InputError, match="their powers are no doubles"):
+        cycle_expansion([Cycle(1, 1.0, (1e200 + 1e200j, 1e200 - 1e200j)), Cycle(3, 3.0, (5.0,))])
+    with pytest.raises(gz.InputError, match="cycles are 3"):
+        cycle_expansion(3)

@@ -146,7 +146,7 @@ def pointed_return(n: int, timed: bool) -> tuple[Callable[..., Any], Callable[..
 
     def derived(state: Any, c: Any) -> Any:
         new, letter, outcome, J = both(state, widths_of(c), c)
-        return new, letter, outcome, (*J, NAN)
+        return new, letter, outcome, (*J, -INFINITY)  # all images lie on a surface
 
     return ending(step, INFINITY), derived, kind_of(HEAD, n)
 

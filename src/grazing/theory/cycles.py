@@ -188,12 +188,14 @@ def stays(roots: Sequence[Any], r: int) -> Decimal:
             found *= 1 - (root if isinstance(root, Decimal) else Decimal(complex(root).real)) ** r
         size = abs(found)
     else:
-        try:
-            product = complex(1.0)
-            for root in roots:
+        product, far = complex(1.0), False
+        for root in roots:
+            try:
                 product *= 1.0 - complex(root) ** r
-        except OverflowError:
-            raise InputError(f"the multipliers of a cycle are {shown(roots)}: their powers are no doubles") from None
+            except OverflowError:
+                far = True
+        if far or not isfinite(abs(product)):
+            raise InputError(f"the multipliers of a cycle are {shown(roots)}: their powers are no doubles")
         size = Decimal(abs(product))
     if size == 0:
         raise InputError("a multiplier of a cycle is 1: it is not hyperbolic, and has no weight")
