@@ -32,7 +32,10 @@ _PUBLIC = {
     "arc": "billiard.objects",
     "disc": "billiard.objects",
     "drain": "billiard.objects",
+    "flipper": "billiard.objects",
     "segment": "billiard.objects",
+    "flips": "billiard.players",
+    "presses": "billiard.players",
     "table": "billiard.table",
     "Surface": "systems.contract",
     "System": "systems.contract",
@@ -117,7 +120,10 @@ if TYPE_CHECKING:
     from grazing.billiard.objects import arc as arc
     from grazing.billiard.objects import disc as disc
     from grazing.billiard.objects import drain as drain
+    from grazing.billiard.objects import flipper as flipper
     from grazing.billiard.objects import segment as segment
+    from grazing.billiard.players import flips as flips
+    from grazing.billiard.players import presses as presses
     from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram

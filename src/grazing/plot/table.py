@@ -31,7 +31,8 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     Parameters
     ----------
     table : Table
-        From :func:`grazing.table`. Objects that kick are red, drains are dashed.
+        From :func:`grazing.table`. Objects that kick are red, drains are dashed, flippers where they are at the
+        end.
     flown : xarray.Dataset, optional
         Of :func:`grazing.trajectory` on this table: the way of the ball's centre, and the ball, to scale, where it
         begins and ends.
@@ -64,7 +65,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         raise InputError(f"names is {shown(names)}; give True or False")
     if flown is not None:
         expect(flown, "trajectory", dict.fromkeys(("x", "y", "vx", "vy"), ("t",)), "table")
-    lines = table.outlines()
+    lines = table.outlines(0.0 if flown is None else float(flown.t[-1]))
     x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
     if flown is not None:
         inside = flown.y.values >= y.min() - 0.5 * np.ptp(y)  # a ball may fall or fly on for ever
