@@ -36,6 +36,7 @@ _PUBLIC = {
     "segment": "billiard.objects",
     "flips": "billiard.players",
     "presses": "billiard.players",
+    "read_table": "config.tables",
     "table": "billiard.table",
     "Surface": "systems.contract",
     "System": "systems.contract",
@@ -130,6 +131,7 @@ if TYPE_CHECKING:
     from grazing.compare.ladder import ladder as ladder
     from grazing.compare.response import response as response
     from grazing.compare.validity import validity as validity
+    from grazing.config.tables import read_table as read_table
     from grazing.export import to_csv as to_csv
     from grazing.export import to_dataframe as to_dataframe
     from grazing.export import to_parquet as to_parquet
