@@ -155,3 +155,31 @@ def test_a_table_with_flippers_keeps_the_laws_of_tables(monkeypatch):
     monkeypatch.setattr(check, "flights_of", planted)
     with pytest.raises(AssertionError, match="changes the velocity by"):
         gz.testing.check_table(pair(FLIPS), states=20)
+
+
+def test_a_flight_of_a_million_strokes_ends_by_name():
+    """A ball that hangs over a flipper which twitches: many strokes are followed, too many are named."""
+    flipper = gz.flipper("A", (0.0, 0.0), 2.0, 0.2, 0.0, 0.8, ELASTIC, up=4.0, down=4.0)
+    table = gz.table([flipper], 0.1, player=gz.flips(1e-3, 1e-4))
+    state = 1.5, 0.35, 0.0, -1e-3
+    flown = gz.trajectory(table, state, until=100.0)  # 50000 strokes until it is there
+    assert flown.outcome == "escaped" and 49.0 < flown.impact_time.values[0] < 50.0
+    flown = gz.trajectory(table, (1.5, 0.35, 0.0, -1e-9), until=1e9)
+    assert flown.outcome == "followed for too long" and flown.trust.item() == "certified" and not flown.impact_time.size
+
+
+@pytest.mark.parametrize(("length", "time"), [(2.0**40, 1.0), (2.0**-40, 2.0**20), (1.0, 2.0**-30)])
+def test_units_do_not_matter(length, time):
+    table, params = pair(FLIPS), dict(pair(FLIPS).params)
+    units = [
+        (("x", "y", "x1", "y1", "x2", "y2", "radius", "length", "hub", "tip", "rho"), length),
+        (("up", "down"), 1.0 / time),
+        (("period", "hold", "phase"), time), (("V",), length / time), (("g",), length / time**2),
+    ]  # fmt: skip
+    scales = {name: unit for names, unit in units for name in names}
+    other = table.at({name: value * scales.get(name.split(".")[-1], 1.0) for name, value in params.items()})
+    angle, speed = np.linspace(0.2, 3.0, 12), np.linspace(1.0, 5.0, 10)
+    one = gz.launches(table, (3.0, 4.0), angle, speed)
+    two = gz.launches(other, (3.0 * length, 4.0 * length), angle, speed * length / time)
+    np.testing.assert_array_equal(one.hits, two.hits)
+    np.testing.assert_array_equal(one.time * time, two.time)

@@ -23,7 +23,9 @@ from grazing.outcome import (
     ESCAPED,
     FATAL,
     GRAZE,
+    INSIDE_WALL,
     TOO_MANY_IMPACTS,
+    TOO_MANY_SWINGS,
     InputError,
     Trust,
     UserCodeError,
@@ -48,7 +50,7 @@ TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS, FIRST, LAST, NEXT, COLUMNS = 0, 1, 2
 TOO_MANY = "too many impacts"
 WORDS = (
     (TOO_MANY_IMPACTS, "bounces too small to tell apart"), (DIVERGED, "diverged"), (ESCAPED, "escaped"),
-    (GRAZE, "grazing"),
+    (INSIDE_WALL, "inside an object"), (TOO_MANY_SWINGS, "followed for too long"), (GRAZE, "grazing"),
 )  # fmt: skip
 
 

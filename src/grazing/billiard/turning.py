@@ -35,6 +35,8 @@ from grazing.kernel.primitives import behind, inlined
 from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
+#: Pieces of a flipper's motion that are looked at in one flight, after which it ends by name.
+MOST = 1_000_000
 #: Times that the end of what a bound has to hold for is brought forward, to twice the step that it allows.
 NARROWED = 3
 
@@ -297,7 +299,7 @@ def of_flipper(
             return -1, INFINITY, 0.0, OK
         if t == 0.0 and is_inside(flight, phase, row, pieces):
             return AT_TIP, 0.0, 0.0, INSIDE_WALL
-    for _ in range(LOOKS):
+    for _ in range(MOST):
         number, turns = piece_at(t, phase, row, pieces)
         piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
