@@ -32,7 +32,11 @@ _PUBLIC = {
     "arc": "billiard.objects",
     "disc": "billiard.objects",
     "drain": "billiard.objects",
+    "flipper": "billiard.objects",
     "segment": "billiard.objects",
+    "flips": "billiard.players",
+    "presses": "billiard.players",
+    "read_table": "config.tables",
     "table": "billiard.table",
     "Surface": "systems.contract",
     "System": "systems.contract",
@@ -117,13 +121,17 @@ if TYPE_CHECKING:
     from grazing.billiard.objects import arc as arc
     from grazing.billiard.objects import disc as disc
     from grazing.billiard.objects import drain as drain
+    from grazing.billiard.objects import flipper as flipper
     from grazing.billiard.objects import segment as segment
+    from grazing.billiard.players import flips as flips
+    from grazing.billiard.players import presses as presses
     from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
     from grazing.compare.ladder import ladder as ladder
     from grazing.compare.response import response as response
     from grazing.compare.validity import validity as validity
+    from grazing.config.tables import read_table as read_table
     from grazing.export import to_csv as to_csv
     from grazing.export import to_dataframe as to_dataframe
     from grazing.export import to_parquet as to_parquet

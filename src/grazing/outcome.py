@@ -107,8 +107,9 @@ _ADVICE = {
         "choose r < 1 or a larger V, or declare the contraction of the law; on a table r = 1 for inclined rails",
     ),
     Outcome.too_many_swings: (
-        "more than 47,000 swings of the free ball in one period of the forcing",
-        "the time scales are too far apart for exact work: raise omega or alpha, or lower k",
+        "more than 47,000 swings of the free ball in one period of the forcing; on a table more than a million turns "
+        "of a flipper in one flight",
+        "the time scales are too far apart for exact work: raise omega or alpha, lower k, flip less often",
     ),
     Outcome.escaped: (
         "the ball left through a drain, or for good without meeting anything",

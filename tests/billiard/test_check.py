@@ -45,7 +45,7 @@ def test_an_object_that_is_not_met_is_found(monkeypatch):
     table = gz.table([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.disc("B", (3, 0), 1.0, ELASTIC)])
     shown = type(table).distances
     monkeypatch.setattr(
-        type(table), "distances", lambda self, x, y: shown(self, x, y) | {"B": np.hypot(x, y - 2.0) - 1.0}
+        type(table), "distances", lambda self, x, y, t=0.0: shown(self, x, y, t) | {"B": np.hypot(x, y - 2.0) - 1.0}
     )
     with pytest.raises(AssertionError, match=r"misses B|ends at B, but"):
         for seed in range(9):

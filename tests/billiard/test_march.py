@@ -20,7 +20,7 @@ KINDS = "disc", "end", "face", "arc outside", "arc inside"
 @lru_cache(maxsize=1)
 def marcher():
     def march(block, state, left, found):
-        surface, t, flags = first_contact(state[0], state[1], state[2], state[3], left, numbers(block))
+        surface, t, flags = first_contact(state[0], state[1], state[2], state[3], left, 0.0, numbers(block))
         found[0], found[1], found[2] = surface, t, flags
 
     return compiled(march)

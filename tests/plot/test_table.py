@@ -1,9 +1,13 @@
 """Figures of tables: to scale, every object, the way of a ball."""
 
+from io import BytesIO
+
 import numpy as np
 import pytest
+from PIL import Image
 
 import grazing as gz
+from tests.billiard.flippers import pair
 from tests.billiard.tables import mixed, three_discs
 from tests.maps.test_collisions import pinball
 
@@ -66,3 +70,52 @@ def test_other_things_are_refused():
         gz.plot.table(gz.pinball())
     with pytest.raises(gz.InputError, match=r"plot\.table finds no x in a result with u, v, .* and \d+ more;"):
         gz.plot.table(three_discs(6.0), gz.trajectory(gz.pinball(), (0.1, 0.0)))
+
+
+def test_a_film_shows_the_ball_and_the_flippers_where_they_are(tmp_path):
+    table = pair(gz.flips(0.9, 0.4))
+    flown = gz.trajectory(table, (2.5, 5.0, 0.3, 0.0), start=0.1, until=1.1)
+    path = gz.plot.animate(table, flown, tmp_path / "ball.gif", fps=10, speed=0.5)
+    with Image.open(path) as film:
+        assert film.n_frames == 21 and film.info["duration"] == 100
+        frames = []
+        for i in range(film.n_frames):
+            film.seek(i)
+            frames.append(np.asarray(film.convert("RGB"), dtype=int))
+    drawn = gz.plot.table(table, names=False)
+    with gz.plot.styled():
+        drawn["figure"].savefig(BytesIO(), format="rgba", dpi=100)
+
+    def colour(i, x, y):
+        column, row = drawn["figure"].axes[0].transData.transform((x, y))
+        return frames[i][int(len(frames[i]) - row), int(column)]
+
+    for i in (0, 7, 20):
+        end = np.searchsorted(flown.t.values, 0.1 + 0.05 * i, side="right") - 1
+        s, now = 0.1 + 0.05 * i - float(flown.t[end]), flown.isel(t=end)
+        red, _green, blue = colour(i, now.x + now.vx * s, now.y + now.vy * s - 0.5 * table.gravity * s * s)
+        assert blue > red + 60
+    raised, resting = ((1.2 + 1.4 * np.cos(angle), 1.0 + 1.4 * np.sin(angle)) for angle in (0.6, -0.5))
+    for i, there, free in ((2, raised, resting), (12, resting, raised), (18, raised, resting)):  # t = 0.2, 0.7, 1.0
+        assert colour(i, *there).sum() < 700 and colour(i, *free).sum() == 3 * 255
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"path": "ball.mp4"}, "a film is written as .gif; the file is called ball.mp4"),
+        ({"fps": 0}, "fps = 0; allowed"),
+        ({"fps": 0.5}, r"fps = 0\.5; allowed"),
+        ({"speed": 0.0}, "speed = 0; allowed is speed > 0"),
+        ({"speed": 1e-4}, "frames; allowed are 3000"),
+    ],
+)
+def test_wrong_films_are_refused(more, said, tmp_path):
+    flown = gz.trajectory(pinball(), (2.2, 9.0, 0.3, 0.0), until=2.0)
+    with pytest.raises(gz.InputError, match=said):
+        gz.plot.animate(pinball(), flown, **{"path": tmp_path / more.pop("path", "ball.gif"), **more})
+    with pytest.raises(gz.InputError, match="trajectory"):
+        gz.plot.animate(pinball(), None, tmp_path / "ball.gif")
+    with pytest.raises(gz.InputError, match="cannot draw a"):
+        gz.plot.animate(gz.pinball(), flown, tmp_path / "ball.gif")
+    assert not list(tmp_path.iterdir())

@@ -7,9 +7,10 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.exact import Undecided, exact_contact
+from grazing.billiard.exact import exact_contact
 from grazing.billiard.flown import BEFORE, COLUMNS, FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
-from grazing.billiard.objects import DISC, DRAIN
+from grazing.billiard.objects import DISC, DRAIN, FLIPPER
+from grazing.billiard.roots import Undecided
 from grazing.billiard.table import Table
 from grazing.outcome import AMBIGUOUS, FATAL, InputError
 
@@ -42,20 +43,20 @@ def check(table: Table, states: int, seed: int) -> int:
     for _ in range(states):
         (x, y), angle = free_place(table, random), random.uniform(0.0, 2.0 * pi)
         fast = random.uniform(0.1, 1.0) * speed
-        left = -1
+        left, clock = -1, 0.0
         for flight in flights_of(table, (x, y, fast * cos(angle), fast * sin(angle)), 0.0, np.inf, FLIGHTS):
-            _check_flight(table, block, flight, left, extent)
-            left, seen = int(flight[SURFACE]), seen + 1
+            _check_flight(table, block, flight, left, clock, extent)
+            left, clock, seen = int(flight[SURFACE]), clock + float(flight[TIME]), seen + 1
     return seen
 
 
-def _check_flight(table: Table, block: Floats, flight: Floats, left: int, extent: float) -> None:
+def _check_flight(table: Table, block: Floats, flight: Floats, left: int, clock: float, extent: float) -> None:
     state, flags = flight[FIRST:LAST], int(flight[FLAGS])
-    said = f"the flight from {tuple(state.tolist())}"
+    said = f"the flight from {tuple(state.tolist())}{f' at t = {clock!r}' if clock else ''}"
     if flags & (FATAL | AMBIGUOUS):
         return
     try:
-        surface, t, _graze = exact_contact(block, tuple(state.tolist()), left)
+        surface, t, _graze = exact_contact(block, tuple(state.tolist()), left, clock)
     except Undecided:
         return
     assert surface == int(flight[SURFACE]), f"{said} ends at surface {int(flight[SURFACE])}; exact is {surface}"
@@ -66,7 +67,7 @@ def _check_flight(table: Table, block: Floats, flight: Floats, left: int, extent
     size = SAME * (extent + abs(x) + abs(y))
     end = flight[TIME] if surface >= 0 else extent / max(np.hypot(vx, vy), 1e-300)
     for s in np.linspace(0.0, end, PLACES).tolist():
-        now = table.distances(x + vx * s, y + (vy - 0.5 * table.gravity * s) * s)
+        now = table.distances(x + vx * s, y + (vy - 0.5 * table.gravity * s) * s, clock + s)
         for one in table.objects:
             assert one.kind == DRAIN or now[one.name] - table.rho >= -size, (
                 f"{said} misses {one.name}: the ball overlaps it by {table.rho - now[one.name]:.1e} at t = {s!r}"
@@ -74,12 +75,19 @@ def _check_flight(table: Table, block: Floats, flight: Floats, left: int, extent
     if np.isnan(flight[BEFORE]):
         return
     name = table.names[int(flight[OWNER])]
-    gap = table.distances(flight[NEXT], flight[NEXT + 1])[name] - table.rho
+    gap = table.distances(flight[NEXT], flight[NEXT + 1], clock + float(flight[TIME]))[name] - table.rho
     assert abs(gap) <= size, f"{said} ends at {name}, but {gap:.1e} away from it"
     law = table.objects[int(flight[OWNER])].law
     assert law is not None
-    away = float(np.hypot(*flight[NEXT + 2 : COLUMNS]) ** 2 - np.hypot(*flight[LAST + 2 : NEXT]) ** 2)
+    after, before = flight[NEXT + 2 : COLUMNS], flight[LAST + 2 : NEXT]
+    if table.objects[int(flight[OWNER])].kind == FLIPPER:  # which gives energy, or takes it
+        kick = law(float(flight[BEFORE])) - float(flight[BEFORE])
+        assert abs(float(np.hypot(*(after - before))) - kick) <= 1e-9 * (kick + np.hypot(*before)), (
+            f"{said} changes the velocity by {(after - before).tolist()} at {name}; the law of that says {kick!r}"
+        )
+        return
+    away = float(after @ after - before @ before)
     kept = law(float(flight[BEFORE])) ** 2 - float(flight[BEFORE]) ** 2
-    assert abs(away - kept) <= 1e-9 * (1.0 + abs(kept)) * (1.0 + np.hypot(*flight[LAST + 2 : NEXT]) ** 2), (
+    assert abs(away - kept) <= 1e-9 * (1.0 + abs(kept)) * (1.0 + float(before @ before)), (
         f"{said} changes the square of the speed by {away!r} at {name}; the law of that says {kept!r}"
     )

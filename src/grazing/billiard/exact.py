@@ -2,21 +2,21 @@
 
 Along a parabola the gap of every surface of a table is a polynomial of degree two or four, and its coefficients are
 rational, as doubles are. Its real roots come isolated, with multiplicities: a root of odd multiplicity at which it
-falls is a contact, one of even multiplicity a graze. The order of two surfaces is that of isolated roots.
+falls is a contact, one of even multiplicity a graze. The order of two surfaces is that of isolated roots. Flippers that
+turn are in :mod:`grazing.billiard.turning_exact`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from fractions import Fraction
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from math import inf, nextafter
 
 import numpy as np
-from flint import arb, ctx, fmpq, fmpq_poly
+from flint import fmpq_poly
 from numpy.typing import NDArray
 
 from grazing.billiard.march import body_of, face_corner, side_corner
+from grazing.billiard.roots import Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
@@ -24,6 +24,7 @@ from grazing.billiard.rows import (
     EX,
     EY,
     FACES,
+    FLIPPERS,
     GRAVITY,
     HEAD,
     LONG,
@@ -39,44 +40,12 @@ from grazing.billiard.rows import (
     THINGS,
     WIDTH,
 )  # fmt: skip
+from grazing.billiard.turning_exact import turning_roots
 from grazing.outcome import AMBIGUOUS, GRAZE, OK
 
 Floats = NDArray[np.float64]
 #: Bits of precision that are tried in turn; roots of such polynomials that differ at all differ within the last.
 BITS = (128, 512, 2048, 8192)
-#: A gap that begins below 0 by less than this share of the sizes it is made of begins at 0: that is rounding.
-SHARE = 2.0**-46
-
-
-class Undecided(Exception):
-    """What no precision that is tried decides."""
-
-
-class Gap(NamedTuple):
-    """The gap of a surface along a flight; ``within`` are polynomials that are >= 0 where the surface is.
-
-    ``size`` are the sizes that the gap at the beginning is made of.
-    """
-
-    surface: int
-    owner: int
-    h: fmpq_poly
-    within: tuple[fmpq_poly, ...]
-    fresh: bool
-    size: float
-
-
-class Root(NamedTuple):
-    """Where a gap comes down to 0, or touches it."""
-
-    t: arb
-    gap: Gap
-    touch: bool
-
-
-def exact(x: float) -> fmpq:
-    """Return a double as a rational number."""
-    return fmpq(*float(x).as_integer_ratio())
 
 
 def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]:
@@ -121,87 +90,41 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 
-def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool, size: float) -> Gap:
-    """Return a gap; it is 0 at the beginning by definition where the ball just left the surface, from either side."""
-    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh, size)
-
-
-@contextmanager
-def precision(bits: int) -> Iterator[None]:
-    """Let ball arithmetic have so many bits for a while."""
-    before, ctx.prec = ctx.prec, bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
-
-
-def at(h: fmpq_poly, t: arb) -> arb:
-    """Return a polynomial at a ball."""
-    found = arb(0)
-    for i in range(h.degree(), -1, -1):
-        found = found * t + arb(h[i])
-    return found
-
-
-def sign_at(h: fmpq_poly, root: Root | arb) -> int:
-    """Return the sign of a polynomial at a root, 0 where balls of this precision do not tell."""
-    value = at(h, root if isinstance(root, arb) else root.t)
-    return 1 if value > 0 else (-1 if value < 0 else 0)
-
-
-def roots_of(gap: Gap) -> list[Root]:
-    """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
-    h, found = gap.h, []
-    if not gap.fresh and h[0] <= 0 and h[1] < 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
-        found.append(Root(arb(0), gap, False))
-    if h.degree() < 1:
-        return found
-    roots: Any = h.numer().complex_roots()
-    for z, times in roots:
-        t = z.real
-        if not z.imag == 0 or not t > 0:
-            if z.imag == 0 and not t < 0 and not t == 0:
-                raise Undecided
-            continue
-        slope = h
-        for _ in range(times):
-            slope = slope.derivative()
-        way = sign_at(slope, t)
-        if way == 0:
-            raise Undecided
-        if (way < 0) == (times % 2 == 1):
-            found.append(Root(t, gap, times % 2 == 0))
-    return sorted(found, key=lambda one: float(one.t))
-
-
-def inside(root: Root) -> int:
-    """Say whether a root is on the surface itself, between its ends: 1, or -1 for not; 0 for at an end."""
-    return min((sign_at(one, root) for one in root.gap.within), default=1)
-
-
-def exact_contact(block: Floats, state: tuple[float, ...], left: int) -> tuple[int, float, int]:
+def exact_contact(
+    block: Floats, state: tuple[float, ...], left: int, clock: float = 0.0
+) -> tuple[int, float, int]:  # fmt: skip
     """Return (surface, t, flags): what a ball hits first, -1 for nothing, and whether it grazed something before.
 
     Of two that it hits at the same time it is the one whose object comes first, and *ambiguous*: a flight beside it
-    may hit the other one first.
+    may hit the other one first. The flight begins at the time ``clock``.
 
     Raises
     ------
     Undecided
         If no precision tells.
     """
-    gaps = list(gaps_of(block, state, left))
+    faces, others = int(block[FACES]), int(block[CIRCLES]) + int(block[SIDES])
+    base = 2 * faces + others
+    gaps = list(gaps_of(block, state, left if left < base else -1))
+    rows = block[HEAD + THING * int(block[THINGS]) + WIDTH * (faces + others) :]
+
+    def turning(end: float, last: bool) -> Iterator[Root]:
+        return turning_roots(
+            rows, int(block[FLIPPERS]), state, float(block[GRAVITY]), left - base, base, clock, end, last
+        )
+
     for bits in BITS:
         with precision(bits):
             try:
-                return _first(gaps, state, last=bits == BITS[-1])
+                return _first(gaps, turning, last=bits == BITS[-1])
             except (Undecided, OverflowError):  # so large that it is infinite in doubles
                 continue
     raise Undecided
 
 
-def _first(gaps: list[Gap], state: tuple[float, ...], last: bool) -> tuple[int, float, int]:
+def _first(
+    gaps: list[Gap], turning: Callable[[float, bool], Iterator[Root]], last: bool
+) -> tuple[int, float, int]:  # fmt: skip
     hits: list[Root] = []
     touches: list[Root] = []
     flags = OK
@@ -214,6 +137,9 @@ def _first(gaps: list[Gap], state: tuple[float, ...], last: bool) -> tuple[int, 
                 (touches if root.touch else hits).append(root)
                 if not root.touch:
                     break
+    end = min((nextafter(float(one.t.upper()), inf) for one in hits), default=inf)
+    for root in turning(end, last):
+        (touches if root.touch else hits).append(root)
     if not hits:
         return -1, float("inf"), GRAZE if touches else OK
     best = hits[0]
@@ -229,15 +155,3 @@ def _first(gaps: list[Gap], state: tuple[float, ...], last: bool) -> tuple[int, 
     if any(one.t < best.t for one in touches):
         flags |= GRAZE
     return best.gap.surface, float(best.t), flags
-
-
-def same(one: Root, other: Root) -> bool:
-    """Say whether two gaps surely have a root in common where their roots are not told apart."""
-    common = one.gap.h.gcd(other.gap.h)
-    if common.degree() < 1:
-        return bool(one.t == other.t)
-    roots: Any = common.numer().complex_roots()
-    for z, _times in roots:
-        if z.imag == 0 and z.real.overlaps(one.t) and z.real.overlaps(other.t):
-            return True
-    return False

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import impact, next_impact
-from grazing.billiard.exact import Undecided, exact_contact
+from grazing.billiard.exact import exact_contact
+from grazing.billiard.roots import Undecided
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import numbers
 from grazing.memory import refuse_too_large
@@ -22,7 +23,9 @@ from grazing.outcome import (
     ESCAPED,
     FATAL,
     GRAZE,
+    INSIDE_WALL,
     TOO_MANY_IMPACTS,
+    TOO_MANY_SWINGS,
     InputError,
     Trust,
     UserCodeError,
@@ -47,7 +50,7 @@ TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS, FIRST, LAST, NEXT, COLUMNS = 0, 1, 2
 TOO_MANY = "too many impacts"
 WORDS = (
     (TOO_MANY_IMPACTS, "bounces too small to tell apart"), (DIVERGED, "diverged"), (ESCAPED, "escaped"),
-    (GRAZE, "grazing"),
+    (INSIDE_WALL, "inside an object"), (TOO_MANY_SWINGS, "followed for too long"), (GRAZE, "grazing"),
 )  # fmt: skip
 
 
@@ -62,7 +65,7 @@ def recorder() -> Any:
         table, t, left = numbers(block), now[0], now[1]
         x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
         while going and count < flights.shape[0]:
-            (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, table)
+            (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, t, table)
             row = flights[count]
             row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
             row[BEFORE], row[AFTER] = speeds[0], speeds[1]
@@ -81,11 +84,11 @@ def recorder() -> Any:
 
 @lru_cache(maxsize=1)
 def lander() -> Any:
-    """Compile ``land(block, surface, t, state, row)``: fill the row of a flight that ends at a surface after t."""
+    """Compile ``land(block, surface, t, state, clock, row)``: fill the row of a flight that ends there after t."""
 
-    def land(block: Any, surface: int, t: float, state: Any, row: Any) -> None:
+    def land(block: Any, surface: int, t: float, state: Any, clock: float, row: Any) -> None:
         (owner, flags), before, after, speeds = impact(
-            surface, t, state[0], state[1], state[2], state[3], numbers(block)
+            surface, t, state[0], state[1], state[2], state[3], clock, numbers(block)
         )
         row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = t, surface, owner, flags
         row[BEFORE], row[AFTER] = speeds[0], speeds[1]
@@ -95,17 +98,17 @@ def lander() -> Any:
     return compiled(land)
 
 
-def decided(block: Floats, state: Floats, left: int) -> Floats | None:
+def decided(block: Floats, state: Floats, left: int, clock: float = 0.0) -> Floats | None:
     """Return the row of a flight that is decided exactly, from a state that has just left a surface; None if not."""
     try:
-        surface, t, flags = exact_contact(block, tuple(state.tolist()), left)
+        surface, t, flags = exact_contact(block, tuple(state.tolist()), left, clock)
     except Undecided:
         return None
     flight: Floats = np.full(COLUMNS, np.nan)
     flight[FIRST:LAST] = flight[LAST:NEXT] = flight[NEXT:COLUMNS] = state
     flight[TIME], flight[SURFACE], flight[OWNER], flight[FLAGS] = INFINITY, -1, -1, ESCAPED
     if surface >= 0:
-        call(lander(), block, surface, t, state, flight)
+        call(lander(), block, surface, t, state, clock, flight)
     flight[FLAGS] = int(flight[FLAGS]) | flags
     return flight
 
@@ -124,7 +127,7 @@ def flights_of(table: Table, state: tuple[float, ...], start: float, until: floa
         found.append(flights)
         count += len(flights)
         if int(last[FLAGS]) & AMBIGUOUS and not int(last[FLAGS]) & FATAL:
-            exact = decided(block, last[FIRST:LAST].copy(), int(now[1]))
+            exact = decided(block, last[FIRST:LAST].copy(), int(now[1]), float(now[0]))
             last[:] = last if exact is None else exact
             if last[OWNER] >= 0.0 and now[0] + last[TIME] <= until and not int(last[FLAGS]) & (FATAL | ESCAPED):
                 now[:] = now[0] + last[TIME], last[SURFACE], *last[NEXT:COLUMNS]
@@ -149,7 +152,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
 
     names = "x", "y", "vx", "vy"
     begin = checked_start(state)
-    table.refuse_inside(begin[0], begin[1])
+    table.refuse_inside(begin[0], begin[1], start)
     flights = flights_of(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])

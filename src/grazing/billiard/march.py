@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
 from grazing.billiard.gaps import DEEP, EPS, GAP, crossing, face_crossing, first_step, lowest, side_contact
 from grazing.billiard.rows import (
     BARE,
@@ -15,6 +16,7 @@ from grazing.billiard.rows import (
     EX,
     EY,
     FACES,
+    FLIPPERS,
     GRAVITY,
     HEAD,
     LONG,
@@ -30,6 +32,7 @@ from grazing.billiard.rows import (
     THINGS,
     WIDTH,
 )  # fmt: skip
+from grazing.billiard.turning import of_flipper
 from grazing.kernel.primitives import behind, inlined
 from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
 
@@ -61,7 +64,7 @@ def ended(found: Any, surface: int, t: float, flags: int) -> Any:
     return surface, t, 0.0, -1.0, found[4] | flags
 
 
-def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: Any) -> Any:
+def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: float, table: Any) -> Any:
     """Return (surface, t, flags): what a ball hits first, -1 for nothing, and when, from t = 0 on.
 
     A ball that is at rest on a level table, or as slow as nothing, ends by name.
@@ -72,6 +75,8 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
         Place and velocity of its centre.
     left : float
         The surface that it just left, -1 for none. A float: a literal would be a type of its own.
+    clock : float
+        The time at the begin of the flight: it says where flippers are.
     table : pointer to numbers
         Of :func:`grazing.billiard.rows.block_of`.
     """
@@ -82,7 +87,10 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
     if g == 0.0 and fast < LEAST:
         return -1, 0.0, TOO_MANY_IMPACTS
     rows, last = behind(table, HEAD + THING * int(table[THINGS])), int(left)
-    start = rows
+    start, surfaces = rows, 2 * faces + circles + int(table[SIDES])
+    turns = last - surfaces  # of a flipper, if it is one
+    if turns >= 0:
+        last = -1
     found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, circles, rows)
     if not found[4] & FATAL:
         rows = behind(rows, WIDTH * faces)
@@ -90,6 +98,9 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
     if not found[4] & FATAL:
         rows = behind(rows, WIDTH * circles)
         found = of_sides(found, x, y, vx, vy, g, last, faces, circles, int(table[SIDES]), rows, start)
+    if table[FLIPPERS] > 0.0 and not found[4] & FATAL:
+        rows = behind(rows, WIDTH * int(table[SIDES]))
+        found = of_flippers(found, x, y, vx, vy, g, turns, surfaces, clock, int(table[FLIPPERS]), rows)
     return found[0], found[1], found[4]
 
 
@@ -233,4 +244,24 @@ def of_sides(
         found = found[0], found[1], found[2], found[3], found[4] | said
         if t < INFINITY:
             found = nearer(found, base + i, row[OWNER], t, late)
+    return found
+
+
+def of_flippers(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, clock: float, flippers: int,
+    rows: Any,
+) -> Any:  # fmt: skip
+    """Return the first contact with a flipper but for its hub, or what was found before that."""
+    for i in range(flippers):
+        row = behind(rows, FLIPPER_WIDTH * i)
+        left = last - KINDS * i
+        if left >= KINDS:
+            left = -1
+        end = found[1] + found[2]
+        kind, t, late, said = of_flipper(x, y, vx, vy, g, left, clock, row, behind(rows, int(row[AT])), end)
+        if said & FATAL:
+            return ended(found, base + KINDS * i + kind, t, said)
+        found = found[0], found[1], found[2], found[3], found[4] | said
+        if t < INFINITY:
+            found = nearer(found, base + KINDS * i + kind, row[OWNER], t, late)
     return found

@@ -1,4 +1,4 @@
-"""What stands on a table: discs, segments and arcs that the ball hits, each by a law, and drains."""
+"""What stands on a table: discs, segments, arcs and flippers that the ball hits, each by a law, and drains."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grazing.oscillator.reset import KNOWN, Reset
 from grazing.outcome import InputError, shown
 from grazing.parameter import Parameter, checked_params, real
 
-DISC, SEGMENT, ARC, DRAIN = "disc", "segment", "arc", "drain"
+DISC, SEGMENT, ARC, DRAIN, FLIPPER = "disc", "segment", "arc", "drain", "flipper"
 X, Y = (Parameter(name, name, f"{name} of the centre", units="m") for name in "xy")
 RADIUS = Parameter("radius", "R", "radius", 0.0, units="m")
 ENDS = tuple(Parameter(f"{a}{i}", f"{a}_{i}", f"{a} of end {i}", units="m") for i in (1, 2) for a in "xy")
@@ -26,12 +26,19 @@ GEOMETRY: Mapping[str, tuple[Parameter, ...]] = MappingProxyType({
           Parameter("start", r"\theta_1", "angle at which it begins", units="rad"),
           Parameter("stop", r"\theta_2", "angle at which it ends, counterclockwise", units="rad")),
     DRAIN: ENDS,
+    FLIPPER: (X, Y, Parameter("length", "L", "distance from pivot to centre of the tip", 0.0, open="low", units="m"),
+              Parameter("hub", "R_h", "radius at the pivot", 0.0, open="low", units="m"),
+              Parameter("tip", "R_t", "radius at the tip", 0.0, open="low", units="m"),
+              Parameter("rest", r"\theta_0", "angle at rest", units="rad"),
+              Parameter("raised", r"\theta_1", "angle when raised", units="rad"),
+              Parameter("up", r"\omega_1", "angular speed on the way up", 0.0, open="low", units="1/s"),
+              Parameter("down", r"\omega_0", "angular speed on the way down", 0.0, open="low", units="1/s")),
 })  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class Thing(ByValue):
-    """An object of a table; made by :func:`disc`, :func:`segment`, :func:`arc` and :func:`drain`.
+    """An object of a table; made by :func:`disc`, :func:`segment`, :func:`arc`, :func:`flipper` and :func:`drain`.
 
     ``params`` are the numbers of its shape, then those of its law; a drain has no ``law``.
     """
@@ -76,11 +83,25 @@ class Thing(ByValue):
                 f"{name} goes from {shape['start']:g} to {shape['stop']:g}; allowed is start < stop <= start + 2 pi, "
                 "in radians, counterclockwise"
             )
+        if self.kind == FLIPPER and not abs(shape["hub"] - shape["tip"]) < shape["length"]:
+            raise InputError(
+                f"the radii of {name}, {shape['hub']:g} and {shape['tip']:g}, differ by its length {shape['length']:g} "
+                "or more; make it longer"
+            )
+        if self.kind == FLIPPER and not abs(shape["raised"] - shape["rest"]) <= pi:
+            raise InputError(
+                f"{name} turns from {shape['rest']:g} to {shape['raised']:g}; allowed is half a turn, in radians"
+            )
 
     @property
     def params(self) -> Mapping[str, float]:
         """The numbers of its shape, then those of its law."""
         return {**self.shape, **(self.law.params if self.law else {})}
+
+    @property
+    def lengths(self) -> list[float]:
+        """Those numbers of its shape that are lengths."""
+        return [self.shape[known.name] for known in GEOMETRY[self.kind] if known.units == "m"]
 
     def replaced(self, values: Mapping[str, float]) -> Thing:
         """Return the object with all its parameters changed."""
@@ -222,6 +243,55 @@ def arc(name: str, centre: Sequence[float], radius: float, start: float, stop: f
     """
     x, y = _point(centre, name, "centre")
     return Thing(name, ARC, {"x": x, "y": y, "radius": radius, "start": start, "stop": stop}, law)
+
+
+def flipper(
+    name: str, pivot: Sequence[float], length: float, radius: float | Sequence[float], rest: float, raised: float,
+    law: Reset, *, up: float, down: float,
+) -> Thing:  # fmt: skip
+    """Return a flipper, a rigid body that turns about a pivot when its button is pressed, for :func:`grazing.table`.
+
+    It is what two discs cover, one at the pivot and one at the tip, with all between them. It turns with the angular
+    speed ``up`` until it is raised while its button is pressed, else with ``down`` until it is at rest, and stops there
+    at once; the ball does not slow it down. The law acts on the velocity along the normal relative to the surface's.
+
+    Parameters
+    ----------
+    name : str
+        Stands in words, and in front of the parameters: ``name.x``, ``name.y``, ``name.length``, ``name.hub``,
+        ``name.tip``, ``name.rest``, ``name.raised``, ``name.up``, ``name.down``, and those of the law.
+    pivot : (x, y)
+    length : float
+        From the pivot to the centre of the tip, > 0.
+    radius : float or (float, float)
+        Of both ends, or of the hub at the pivot and of the tip; > 0.
+    rest, raised : float
+        Angles from the x axis in radians, at most half a turn apart.
+    law : Reset
+        As in :func:`grazing.disc`.
+    up, down : float
+        Angular speeds, > 0, in radians per unit of time.
+
+    Returns
+    -------
+    Thing
+
+    Raises
+    ------
+    InputError
+        For a name that is none, a value out of range or no law.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.flipper("left", (1, 1), 1.5, (0.2, 0.1), -0.5, 0.5, gz.newton(0.8), up=14, down=8)
+    flipper('left', x=1, y=1, length=1.5, hub=0.2, tip=0.1, rest=-0.5, raised=0.5, up=14, down=8, newton(r=0.8))
+    """
+    x, y = _point(pivot, name, "pivot")
+    both = two_of(radius)
+    hub, tip = both if len(both) == 2 else (radius, radius)
+    shape: dict[str, Any] = {"x": x, "y": y, "length": length, "hub": hub, "tip": tip}
+    return Thing(name, FLIPPER, {**shape, "rest": rest, "raised": raised, "up": up, "down": down}, law)
 
 
 def drain(name: str, start: Sequence[float], stop: Sequence[float]) -> Thing:

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.objects import ARC, DISC, DRAIN, Thing
+from grazing.billiard.flippers import points_of
+from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, Thing
 
 #: Points of a full circle.
 POINTS = 181
@@ -25,8 +26,8 @@ class Outline(NamedTuple):
     label: tuple[float, float]
 
 
-def outline_of(one: Thing) -> Outline:
-    """Return the outline of an object; one kicks whose law makes something of an impact of no speed."""
+def outline_of(one: Thing, angle: float = 0.0) -> Outline:
+    """Return the outline of an object, a flipper at an angle; one kicks whose law makes something of no speed."""
     shape = one.shape
     if one.kind in (DISC, ARC):
         begin, end = shape.get("start", 0.0), shape.get("stop", 2.0 * pi)
@@ -34,6 +35,8 @@ def outline_of(one: Thing) -> Outline:
         points = np.column_stack([
             shape["x"] + shape["radius"] * np.cos(angles), shape["y"] + shape["radius"] * np.sin(angles),
         ])  # fmt: skip
+    elif one.kind == FLIPPER:
+        points = points_of(shape, angle, POINTS)
     else:
         points = np.array([[shape["x1"], shape["y1"]], [shape["x2"], shape["y2"]]])
     if one.kind == DISC:
@@ -42,4 +45,4 @@ def outline_of(one: Thing) -> Outline:
         x, y = points[len(points) // 2] if one.kind == ARC else points.mean(axis=0)
         label = float(x), float(y)
     kicks = one.law is not None and (one.law(0.0) > 0.0 or one.law.params.get("V", 0.0) > 0.0)
-    return Outline(one.name, points, one.kind == DISC, kicks, one.kind == DRAIN, label)
+    return Outline(one.name, points, one.kind in (DISC, FLIPPER), kicks, one.kind == DRAIN, label)

@@ -6,11 +6,12 @@ Seen from the centre of a ball of radius rho, whatever the ball hits consists of
 face     of a segment or drain   both lines at distance D = rho beside it, between its ends
 circle   of a disc, of an end    of radius D = R + rho, or rho, hit from outside; all of it
 side     of an arc               a part of a circle of radius D = R + rho, hit from outside, or R - rho, from inside
+flipper  but for its hub         see :mod:`grazing.billiard.flippers`; the hub is a circle
 =======  ======================  ===================================================================================
 
 Ends that two objects share are one circle. A *surface* is a side of a face, 2 i or 2 i + 1 for its left or right, a
-circle, or a side of an arc, numbered in this order. *Places* on surfaces are one length: that of the way of the ball's
-centre, counterclockwise around one object after the other.
+circle, a side of an arc, or the left or right side or the tip of a flipper, numbered in this order. *Places* on
+surfaces are one length: that of the way of the ball's centre, counterclockwise around one object after the other.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.objects import ARC, DISC, DRAIN, SEGMENT, Thing
+from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES, piece_row, places_of, row_of
+from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
+from grazing.billiard.players import NOBODY, Player
 
 Floats = NDArray[np.float64]
-#: The head of a block: gravity along -y, how many faces, circles, sides of arcs and objects there are, and the length
-#: of all places on solid objects.
-GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, HEAD = range(7)
+#: The head of a block: gravity along -y, how many faces, circles, sides of arcs and objects there are, the length of
+#: all places on solid objects, and how many flippers there are.
+GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, FLIPPERS, HEAD = range(8)
 #: Of an object: addresses of its law, the slope of that and its parameters; 1 for a drain, 0 for a solid.
 LAW, SLOPE, ROW, OPEN, THING = range(5)
 #: Of a row: a point, D, the object; where its places begin, and how long they are; what follows depends on the kind.
@@ -45,25 +48,37 @@ SAME = 2.0**-50
 
 
 class Surfaces(NamedTuple):
-    """The rows of a table by kind, each of shape (rows, WIDTH), and the length of all places on solid objects."""
+    """The rows of a table by kind, each of shape (rows, WIDTH), and the length of all places on solid objects.
+
+    Then the rows of flippers, (flippers, FLIPPER_WIDTH), and those of all their pieces, (pieces, PIECE_WIDTH).
+    """
 
     faces: Floats
     circles: Floats
     sides: Floats
     length: float
+    flippers: Floats
+    pieces: Floats
 
 
-def surfaces_of(things: Sequence[Thing], rho: float, params: Mapping[str, float]) -> Surfaces:
+def surfaces_of(
+    things: Sequence[Thing], rho: float, params: Mapping[str, float], player: Player = NOBODY
+) -> Surfaces:  # fmt: skip
     """Return the surfaces of objects at parameter values, for a ball of radius rho."""
     made = _Rows(rho)
     for j, one in enumerate(things):
         shape = [params[f"{one.name}.{name}"] for name in one.shape]
         made.owner = float(j)
         add: dict[str, Callable[..., None]]
+        if one.kind == FLIPPER:
+            made.flipper(one.name, dict(zip(one.shape, shape, strict=True)), params, player)
+            continue
         add = {DISC: made.disc, SEGMENT: made.segment, DRAIN: made.drain, ARC: made.arc}
         add[one.kind](*shape)
     faces, circles, sides = (np.array(rows).reshape(-1, WIDTH) for rows in (made.faces, made.circles, made.sides))
-    return Surfaces(faces, circles, sides, made.place)
+    flippers = np.array(made.flippers).reshape(-1, FLIPPER_WIDTH)
+    flippers[:, AT] = flippers[:, AT] * PIECE_WIDTH + flippers.size
+    return Surfaces(faces, circles, sides, made.place, flippers, np.array(made.pieces).reshape(-1, PIECE_WIDTH))
 
 
 class _Rows:
@@ -75,6 +90,8 @@ class _Rows:
         self.circles: list[list[float]] = []
         self.sides: list[list[float]] = []
         self.ends: list[tuple[float, float]] = []
+        self.flippers: list[list[float]] = []
+        self.pieces: list[list[float]] = []
 
     def row(self, x: float, y: float, size: float, length: float, *rest: float) -> list[float]:
         found = [x, y, size, self.owner, self.place, length, *rest]
@@ -124,9 +141,19 @@ class _Rows:
         if not whole:
             self.end(x + radius * cos(start), y + radius * sin(start), start - pi)
 
+    def flipper(self, name: str, shape: Mapping[str, float], params: Mapping[str, float], player: Player) -> None:
+        self.circle(shape["x"], shape["y"], shape["hub"] + self.rho, -pi, 2.0 * pi)
+        period, pieces = player.motion(name, shape, params)
+        row = row_of(shape, self.rho, self.owner, self.place, period)
+        row[PIECES], row[AT] = float(len(pieces)), float(len(self.pieces))
+        self.flippers.append(row)
+        self.pieces += map(piece_row, pieces)
+        self.place += places_of(row)
+
 
 def block_of(things: Sequence[Thing], surfaces: Surfaces, gravity: float) -> Floats:
     """Return a table as one block of numbers; where its laws lie is still to be written."""
     head = [gravity, len(surfaces.faces), len(surfaces.circles), len(surfaces.sides), len(things), surfaces.length]
+    head.append(len(surfaces.flippers))
     objects = [[0.0, 0.0, 0.0, float(one.kind == DRAIN)] for one in things]
-    return np.concatenate([head, np.ravel(objects), *(rows.ravel() for rows in surfaces[:3])])
+    return np.concatenate([head, np.ravel(objects), *(rows.ravel() for rows in (*surfaces[:3], *surfaces[4:]))])

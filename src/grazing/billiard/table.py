@@ -1,23 +1,27 @@
-"""The pinball table: a ball on a tilted plane among discs, segments and arcs, and drains through which it leaves."""
+"""The pinball table: a ball on a tilted plane among objects that stand or turn, and drains through which it leaves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from math import atan2, cos, hypot, pi, sin
+from dataclasses import dataclass, field
+from functools import partial
+from math import atan2, cos, hypot, inf, pi, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.billiard.flippers import distance_from, least_on_line, tightest
 from grazing.billiard.flown import table_trajectory
 from grazing.billiard.laws import addresses
 from grazing.billiard.march import LEAST, MOST
-from grazing.billiard.objects import ARC, DISC, DRAIN, SEGMENT, Thing
+from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
+from grazing.billiard.players import NOBODY, Flips, Player, Presses, angle_at
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
 from grazing.copies import ByValue
+from grazing.kernel.content import digest
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, checked_params, unknown, updated
 
@@ -43,8 +47,10 @@ class Table(ByValue):
     Parameters
     ----------
     objects : sequence of Thing
-        Of :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc` and :func:`grazing.drain`.
+        Of :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc`, :func:`grazing.flipper` and
+        :func:`grazing.drain`.
     rho, g, tilt : float
+    player : Player
         See :func:`table`.
     """
 
@@ -52,13 +58,14 @@ class Table(ByValue):
     rho: float
     g: float
     tilt: float
+    player: Player = NOBODY
     params: Mapping[str, float] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         objects = tuple(self.objects) if isinstance(self.objects, (list, tuple)) else ()
         if not objects or not all(isinstance(one, Thing) for one in objects):
             raise InputError(
-                f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc and gz.drain"
+                f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc, gz.flipper, gz.drain"
             )
         names = [one.name for one in objects]
         for name in names:
@@ -69,16 +76,27 @@ class Table(ByValue):
         object.__setattr__(self, "objects", objects)
         for name, known in OWN.items():
             object.__setattr__(self, name, known.check(getattr(self, name)))
+        if not isinstance(self.player, Player):
+            raise InputError(f"player is {shown(self.player)}; give gz.flips(period, hold) or gz.presses(name=times)")
+        if self.player != NOBODY and not any(one.kind == FLIPPER for one in objects):
+            raise InputError("there is a player, but the table has no flipper; put a gz.flipper on it")
+        object.__setattr__(self, "player", self.player.bound([one.name for one in objects if one.kind == FLIPPER]))
         params = {name: getattr(self, name) for name in OWN}
         for one in objects:
             params |= {f"{one.name}.{name}": value for name, value in one.params.items()}
+        for name, value in self.player.params.items():
+            if name in params:
+                raise InputError(f"{name} is a parameter of the player; rename that of the law")
+            params[name] = value
         _refuse_same_in_code(checked_params(params))
         object.__setattr__(self, "params", MappingProxyType(params))
         self._refuse_out_of_range()
         self._refuse_overlaps()
+        self.angles(0.0)  # a motion that is none is refused
+        self._refuse_stopped_flippers()
 
     def __reduce__(self) -> Any:
-        return Table, (self.objects, self.rho, self.g, self.tilt)
+        return Table, (self.objects, self.rho, self.g, self.tilt, self.player)
 
     def __repr__(self) -> str:
         own = ", ".join(f"{name}={getattr(self, name):g}" for name in OWN)
@@ -94,6 +112,21 @@ class Table(ByValue):
         """What pulls the ball down the table, along -y: g sin(tilt)."""
         return self.g * sin(self.tilt)
 
+    @property
+    def period(self) -> float:
+        """The period of its flippers, 0 if they do not move, or infinity if what they do is not repeated."""
+        if isinstance(self.player, Flips):
+            return self.player.period
+        return inf if self.player.times else 0.0
+
+    @property
+    def config(self) -> dict[str, str]:
+        """What decides a result beside the parameters: reset laws of one's own, by content, and a recording."""
+        laws = [one.law for one in self.objects if one.law is not None and one.law.own]
+        own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws)
+        recorded = self.player.times if isinstance(self.player, Presses) else {}
+        return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {})
+
     def replace(self, **changes: float) -> Table:
         """Return the table with other parameter values; names as in :attr:`params`.
 
@@ -107,7 +140,8 @@ class Table(ByValue):
     def at(self, params: Mapping[str, float]) -> Table:
         """Return the table at values of all its parameters."""
         objects = [one.replaced({name: params[f"{one.name}.{name}"] for name in one.params}) for one in self.objects]
-        return replace(self, objects=objects, rho=params["rho"], g=params["g"], tilt=params["tilt"])
+        rho, g, tilt = (params[name] for name in OWN)
+        return Table(objects, rho, g, tilt, self.player.at(params))
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter."""
@@ -118,6 +152,8 @@ class Table(ByValue):
             known = one.describe(last) if one.name == front else None
             if known is not None:
                 return known
+        if (known := self.player.describe(name)) is not None:
+            return known
         raise unknown(name, self.params, "the table")
 
     def blocks(self, rows: Floats, arithmetic: str = "strict") -> Floats:
@@ -130,7 +166,7 @@ class Table(ByValue):
         found = []
         for row in rows:
             values = dict(zip(names, row.tolist(), strict=True))
-            surfaces = surfaces_of(self.objects, values["rho"], values)
+            surfaces = surfaces_of(self.objects, values["rho"], values, self.player)
             block = block_of(self.objects, surfaces, values["g"] * sin(values["tilt"]))
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
@@ -150,39 +186,66 @@ class Table(ByValue):
         """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
         return table_trajectory(self, state, start, until, samples)
 
-    def outlines(self) -> tuple[Outline, ...]:
-        """Return the objects as figures show them."""
-        return tuple(map(outline_of, self.objects))
+    def outlines(self, t: float = 0.0) -> tuple[Outline, ...]:
+        """Return the objects as figures show them at a time."""
+        angles = self.angles(t)
+        return tuple(outline_of(one, angles.get(one.name, 0.0)) for one in self.objects)
 
-    def distances(self, x: float, y: float) -> dict[str, float]:
-        """Return how far the ball's centre is from each object; negative inside a disc."""
-        return {one.name: distance(one, x, y) for one in self.objects}
-
-    def overlap(self, x: float, y: float) -> tuple[float, str]:
-        """Return by how much a ball at a place overlaps an object, and which: 0 for none beyond rounding."""
-        found = 0.0, ""
+    def angles(self, t: float) -> dict[str, float]:
+        """Return the angle of each flipper at a time."""
+        found = {}
         for one in self.objects:
-            room, size = distance(one, x, y) - self.rho, max(map(abs, one.shape.values()))
+            if one.kind == FLIPPER:
+                found[one.name] = angle_at(t, *self.player.motion(one.name, one.shape, self.params))
+        return found
+
+    def distances(self, x: float, y: float, t: float = 0.0) -> dict[str, float]:
+        """Return how far the ball's centre is from each object at a time; negative inside a disc."""
+        angles = self.angles(t)
+        return {one.name: distance(one, x, y, angles.get(one.name, 0.0)) for one in self.objects}
+
+    def overlap(self, x: float, y: float, t: float = 0.0) -> tuple[float, str]:
+        """Return by how much a ball at a place overlaps an object at a time, and which: 0 for none beyond rounding."""
+        found, now = (0.0, ""), self.distances(x, y, t)
+        for one in self.objects:
+            room, size = now[one.name] - self.rho, max(map(abs, one.lengths))
             if one.kind != DRAIN and room < -SLACK * (size + self.rho + abs(x) + abs(y)):
                 found = max(found, (-room, one.name))
         return found
 
-    def refuse_inside(self, x: float, y: float) -> None:
-        """Raise InputError for a ball that overlaps an object."""
-        deep, name = self.overlap(x, y)
+    def refuse_inside(self, x: float, y: float, t: float = 0.0) -> None:
+        """Raise InputError for a ball that overlaps an object at a time."""
+        deep, name = self.overlap(x, y, t)
         if deep > 0.0:
             raise InputError(
                 f"a ball of radius {self.rho:g} at ({x:g}, {y:g}) overlaps {name} by {deep:g}; start where it is free"
             )
 
     def _refuse_out_of_range(self) -> None:
-        lengths = [abs(x) for one in self.objects for name, x in one.shape.items() if name not in ("start", "stop")]
-        for what, size in (("the largest length", max(self.rho, *lengths)), ("g sin(tilt)", self.gravity)):
+        lengths = [abs(x) for one in self.objects for x in one.lengths]
+        speeds = [max(one.shape[way] for way in ("up", "down")) for one in self.objects if one.kind == FLIPPER]
+        largest = (
+            ("the largest length", max(self.rho, *lengths)),
+            ("the largest angular speed", max(speeds, default=0.0)),
+        )
+        for what, size in (*largest, ("g sin(tilt)", self.gravity)):
             if size != 0.0 and not LEAST <= size <= MOST:
                 raise InputError(
                     f"{what} of the table is {size:g}; allowed are {LEAST:g} to {MOST:g}: choose other units, as "
                     "fourth powers of it have no place in double precision"
                 )
+
+    def _refuse_stopped_flippers(self) -> None:
+        for one in self.objects:
+            for other in self.objects if one.kind == FLIPPER else ():
+                if other.kind in (DISC, SEGMENT, ARC):
+                    slack = SLACK * max(map(abs, (*one.lengths, *other.lengths)))
+                    room = tightest(one.shape, partial(room_of, one, other), slack)
+                    if room < -slack:
+                        raise InputError(
+                            f"{other.name} is in the way of {one.name}, by {-room:g} somewhere on its way; "
+                            "objects may touch: move one, or make it smaller"
+                        )
 
     def _refuse_overlaps(self) -> None:
         discs = [one for one in self.objects if one.kind == DISC]
@@ -203,9 +266,11 @@ class Table(ByValue):
                     raise InputError(f"{other.name} and {one.name} cross; let one end at the other")
 
 
-def distance(one: Thing, x: float, y: float) -> float:
-    """Return how far a point is from an object, negative inside a disc."""
+def distance(one: Thing, x: float, y: float, angle: float = 0.0) -> float:
+    """Return how far a point is from an object, negative inside a disc or a flipper; that is at an angle."""
     shape = one.shape
+    if one.kind == FLIPPER:
+        return distance_from(shape, x, y, angle)
     if one.kind == DISC:
         return hypot(x - shape["x"], y - shape["y"]) - shape["radius"]
     if one.kind == ARC:
@@ -217,6 +282,20 @@ def distance(one: Thing, x: float, y: float) -> float:
     ex, ey = (shape["x2"] - shape["x1"]) / length, (shape["y2"] - shape["y1"]) / length
     along = min(max(dx * ex + dy * ey, 0.0), length)
     return hypot(dx - along * ex, dy - along * ey)
+
+
+def room_of(flipper: Thing, other: Thing, angle: float) -> float:
+    """Return how far a flipper at an angle is from a disc, a segment or an arc."""
+
+    def of(x: float, y: float) -> float:
+        return distance_from(flipper.shape, x, y, angle)
+
+    shape = other.shape
+    if other.kind == DISC:
+        return of(shape["x"], shape["y"]) - shape["radius"]
+    if other.kind == SEGMENT:
+        return least_on_line(of, tuple(shape.values()))
+    return min(of(x, y) for x, y in outline_of(other).points.tolist())
 
 
 def crosses(one: Thing, other: Thing) -> bool:
@@ -252,7 +331,9 @@ def _refuse_same_in_code(params: Mapping[str, float]) -> None:
         seen[code] = name
 
 
-def table(objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: float = 0.0) -> Table:
+def table(
+    objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: float = 0.0, player: Player = NOBODY
+) -> Table:  # fmt: skip
     """Return a pinball table: a ball on a plane, and what it hits.
 
     The ball flies freely, in a straight line on a level table and in a parabola, x'' = 0, y'' = -g sin(tilt), on one
@@ -262,14 +343,18 @@ def table(objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: floa
     Parameters
     ----------
     objects : sequence of Thing
-        What stands on it: :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc`, and the lines through
-        which the ball leaves, :func:`grazing.drain`. Of two that are hit at once the first one in the list acts first.
+        What stands on it: :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc`, :func:`grazing.flipper`,
+        and the lines through which the ball leaves, :func:`grazing.drain`. Of two that are hit at once the first one in
+        the list acts first.
     rho : float
         Radius of the ball, >= 0. A ball without a radius never meets the ends of segments and arcs.
     g : float
         Acceleration of gravity, >= 0.
     tilt : float
         Angle of the table in radians, from 0 to pi/2.
+    player : Player
+        Who works the flippers: :func:`grazing.flips`, which makes the table periodic in time, or a recording,
+        :func:`grazing.presses`. Default: nobody, they stay at rest.
 
     Returns
     -------
@@ -294,4 +379,4 @@ def table(objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: floa
     >>> flown.impact_wall.values.tolist(), flown.outcome
     (['bumper', 'right', 'left'], 'escaped')
     """
-    return Table(objects, rho, g, tilt)
+    return Table(objects, rho, g, tilt, player)

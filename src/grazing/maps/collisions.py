@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.contact import next_impact
-from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, decided
+from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, TIME, decided
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
-from grazing.billiard.hit import met, place_of, slope_of, spot, way_at
-from grazing.billiard.objects import ARC, DISC, DRAIN
+from grazing.billiard.hit import met, period_of, place_at, slope_of, spot_at, way_at
+from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
+from grazing.billiard.players import PERIOD
 from grazing.billiard.rows import FROM, GRAVITY, LENGTH, LONG, OWNER, THINGS, surfaces_of
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
@@ -29,8 +30,8 @@ from grazing.parameter import Parameter
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
-LOST = (NAN,) * 9
-NOTHING: tuple[float, ...] = (0.0,) * 9
+LOST = (NAN,) * 16
+NOTHING: tuple[float, ...] = (0.0,) * 16
 
 
 #: Places around an object at which it is tried whether a ball fits there.
@@ -43,6 +44,8 @@ COORDINATES = {
         Parameter("speed", "v", "speed", 0.0),
     )
 }
+#: The fourth coordinate of a table whose flippers are worked periodically.
+PHASE = Parameter("phase", "t", "time, less whole periods", 0.0)
 
 
 class Place(NamedTuple):
@@ -63,89 +66,141 @@ def gone(way: int, table: Any) -> Any:
     return (table[LENGTH] + way + 0.5, 0.0, 0.0), way
 
 
-def collide(state: Any, table: Any, with_tangent: bool) -> Any:
-    """Return (state, letter, outcome, J) of a step from impact to impact."""
+def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
+    """Return (state, t, letter, outcome, J) of a step from impact to impact, from the time ``clock`` on.
+
+    The state has no phase; J, row by row, is by place, angle, speed and clock.
+    """
     place, angle, speed = state
     way = way_at(place - table[LENGTH], table)
     if way >= 0:
         away, way = gone(way, table)
-        return away, way, ESCAPED, NOTHING
-    surface, x, y, nx, ny, curvature = spot(place, table)
+        return away, 0.0, way, ESCAPED, NOTHING
+    surface, x, y, frame = spot_at(place, clock, table)
     if surface < 0:
-        return (NAN, NAN, NAN), 0, DIVERGED, LOST
-    vx, vy = velocity(nx, ny, angle, speed)
-    (met_at, owner, t, flags), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, table)
+        return (NAN, NAN, NAN), NAN, 0, DIVERGED, LOST
+    vx, vy = velocity(frame[0], frame[1], angle, speed)
+    (met_at, owner, t, flags), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
     if flags & FATAL:
-        return (NAN, NAN, NAN), 0, flags, LOST
+        return (NAN, NAN, NAN), NAN, 0, flags, LOST
     if flags & ESCAPED:
         away, way = gone(owner, table)
-        return away, way, flags, NOTHING
-    v_minus, v_plus, along, _curvature, _nx, _ny = speeds
-    new = place_of(met_at, after[0], after[1], table), atan2(along, v_plus), hypot(along, v_plus)
+        return away, 0.0, way, flags, NOTHING
+    v_minus, v_plus, along, nx, ny, _curvature, _omega, ux, uy = speeds
+    out = v_plus + (ux * nx + uy * ny)
+    new = place_at(met_at, after[0], after[1], t, clock, table), atan2(along, out), hypot(along, out)
     J = NOTHING
     if with_tangent:
         J = LOST
         if not flags & (GRAZE | AMBIGUOUS) and v_minus < 0.0 and new[2] > 0.0:
             bend = slope_of(owner, v_minus, table)
-            J = slopes(state, (nx, ny, curvature), t, before, speeds, bend, table[GRAVITY])
-    return new, owner, flags, J
+            J = slopes(angle, speed, frame, t, before, speeds, bend, table[GRAVITY])
+    return new, t, owner, flags, J
 
 
-def slopes(state: Any, frame: Any, t: float, before: Any, speeds: Any, bend: float, g: float) -> Any:
+def slopes(angle: float, speed: float, frame: Any, t: float, before: Any, speeds: Any, bend: float, g: float) -> Any:
     """Return the Jacobian of a step, row by row: docs/table.md says how it is derived."""
-    _place, angle, speed = state
-    nx, ny, curvature = frame
+    nx, ny, curvature, omega, sx, sy = frame
     _px, _py, vx, vy = before
-    v_minus, v_plus, along, there, mx, my = speeds
-    size2 = v_plus * v_plus + along * along
+    v_minus, v_plus, along, mx, my, there, spin, ux, uy = speeds
+    push, drag = ux * mx + uy * my, uy * mx - ux * my  # the surface's velocity along its normal, and along itself
+    out, coming = v_plus + push, v_minus + push
+    size2 = out * out + along * along
+    wx, wy = velocity(nx, ny, angle, 1.0)
     J = NOTHING
-    for j in range(3):
-        dx, dy = (-ny, nx) if j == 0 else (0.0, 0.0)
-        turned, of = (0.0, 1.0) if j == 2 else (0.5 * pi, speed * (curvature if j == 0 else 1.0))
-        ux, uy = velocity(nx, ny, angle + turned, of)
-        dx, dy = dx + t * ux, dy + t * uy
+    for j in range(4):
+        turned = speed * (curvature if j == 0 else (1.0 if j == 1 else (omega if j == 3 else 0.0)))
+        dwx, dwy = -wy * turned, wx * turned
+        dx, dy, later = 0.0, 0.0, 0.0
+        if j == 0:
+            dx, dy = -ny, nx
+        elif j == 2:
+            dwx, dwy = wx, wy
+        elif j == 3:
+            dx, dy, later = sx, sy, 1.0
+        dx, dy = dx + t * dwx - ux * later, dy + t * dwy - uy * later
         late = -(mx * dx + my * dy) / v_minus
-        uy -= g * late
-        shift = -my * (dx + vx * late) + mx * (dy + vy * late)
-        away = bend * (mx * ux + my * uy + there * shift * along)
-        beside = -my * ux + mx * uy - there * shift * v_minus
+        dwy -= g * late
+        shift = -my * (dx + (vx - ux) * late) + mx * (dy + (vy - uy) * late)
+        tilt = there * shift + spin * (later + late)
+        pushed = (there * drag - spin) * shift
+        away = bend * (mx * dwx + my * dwy + tilt * along - pushed) + pushed
+        beside = -my * dwx + mx * dwy - tilt * coming
         J = replaced(J, j, shift)
-        J = replaced(J, 3 + j, (v_plus * beside - along * away) / size2)
-        J = replaced(J, 6 + j, (v_plus * away + along * beside) / sqrt(size2))
+        J = replaced(J, 4 + j, (out * beside - along * away) / size2)
+        J = replaced(J, 8 + j, (out * away + along * beside) / sqrt(size2))
+        J = replaced(J, 12 + j, later + late)
     return J
+
+
+def in_three(J: Any) -> Any:
+    """Return the part of a Jacobian that has no phase."""
+    return J[0], J[1], J[2], J[4], J[5], J[6], J[8], J[9], J[10]
 
 
 def collision(state: Any, c: Place) -> Any:
     """Return (state, letter, outcome) of a step from impact to impact."""
-    new, letter, outcome, _J = collide(state, numbers_at(c.block), False)
+    new, _t, letter, outcome, _J = collide(state, 0.0, numbers_at(c.block), False)
     return new, letter, outcome
 
 
 def derived(state: Any, c: Place) -> Any:
     """Return a step with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, letter, outcome, J = collide(state, numbers_at(c.block), True)
-    return new, letter, outcome, (*J, NAN)
+    new, _t, letter, outcome, J = collide(state, 0.0, numbers_at(c.block), True)
+    return new, letter, outcome, (*in_three(J), NAN)
 
 
 def plain_collision(state: Any, block: Any) -> Any:
     """Return a step as plain Python takes it: with the block of a table itself, of whatever length."""
-    new, letter, outcome, _J = collide(state, block, False)
+    new, _t, letter, outcome, _J = collide(state, 0.0, block, False)
     return new, letter, outcome
 
 
 def plain_tangent(state: Any, block: Any) -> Any:
     """Return a step with its Jacobian as plain Python takes it."""
-    return collide(state, block, True)
+    new, _t, letter, outcome, J = collide(state, 0.0, block, True)
+    return new, letter, outcome, in_three(J)
+
+
+def timed(state: Any, table: Any, with_tangent: bool) -> Any:
+    """Return (state, letter, outcome, J) of a step of a table that is periodic in time."""
+    place, angle, speed, phase = state
+    new, t, letter, outcome, J = collide((place, angle, speed), phase, table, with_tangent)
+    later = 0.0 if outcome & ESCAPED else (phase + t) % period_of(table)
+    return (new[0], new[1], new[2], later), letter, outcome, J
+
+
+def timed_collision(state: Any, c: Place) -> Any:
+    """Return (state, letter, outcome) of a step of a table that is periodic in time."""
+    new, letter, outcome, _J = timed(state, numbers_at(c.block), False)
+    return new, letter, outcome
+
+
+def timed_derived(state: Any, c: Place) -> Any:
+    """Return such a step with its Jacobian, and nothing that is known of its determinant apart from that."""
+    new, letter, outcome, J = timed(state, numbers_at(c.block), True)
+    return new, letter, outcome, (*J, NAN)
+
+
+def plain_timed(state: Any, block: Any) -> Any:
+    """Return such a step as plain Python takes it."""
+    new, letter, outcome, _J = timed(state, block, False)
+    return new, letter, outcome
+
+
+def plain_timed_tangent(state: Any, block: Any) -> Any:
+    """Return such a step with its Jacobian as plain Python takes it."""
+    return timed(state, block, True)
 
 
 @lru_cache(maxsize=1)
 def placer() -> Callable[..., float]:
-    """Compile ``start(block, state, found) -> surface``: place and velocity of a ball in a state of the map."""
+    """Compile ``start(block, state, clock, found) -> surface``: place and velocity of a ball in a state of the map."""
 
-    def start(block: Any, state: Any, found: Any) -> Any:
-        surface, x, y, nx, ny, _curvature = spot(state[0], numbers(block))
+    def start(block: Any, state: Any, clock: float, found: Any) -> Any:
+        surface, x, y, frame = spot_at(state[0], clock, numbers(block))
         found[0], found[1] = x, y
-        found[2], found[3] = velocity(nx, ny, state[1], state[2])
+        found[2], found[3] = velocity(frame[0], frame[1], state[1], state[2])
         return 1.0 * surface
 
     return compiled(start)
@@ -171,6 +226,11 @@ class OfTable(Origin):
         self.table, self.impacts_on, self.on = table, table, on
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)
 
+    @property
+    def config(self) -> dict[str, str]:
+        """What decides a result beside the map's name, coordinates and parameters."""
+        return self.table.config
+
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values."""
         return collision_map(self.table.replace(**params), self.on)
@@ -178,11 +238,12 @@ class OfTable(Origin):
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
         blocks = self.table.blocks(rows, arithmetic)
-        return Derived(derived, None, Place, blocks_at(blocks), blocks, collision)
+        tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
+        return Derived(tangent, None, Place, blocks_at(blocks), blocks, step)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
-        return COORDINATES.get(name) or self.table.describe(name)
+        return (PHASE if name == PHASE.name else COORDINATES.get(name)) or self.table.describe(name)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return where starts are drawn: on one object, in all directions away from it."""
@@ -192,25 +253,32 @@ class OfTable(Origin):
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
-        left = int(call(placer(), block, np.array(state), start))
-        flight = decided(block, start, left) if left >= 0 else None
+        clock = state[3] if self.table.period else 0.0
+        left = int(call(placer(), block, np.array(state), clock, start))
+        flight = decided(block, start, left, clock) if left >= 0 else None
         if flight is None:
             return None
         flags, owner = int(flight[FLAGS]), int(flight[FLOWN_OWNER])
         if flags & ESCAPED:
             away, way = gone(owner, block)
-            return Settled(away, way, flags, INFINITY, INFINITY)
-        surface, (x, y, vx, vy) = int(flight[SURFACE]), flight[NEXT:COLUMNS].tolist()
-        _owner, _x, _y, nx, ny, _curvature = met(surface, x, y, block)
-        place = place_of(surface, x, y, block)
+            return Settled((*away, 0.0) if self.table.period else away, way, flags, INFINITY, INFINITY)
+        surface, t, (x, y, vx, vy) = int(flight[SURFACE]), float(flight[TIME]), flight[NEXT:COLUMNS].tolist()
+        _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, t, clock, block)
         away, along = vx * nx + vy * ny, vy * nx - vx * ny
-        return Settled((float(place), atan2(along, away), hypot(along, away)), owner, flags, INFINITY, INFINITY)
+        new: tuple[float, ...]
+        new = float(place_at(surface, x, y, t, clock, block)), atan2(along, away), hypot(along, away)
+        if self.table.period:
+            new = *new, (clock + t) % self.table.period
+        return Settled(new, owner, flags, INFINITY, INFINITY)
 
 
 def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[float, float]:
     """Return from where to where the places on an object go: all around it, or the left or inner side of a line."""
     surfaces = surfaces_of(table.objects, params["rho"], params)
     owner = table.names.index(name)
+    if table.objects[owner].kind == FLIPPER:
+        row = next(row for row in surfaces.flippers if row[OWNER] == owner)
+        return float(row[FROM]), float(row[FROM] + row[LONG])
     rows = [row for kind in surfaces[:3] for row in kind if row[OWNER] == owner and row[LONG] > 0.0]
     if not rows:
         raise InputError(f"a ball without a radius never meets {name}, a pin; give one of them a radius")
@@ -221,7 +289,8 @@ def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[flo
 def box_of(table: Table, on: str, params: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
     """Return where starts are drawn: on an object, away from it, up to as fast as a fall over the table, or 1."""
     fast = fastest(params)
-    return places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+    found = places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+    return (*found, (0.0, params[PERIOD.name])) if table.period else found
 
 
 def fastest(params: Mapping[str, float]) -> float:
@@ -256,12 +325,14 @@ def collision_map(table: Table, on: str | None = None) -> Map:
         and pi/2; the speed. Letters are the names of the objects, in parentheses where longer than one character. A
         ball that has left stays at a place of its own behind all others, one for each drain and one for *away*, with
         outcome *escaped*: so ways out are attractors, and have basins. Other places that are on no object have no next
-        state. Parameters are those of the table.
+        state. Where flippers are worked periodically, the phase is a fourth coordinate: the time, less whole periods.
+        Parameters are those of the table.
 
     Raises
     ------
     InputError
-        For anything but a table, an unknown object, or one at which a ball of its radius fits nowhere.
+        For anything but a table, one whose flippers are worked by a recording, an unknown object, or one at which a
+        ball of its radius fits nowhere.
 
     Examples
     --------
@@ -273,6 +344,11 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     ('B', [6.283185, 0.0, 1.0])
     """
     table = checked_table(table)
+    if table.period == INFINITY:
+        raise InputError(
+            "the flippers of the table are worked by a recording, which does not repeat: gz.trajectory and gz.launches "
+            "follow that; a map needs gz.flips(period, hold), or no player"
+        )
     pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
     solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]
     if not solids:
@@ -286,7 +362,7 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     low, high = places_on(table, on, table.params)
     block = table.blocks(table.row(), "python")[0]
     for i in range(TRIED):
-        _surface, x, y, *_rest = spot(low + (high - low) * (i + 0.5) / TRIED, block)
+        _surface, x, y, _frame = spot_at(low + (high - low) * (i + 0.5) / TRIED, 0.0, block)
         if table.overlap(x, y)[0] == 0.0:
             break
     else:
@@ -294,14 +370,15 @@ def collision_map(table: Table, on: str | None = None) -> Map:
             f"a ball of radius {table.rho:g} fits nowhere beside {on}: something else is nearer than its diameter "
             "everywhere; make rho smaller, or give another object as on="
         )
+    step, tangent = (plain_timed, plain_timed_tangent) if table.period else (plain_collision, plain_tangent)
     return Map(
-        plain_collision,
+        step,
         params=table.params,
-        coordinates=tuple(COORDINATES),
+        coordinates=(*COORDINATES, *([PHASE.name] if table.period else [])),
         box=box_of(table, on, table.params),
         letters=Names((*table.names, AWAY)),
         prepare=partial(plain_block, table),
-        tangent=plain_tangent,
+        tangent=tangent,
         name="collision map",
         origin=OfTable(table, on),
     )

@@ -70,7 +70,7 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
     """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
     left, t, outcome = -1.0, 0.0, OK
     for hits in range(most + 1):
-        (surface, owner, length, flags), _before, after, _speeds = next_impact(x, y, vx, vy, left, table)
+        (surface, owner, length, flags), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
         outcome |= flags
         t += length
         if flags & FATAL:
@@ -149,6 +149,11 @@ class OfLaunches(Origin):
 
     def __init__(self, table: Table) -> None:
         self.table = table
+
+    @property
+    def config(self) -> dict[str, str]:
+        """What decides a result beside the map's name, coordinates and parameters."""
+        return self.table.config
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values."""

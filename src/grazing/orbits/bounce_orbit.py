@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.hit import place_of
-from grazing.maps.collisions import slopes
+from grazing.maps.collisions import in_three, slopes
 from grazing.maps.map import Map
 from grazing.orbits.bounces import Bounces
 from grazing.orbits.orbit import ROUNDING, Orbit, condition_of
@@ -145,18 +145,20 @@ def turn_of(bounces: Bounces, x: Floats) -> Floats:
     w, b = bounces.velocities(x)
     bent = bounces.slopes((normal * b).sum(0))
     curved = [surface.sign / surface.size if surface.round else 0.0 for surface in bounces.word]
-    frames = [(*normal[:, i].tolist(), curved[i]) for i in range(n)]
+    still = 0.0, 0.0, 0.0  # no surface turns
+    frames = [(*normal[:, i].tolist(), curved[i], *still) for i in range(n)]
     for i, tau in enumerate(x[n:].tolist()):
         k = (i + 1) % n
-        nx, ny, curvature = frames[k]
+        nx, ny = frames[k][:2]
         (bx, by), (wx, wy) = b[:, k].tolist(), w[:, k].tolist()
-        speeds = bx * nx + by * ny, wx * nx + wy * ny, by * nx - bx * ny, curvature, nx, ny
+        speeds = bx * nx + by * ny, wx * nx + wy * ny, by * nx - bx * ny, *frames[k]
         if speeds[0] == 0.0 or not hypot(speeds[1], speeds[2]) > 0.0:
             return np.full((3, 3), np.nan)
-        (ax, ay), (mx, my, _curvature) = w[:, i].tolist(), frames[i]
-        state = 0.0, atan2(ay * mx - ax * my, ax * mx + ay * my), hypot(ax, ay)
+        (ax, ay), (mx, my) = w[:, i].tolist(), frames[i][:2]
+        angle, speed = atan2(ay * mx - ax * my, ax * mx + ay * my), hypot(ax, ay)
         before = (*p[:, k].tolist(), bx, by)
-        J = np.array(slopes(state, frames[i], tau, before, speeds, bent[k], bounces.g)).reshape(3, 3) @ J
+        step = slopes(angle, speed, frames[i], tau, before, speeds, bent[k], bounces.g)
+        J = np.array(in_three(step)).reshape(3, 3) @ J
     return J
 
 

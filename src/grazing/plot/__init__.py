@@ -1,5 +1,6 @@
 """Figures, drawn from results: one function for each, none of them computes."""
 
+from grazing.plot.animation import animate
 from grazing.plot.basins import basins
 from grazing.plot.bifurcation_diagram import bifurcation_diagram
 from grazing.plot.branch import branch
@@ -27,8 +28,8 @@ from grazing.plot.windows import windows
 from grazing.plot.zdm import zdm
 
 __all__ = [
-    "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "figure", "graph",
-    "graph_of", "history", "ladder", "locus", "lyapunov", "manifolds", "map_graph", "orbit_diagram", "panels",
+    "animate", "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "figure",
+    "graph", "graph_of", "history", "ladder", "locus", "lyapunov", "manifolds", "map_graph", "orbit_diagram", "panels",
     "period_colour", "provenance", "provenance_of", "rendered", "response", "save", "spectrum", "styled", "table",
     "trajectory", "tree", "validity", "windows", "zdm",
 ]  # fmt: skip

@@ -31,7 +31,8 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     Parameters
     ----------
     table : Table
-        From :func:`grazing.table`. Objects that kick are red, drains are dashed.
+        From :func:`grazing.table`. Objects that kick are red, drains are dashed, flippers where they are at the
+        end.
     flown : xarray.Dataset, optional
         Of :func:`grazing.trajectory` on this table: the way of the ball's centre, and the ball, to scale, where it
         begins and ends.
@@ -43,7 +44,8 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     Returns
     -------
     dict
-        ``objects``, artists by the objects' names, ``way``, ``ball``, ``figure``.
+        ``objects``, lines by the objects' names, ``bodies``, what those that are closed are filled with, ``way``,
+        ``ball``, ``figure``.
 
     Raises
     ------
@@ -56,7 +58,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     >>> bumper = gz.disc("bumper", (1, 2), 0.5, gz.active(r=0.9, V=0.4))
     >>> T = gz.table([bumper, gz.drain("out", (-1, 0), (3, 0))], rho=0.1, tilt=0.3)
     >>> gz.plot.table(T, gz.trajectory(T, (1.1, 4.0, 0.0, 0.0), until=9.0))
-    <Drawn: figure, objects, way, ball>
+    <Drawn: figure, objects, bodies, way, ball>
     """
     if not hasattr(table, "outlines"):
         raise InputError(f"plot.table cannot draw a {type(table).__name__}; allowed is what gz.table([...]) returns")
@@ -64,7 +66,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         raise InputError(f"names is {shown(names)}; give True or False")
     if flown is not None:
         expect(flown, "trajectory", dict.fromkeys(("x", "y", "vx", "vy"), ("t",)), "table")
-    lines = table.outlines()
+    lines = table.outlines(0.0 if flown is None else float(flown.t[-1]))
     x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
     if flown is not None:
         inside = flown.y.values >= y.min() - 0.5 * np.ptp(y)  # a ball may fall or fly on for ever
@@ -74,20 +76,21 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     edge = ROOM * max(wide, high) + table.rho
     with styled():
         ax = axes(ax, SINGLE, SINGLE * min(max(high / wide, 0.4), TALL))
-        found, way = {}, None
+        found, bodies, way = {}, {}, None
         ball: list[Artist] = []
         for line in lines:
             colour = GRAZE if line.kicks else INK
             (drawn,) = ax.plot(*line.points.T, color=colour, lw=1.2, ls=(0, (3, 2)) if line.opens else "-", zorder=3)
             if line.closed:
-                ax.fill(*line.points.T, color=colour if line.kicks else WALL, alpha=0.35 if line.kicks else 1.0, lw=0)
+                solid = {"color": colour, "alpha": 0.35} if line.kicks else {"color": WALL}
+                (bodies[line.name],) = ax.fill(*line.points.T, **solid, lw=0)
             found[line.name] = drawn
             if names:
                 behind = None if line.closed else {"fc": "white", "ec": "none", "pad": 0.6}
                 x0, y0 = line.label
                 ax.text(x0, y0, plain(line.name), ha="center", va="center", size=6, color=colour, bbox=behind, zorder=5)
         if flown is not None:
-            (way,) = ax.plot(*way_of(flown, table.gravity, FLAT * max(wide, high)), color=WAY, lw=0.7, zorder=4)
+            (way,) = ax.plot(*way_of(flown, table.gravity, FLAT * max(wide, high))[:2], color=WAY, lw=0.7, zorder=4)
             hits = flown["before"].values
             ax.plot(hits[:, 0], hits[:, 1], ".", color=WAY, ms=2.5, zorder=4)
             for i, face in ((0, "white"), (-1, WAY)):
@@ -101,11 +104,11 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         ax.set_ylim(y.min() - edge, y.max() + edge)
         ax.set_xlabel("$x$")
         ax.set_ylabel("$y$")
-    return {"figure": root(ax), "objects": found, "way": way, "ball": ball}
+    return {"figure": root(ax), "objects": found, "bodies": bodies, "way": way, "ball": ball}
 
 
-def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats]:
-    """Return the way of a ball with points between those of its trajectory, so that no chord is far from its flight.
+def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats, Floats]:
+    """Return (x, y, t), the way of a ball with points between those of its trajectory, each chord near its flight.
 
     The chord of a flight over a time w is gravity w^2/8 off it at most.
     """
@@ -117,4 +120,4 @@ def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats]:
     begin = np.repeat(np.arange(len(t)), count)
     part = (np.arange(len(begin)) - np.repeat(np.cumsum(count) - count, count)) / count[begin]
     s = part * np.append(w, 0.0)[begin]
-    return x[begin] + vx[begin] * s, y[begin] + (vy[begin] - 0.5 * gravity * s) * s
+    return x[begin] + vx[begin] * s, y[begin] + (vy[begin] - 0.5 * gravity * s) * s, t[begin] + s

@@ -1,0 +1,120 @@
+"""Roots of the gaps of surfaces along a flight, in ball arithmetic: where polynomials come down to 0, or touch it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from flint import arb, ctx, fmpq, fmpq_poly
+
+#: A gap that begins below 0 by less than this share of the sizes it is made of begins at 0: that is rounding.
+SHARE = 2.0**-46
+
+
+class Undecided(Exception):
+    """What no precision that is tried decides."""
+
+
+class Gap(NamedTuple):
+    """The gap of a surface along a flight; ``within`` are polynomials that are >= 0 where the surface is.
+
+    ``h`` is None where it is no polynomial of the time.
+
+    ``size`` are the sizes that the gap at the beginning is made of.
+    """
+
+    surface: int
+    owner: int
+    h: fmpq_poly | None
+    within: tuple[fmpq_poly, ...]
+    fresh: bool
+    size: float
+
+
+class Root(NamedTuple):
+    """Where a gap comes down to 0, or touches it."""
+
+    t: arb
+    gap: Gap
+    touch: bool
+
+
+def exact(x: float) -> fmpq:
+    """Return a double as a rational number."""
+    return fmpq(*float(x).as_integer_ratio())
+
+
+def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool, size: float) -> Gap:
+    """Return a gap; it is 0 at the beginning by definition where the ball just left the surface, from either side."""
+    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh, size)
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Let ball arithmetic have so many bits for a while."""
+    before, ctx.prec = ctx.prec, bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def at(h: fmpq_poly, t: arb) -> arb:
+    """Return a polynomial at a ball."""
+    found = arb(0)
+    for i in range(h.degree(), -1, -1):
+        found = found * t + arb(h[i])
+    return found
+
+
+def sign_at(h: fmpq_poly, root: Root | arb) -> int:
+    """Return the sign of a polynomial at a root, 0 where balls of this precision do not tell."""
+    value = at(h, root if isinstance(root, arb) else root.t)
+    return 1 if value > 0 else (-1 if value < 0 else 0)
+
+
+def roots_of(gap: Gap) -> list[Root]:
+    """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
+    h: Any = gap.h
+    found: list[Root] = []
+    if not gap.fresh and h[0] <= 0 and h[1] < 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
+        found.append(Root(arb(0), gap, False))
+    if h.degree() < 1:
+        return found
+    roots: Any = h.numer().complex_roots()
+    for z, times in roots:
+        t = z.real
+        if not z.imag == 0 or not t > 0:
+            if z.imag == 0 and not t < 0 and not t == 0:
+                raise Undecided
+            continue
+        slope = h
+        for _ in range(times):
+            slope = slope.derivative()
+        way = sign_at(slope, t)
+        if way == 0:
+            raise Undecided
+        if (way < 0) == (times % 2 == 1):
+            found.append(Root(t, gap, times % 2 == 0))
+    return sorted(found, key=lambda one: float(one.t))
+
+
+def inside(root: Root) -> int:
+    """Say whether a root is on the surface itself, between its ends: 1, or -1 for not; 0 for at an end."""
+    return min((sign_at(one, root) for one in root.gap.within), default=1)
+
+
+def same(one: Root, other: Root) -> bool:
+    """Say whether two gaps surely have a root in common where their roots are not told apart."""
+    if one.gap.h is None or other.gap.h is None:
+        return False
+    common = one.gap.h.gcd(other.gap.h)
+    if common.degree() < 1:
+        return bool(one.t == other.t)
+    roots: Any = common.numer().complex_roots()
+    for z, _times in roots:
+        if z.imag == 0 and z.real.overlaps(one.t) and z.real.overlaps(other.t):
+            return True
+    return False

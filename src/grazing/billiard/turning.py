@@ -1,0 +1,338 @@
+"""When a flight meets a side or the tip of a flipper that turns. Proof: docs/table.md.
+
+The gap of a surface that turns is no polynomial: it is marched along by h(t + s) >= h + dh s + (k - B s) s^2, with the
+second derivative 2 k now and a bound 6 B of the third one on what is left of the flight.
+"""
+
+from __future__ import annotations
+
+from math import cos, floor, sin, sqrt
+from typing import Any
+
+from grazing.billiard.flippers import (
+    ARM,
+    AT_TIP,
+    BEGIN,
+    CX,
+    CY,
+    KINDS,
+    LONG,
+    OMEGA,
+    PERIOD,
+    PIECE_WIDTH,
+    PIECES,
+    PX,
+    PY,
+    REACH,
+    SINE,
+    SIZE,
+    TIP,
+)
+from grazing.billiard.flippers import COSINE as LEAN
+from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, ROOTS, crossing, rests, safe_step
+from grazing.billiard.gaps import LEAST as SHORT
+from grazing.kernel.primitives import behind, inlined
+from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+
+INFINITY = float("inf")
+#: Pieces of a flipper's motion that are looked at in one flight, after which it ends by name.
+MOST = 1_000_000
+#: Times that the end of what a bound has to hold for is brought forward, to twice the step that it allows.
+NARROWED = 3
+
+
+@inlined
+def clock_of(clock: float, row: Any) -> Any:
+    """Return where in its motion a flipper is: the time, reduced by its period where there is one."""
+    return clock % row[PERIOD] if row[PERIOD] > 0.0 else clock
+
+
+@inlined
+def begin_of(piece: int, turns: float, phase: float, row: Any, pieces: Any) -> Any:
+    """Return when a piece of a motion begins, as a time of a flight that begins at ``phase``, some periods later."""
+    if piece >= int(row[PIECES]):
+        return (turns + 1.0) * row[PERIOD] - phase if row[PERIOD] > 0.0 else INFINITY
+    return pieces[PIECE_WIDTH * piece + BEGIN] + turns * row[PERIOD] - phase
+
+
+def piece_at(t: float, phase: float, row: Any, pieces: Any) -> Any:
+    """Return (piece, turns): the piece of a motion at a time of a flight, and how many periods later that is."""
+    turns, piece = 0.0, 0
+    if row[PERIOD] > 0.0:
+        turns = max(floor((phase + t) / row[PERIOD]), 0.0)
+        if begin_of(int(row[PIECES]), turns, phase, row, pieces) <= t:
+            turns += 1.0
+        elif turns > 0.0 and turns * row[PERIOD] - phase > t:
+            turns -= 1.0
+    low, high = 0, int(row[PIECES])
+    while high - low > 1:
+        piece = (low + high) // 2
+        if begin_of(piece, turns, phase, row, pieces) <= t:
+            low = piece
+        else:
+            high = piece
+    return low, turns
+
+
+@inlined
+def direction_at(t: float, begin: float, piece: Any) -> Any:
+    """Return (x, y, angle turned): the direction of a flipper at a time of a flight, in a piece of its motion."""
+    cx, cy = piece[CX], piece[CY]
+    if piece[OMEGA] == 0.0:
+        return cx, cy, 0.0
+    turned = piece[OMEGA] * (t - begin)
+    c, s = cos(turned), sin(turned)
+    return c * cx - s * cy, s * cx + c * cy, abs(turned)
+
+
+@inlined
+def normal_at(kind: int, ux: float, uy: float, row: Any) -> Any:
+    """Return the unit vector along which a gap is measured: the normal of a side, the direction of the tip."""
+    if kind == AT_TIP:
+        return ux, uy
+    side = (1.0 - 2.0 * kind) * row[LEAN]
+    return row[SINE] * ux - side * uy, row[SINE] * uy + side * ux
+
+
+@inlined
+def look(t: float, flight: Any, kind: int, row: Any, begin: float, piece: Any) -> Any:
+    """Return (h, dh, k), their errors (e, d, b), and (speed, distance from the pivot) at a time of a flight.
+
+    ``flight`` is (dx, dy, vx, vy, g, x, y), the place as seen from the pivot first.
+    """
+    dx, dy, vx, vy, g, _x, _y = flight
+    omega = piece[OMEGA]
+    ux, uy, turned = direction_at(t, begin, piece)
+    nx, ny = normal_at(kind, ux, uy, row)
+    now, x, y = vy - g * t, dx + vx * t, dy + (vy - 0.5 * g * t) * t
+    f, df = nx * x + ny * y, nx * vx + ny * now + omega * (nx * y - ny * x)
+    bend = 0.5 * (2.0 * omega * (nx * now - ny * vx) - g * ny - omega * omega * f)
+    spin, many = abs(omega), 1.0 + turned
+    fast, far2 = abs(vx) + abs(vy) + g * t, x * x + y * y
+    far, u = abs(dx) + abs(dy) + fast * t, GAP * EPS
+    at = sqrt(vx * vx + now * now), sqrt(far2)
+    if kind != AT_TIP:
+        size, swing = row[SIZE], fast + spin * far
+        return (
+            (f - size, df, bend),
+            (u * (many * far + size), u * many * swing, u * many * (g + spin * (swing + fast))),
+            at,
+        )
+    arm, size = row[ARM], row[TIP]
+    h, dh = far2 - 2.0 * arm * f + (arm - size) * (arm + size), 2.0 * (x * vx + y * now - arm * df)
+    k, two, swing = at[0] * at[0] - g * y - 2.0 * arm * bend, 2.0 * arm * many, fast + spin * far
+    e, d = u * (far * (far + two) + arm * arm + size * size), u * (far * fast + two * swing)
+    return (h, dh, k), (e, d, u * (fast * fast + g * far + two * (g + spin * (swing + fast)))), at
+
+
+@inlined
+def third(w: float, at: Any, g: float, kind: int, row: Any, omega: float) -> Any:
+    """Return a bound B of a sixth of the third derivative of a gap on the time w to come."""
+    speed, spin = at[0] + g * w, abs(omega)
+    far = at[1] + speed * w
+    most = spin * (3.0 * g + spin * (3.0 * speed + spin * far)) / 6.0
+    if kind == AT_TIP:
+        most = g * speed + 2.0 * row[ARM] * most
+    return most * (1.0 + GAP * EPS)
+
+
+@inlined
+def longest(low: float, fall: float, k: float, at: Any, g: float, kind: int, row: Any, omega: float, w: float) -> Any:
+    """Return a time up to w for which a gap is surely not down at 0."""
+    step = 0.0
+    for _ in range(NARROWED):
+        bound = third(w, at, g, kind, row, omega) * w if omega != 0.0 else 0.0
+        new = safe_step(low, fall, k - bound)
+        if new >= w:
+            return w
+        step = max(step, new)
+        w = min(w, 2.0 * step)
+    return step
+
+
+def landing(h: float, dh: float, sign: float, t: float, reach: float, flight: Any, kind: int, row: Any, begin: float,
+            piece: Any) -> float:  # fmt: skip
+    """Return the root in [0, reach] of a gap at t + s, in which it falls throughout."""
+    a, b, s = 0.0, reach, 0.0
+    for _ in range(ROOTS):
+        new = s - h / dh if dh < 0.0 else 0.5 * (a + b)
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        if abs(new - s) <= 2.0 * EPS * s or not a < b:
+            return new
+        s = new
+        (h, dh, _k), _errors, _at = look(t + s, flight, kind, row, begin, piece)
+        h, dh = sign * h, sign * dh
+        if h > 0.0:
+            a = s
+        else:
+            b = s
+    return s
+
+
+def turned(
+    flight: Any, kind: int, row: Any, begin: float, piece: Any, sign: float, start: float, fresh: bool, end: float
+) -> Any:  # fmt: skip
+    """Return (t, late, flags): when sign times a gap first comes down to 0 after ``start``, good to ``late``.
+
+    As :func:`grazing.billiard.gaps.crossing`, in one piece of a flipper's motion.
+    """
+    t, doubt, flags, omega, g = start, INFINITY, OK, piece[OMEGA], flight[4]
+    for _ in range(LOOKS):
+        (h, dh, bend), (e, d, b), at = look(t, flight, kind, row, begin, piece)
+        h, dh, bend, w = sign * h, sign * dh, sign * bend, end - t
+        if not (e < INFINITY and b < INFINITY):
+            return t, 0.0, flags | DIVERGED
+        if fresh:
+            low, fall = 0.0, max(dh - d, 0.5 * dh)
+        else:
+            up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
+            if h < -e and doubt < INFINITY and rate >= 0.0:  # through and back, by less than can be decided
+                return doubt, t - doubt, flags
+            if rate < 0.0:
+                if up <= 0.0 and doubt < INFINITY:
+                    return doubt, t - doubt, flags
+                near = min(4.0 * max(up, 0.0) / -rate, w)
+                most = max(bend + b + third(near, at, g, kind, row, omega) * near, 0.0)
+                D = rate * rate - 4.0 * most * up
+                reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
+                if up <= 0.0 or reach <= near:
+                    s = landing(h, dh, sign, t, reach, flight, kind, row, begin, piece) if h > 0.0 else 0.0
+                    return t + s, (e + d * near) / -rate + 4.0 * EPS * t, flags
+        step = longest(low, fall, bend - b, at, g, kind, row, omega, w) * (1.0 - GAP * EPS) - 2.0 * EPS * t
+        if step >= w * (1.0 - 2.0 * GAP * EPS) - 4.0 * EPS * t:
+            return INFINITY, 0.0, flags
+        if low > 0.0:
+            doubt = INFINITY
+        if not t + step > t or (low < e and not fresh):
+            wide = 2.0 * sqrt(e / (abs(bend) + b))
+            if fall != 0.0:
+                wide = min(wide, 4.0 * e / abs(fall))
+            if not t + step > t or step < SHORT * wide:
+                flags |= GRAZE | AMBIGUOUS
+                doubt, step = t, max(wide, 4.0 * EPS * t)
+                if not t + step > t:
+                    return t, 0.0, flags | TOO_MANY_IMPACTS
+                if t + step >= end:
+                    return INFINITY, 0.0, flags
+        t, fresh = t + step, False
+    return t, 0.0, flags | TOO_MANY_SWINGS
+
+
+def at_surface(
+    flight: Any, kind: int, row: Any, begin: float, piece: Any, start: float, fresh: bool, end: float
+) -> Any:
+    """Return (t, late, flags): when a surface of a flipper is hit first in a piece of its motion, infinity for never.
+
+    A crossing of the line of a side beyond its ends is none: the ball is then behind the line, until it comes back.
+    """
+    t, flags, outside = start, OK, True
+    (h, dh, k), (e, d, _b), _at = look(start, flight, kind, row, begin, piece)
+    if fresh:
+        if rests(dh, k, e):
+            return start, 0.0, TOO_MANY_IMPACTS
+        if dh <= 0.0:  # it has begun to move towards the ball
+            return start, e / max(-dh, d), OK
+    if kind == AT_TIP and piece[OMEGA] == 0.0:
+        cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
+        _dx, _dy, vx, vy, g, x, y = flight
+        return crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, start, fresh, end)
+    if kind != AT_TIP and not fresh:
+        outside = h >= -e
+    for _ in range(LOOKS):
+        t, late, said = turned(flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
+        flags |= said
+        if t == INFINITY or said & FATAL or kind == AT_TIP:
+            return t, late, flags
+        if outside:
+            foot, unsure = foot_at(t, flight, kind, row, begin, piece)
+            unsure += late * (abs(flight[2]) + abs(flight[3]) + flight[4] * t + abs(piece[OMEGA]) * row[REACH])
+            if foot >= -unsure and foot <= row[LONG] + unsure:
+                return t, late, flags
+        outside, fresh = not outside, True
+    return t, 0.0, flags | TOO_MANY_SWINGS
+
+
+@inlined
+def foot_at(t: float, flight: Any, kind: int, row: Any, begin: float, piece: Any) -> Any:
+    """Return (foot, error): how far along a side of a flipper the ball's centre is."""
+    dx, dy, vx, vy, g, _x, _y = flight
+    ux, uy, turned_by = direction_at(t, begin, piece)
+    nx, ny = normal_at(kind, ux, uy, row)
+    x, y, way = dx + vx * t, dy + (vy - 0.5 * g * t) * t, 1.0 - 2.0 * kind
+    far = abs(dx) + abs(dy) + (abs(vx) + abs(vy) + g * t) * t
+    return way * (ny * x - nx * y), GAP * EPS * (1.0 + turned_by) * far
+
+
+@inlined
+def comes_near(t: float, flight: Any, row: Any, end: float) -> Any:
+    """Return a time from t on before which the ball is surely too far from a flipper to touch it."""
+    dx, dy, vx, vy, g, _x, _y = flight
+    now, x, y, w = vy - g * t, dx + vx * t, dy + (vy - 0.5 * g * t) * t, end - t
+    far2, size, fast = x * x + y * y, row[REACH], abs(vx) + abs(vy) + g * t
+    far = abs(dx) + abs(dy) + fast * t
+    h, dh = far2 - size * size, 2.0 * (x * vx + y * now)
+    e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size * size), GAP * EPS * far * fast
+    if h - e <= 0.0:
+        return t
+    c3, a4, s = -g * now, 0.25 * g * g, w
+    if c3 >= 0.0:
+        s = 0.0
+    elif a4 > 0.0:
+        s = min(-0.5 * c3 / a4, w)
+    least = (c3 + a4 * s) * s if s < INFINITY else -INFINITY
+    k = vx * vx + now * now - g * y + least - GAP * EPS * (fast * fast + g * (far + size))
+    return t + safe_step(h - e, dh - d, k) * (1.0 - GAP * EPS)
+
+
+def of_flipper(
+    x: float, y: float, vx: float, vy: float, g: float, last: int, clock: float, row: Any, pieces: Any, end: float
+) -> Any:  # fmt: skip
+    """Return (kind, t, late, flags): the first contact with a flipper before ``end``, infinity for none.
+
+    ``last`` is the kind of the surface of this flipper that the ball just left, -1 for none.
+    """
+    flight, phase, t, flags = (x - row[PX], y - row[PY], vx, vy, g, x, y), clock_of(clock, row), 0.0, OK
+    if last < 0:
+        t = comes_near(0.0, flight, row, end)
+        if not t < end:
+            return -1, INFINITY, 0.0, OK
+        if t == 0.0 and is_inside(flight, phase, row, pieces):
+            return AT_TIP, 0.0, 0.0, INSIDE_WALL
+    for _ in range(MOST):
+        number, turns = piece_at(t, phase, row, pieces)
+        piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
+        until = min(begin_of(number + 1, turns, phase, row, pieces), end)
+        kind, first, slack = -1, INFINITY, 0.0
+        for i in range(KINDS):
+            found, late, said = at_surface(flight, i, row, begin, piece, t, last == i and t == 0.0, until)
+            flags |= said
+            if said & FATAL:
+                return i, found, 0.0, flags
+            if found < first:
+                kind, first, slack = i, found, late
+                until = min(until, found)
+        if kind >= 0:
+            return kind, first, slack, flags
+        t = until
+        if not t < end:
+            return -1, INFINITY, 0.0, flags
+        t = comes_near(t, flight, row, end)
+        if not t < end:
+            return -1, INFINITY, 0.0, flags
+    return -1, t, 0.0, flags | TOO_MANY_SWINGS
+
+
+def is_inside(flight: Any, phase: float, row: Any, pieces: Any) -> bool:
+    """Say whether a ball surely overlaps a flipper at the begin of a flight, its hub apart."""
+    number, turns = piece_at(0.0, phase, row, pieces)
+    piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
+    (h, _dh, _k), (e, _d, _b), _at = look(0.0, flight, AT_TIP, row, begin, piece)
+    if h < -DEEP * e:
+        return True
+    for kind in range(AT_TIP):
+        (h, _dh, _k), (e, _d, _b), _at = look(0.0, flight, kind, row, begin, piece)
+        foot, unsure = foot_at(0.0, flight, kind, row, begin, piece)
+        if not (h < -DEEP * e and foot > unsure and foot < row[LONG] - unsure):
+            return False
+    return True

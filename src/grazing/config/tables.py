@@ -1,0 +1,108 @@
+"""Pinball tables in TOML files: objects by name, each with its kind, its numbers and its law. Nothing is executed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+from grazing.billiard.objects import DRAIN, GEOMETRY, Thing
+from grazing.billiard.players import NOBODY, Player, flips, presses
+from grazing.billiard.table import OWN, Table, table
+from grazing.config.files import read_toml
+from grazing.oscillator.reset import Reset, active, newton, triggered
+from grazing.outcome import InputError, listed, shown
+
+#: Where the tables lie that ship with the library.
+HOME = Path(__file__).parent / "tables"
+LAWS: Mapping[str, Callable[..., Reset]] = {"newton": newton, "active": active, "triggered": triggered}
+PLAYERS = "flips", "presses"
+
+
+def shipped() -> list[str]:
+    """Return the names of the tables that ship with the library."""
+    return sorted(path.stem for path in HOME.glob("*.toml"))
+
+
+def _keys(given: Any, needed: list[str], optional: list[str], where: str) -> Mapping[str, Any]:
+    """Return a table of TOML with all keys that it needs and no others, or raise InputError."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"{where} is {shown(given)}; give a table of keys and values")
+    for key in given:
+        if key not in (*needed, *optional):
+            raise InputError(f"{where} has {shown(key)}; allowed are {listed([*needed, *optional])}")
+    for key in needed:
+        if key not in given:
+            raise InputError(f"{where} has no {key}; it needs {listed(needed)}")
+    return given
+
+
+def _one_of(given: Mapping[str, Any], key: str, allowed: Mapping[str, Any], where: str) -> str:
+    found = given.get(key)
+    if not (isinstance(found, str) and found in allowed):
+        raise InputError(f"{where}.{key} = {shown(found)}; allowed are {listed(list(allowed))}")
+    return found
+
+
+def _object(name: str, given: Any, where: str) -> Thing:
+    """Return an object of a table."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"{where} is {shown(given)}; give its kind, its numbers and its law")
+    kind = _one_of(given, "kind", GEOMETRY, where)
+    numbers = [known.name for known in GEOMETRY[kind]]
+    if kind == DRAIN:
+        _keys(given, ["kind", *numbers], [], where)
+        return Thing(name, kind, {key: given[key] for key in numbers})
+    law = LAWS[_one_of(given, "law", LAWS, where)]
+    own = list(signature(law).parameters)
+    _keys(given, ["kind", *numbers, "law", *own], [], where)
+    return Thing(name, kind, {key: given[key] for key in numbers}, law(**{key: given[key] for key in own}))
+
+
+def read_table(source: str | os.PathLike[str]) -> Table:
+    """Return a pinball table from a TOML file, or one of those that ship with the library by its name.
+
+    Parameters
+    ----------
+    source : path-like
+        A file, or ``"classic"``, a pinball machine; ``"galton"``, a Galton board; ``"one_bumper"``, the nearest kin of
+        the impact oscillator; ``"three_discs"``, the scatterer. A file has ``rho``, ``g`` and ``tilt``, which may be
+        left out as in :func:`grazing.table`; in ``[objects]`` each object by its name, with its ``kind``, its numbers
+        and its ``law`` with the numbers of that, called as in the table's parameters; and ``[flips]`` or ``[presses]``
+        with what :func:`grazing.flips` or :func:`grazing.presses` take. It is read, and never executed.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        For a file that is missing or no TOML, and for what is no table, with its place in the file.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> gz.read_table("three_discs")
+    <Table A, B, C; rho=0, g=1, tilt=0>
+    """
+    known = isinstance(source, str) and source in shipped()
+    path = HOME / f"{source}.toml" if known else source
+    if isinstance(source, str) and not known and not source.endswith(".toml") and not Path(source).exists():
+        raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
+    said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS], str(source))
+    if all(name in said for name in PLAYERS):
+        raise InputError(f"{source} has {listed(list(PLAYERS))}; give one of them")
+    if not isinstance(said["objects"], Mapping):
+        raise InputError(f"objects is {shown(said['objects'])}; give a table of objects by their names")
+    things = [_object(name, given, f"objects.{name}") for name, given in said["objects"].items()]
+    player: Player = NOBODY
+    if "flips" in said:
+        player = flips(**_keys(said["flips"], ["period", "hold"], ["phase"], "flips"))
+    elif "presses" in said:
+        if not isinstance(said["presses"], Mapping):
+            raise InputError(f"presses is {shown(said['presses'])}; give the times of each flipper by its name")
+        player = presses(**said["presses"])
+    return table(things, **{key: said[key] for key in OWN if key in said}, player=player)

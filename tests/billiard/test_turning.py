@@ -1,0 +1,185 @@
+"""First contacts with flippers that turn: grazes that are built, a dense search, ball arithmetic, closed forms."""
+
+from math import cos, sin
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.billiard import check
+from grazing.billiard.exact import exact_contact
+from grazing.billiard.flown import FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
+from grazing.outcome import AMBIGUOUS, INSIDE_WALL
+from tests.billiard.flippers import KINDS, grazing, least_gap, pair
+from tests.billiard.tables import ELASTIC
+from tests.billiard.test_march import contact
+
+FLIPS = gz.flips(0.9, 0.4, {"L": 0.0, "R": 0.3})
+
+
+def count_grazes(count, seed):
+    """Return how many built grazes were missed, seen where none was, left undecided, and decided in balls."""
+    random, missed, false, left, exactly = np.random.default_rng(seed), 0, 0, 0, 0
+    for i in range(count):
+        depth = 10.0 ** -random.uniform(3.0, 13.0) * (1.0 if i % 2 else -1.0)
+        table, state, t = grazing(KINDS[i % len(KINDS)], depth, random)
+        truth = least_gap(table, state, t)
+        assert abs(truth + depth) < 1e-14 + 1e-3 * abs(depth), (KINDS[i % len(KINDS)], depth, truth)
+        surface, at, flags = contact(table, state)
+        if flags & AMBIGUOUS:
+            exactly += 1
+            surface, at, flags = exact_contact(table.blocks(table.row())[0], state, -1)
+            left += bool(flags & AMBIGUOUS)
+        if surface >= 0 and at < t - 0.1:  # it meets the flipper before, which the builder did not see
+            x, y = state[0] + state[2] * at, state[1] + state[3] * at - 0.5 * table.gravity * at * at
+            assert abs(table.distances(x, y, at)["A"] - table.rho) < 1e-12
+            continue
+        hit = surface >= 0 and at < t + 0.1
+        missed += truth < 0.0 and not hit
+        false += truth > 0.0 and hit
+    return missed, false, left, exactly
+
+
+def test_no_built_graze_of_a_flipper_is_missed_and_none_is_seen_that_is_not():
+    missed, false, left, exactly = count_grazes(200, 0)
+    assert (missed, false, left) == (0, 0, 0)
+    assert exactly < 40  # most are decided in doubles
+
+
+@pytest.mark.long
+def test_no_graze_of_a_flipper_of_twenty_thousand_is_missed():
+    missed, false, left, _exactly = count_grazes(20_000, 1)
+    assert (missed, false, left) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("rho", [0.05, 0.15])
+def test_every_flight_among_flippers_is_that_of_balls_and_of_a_dense_search(rho):
+    table, random, flippers = pair(FLIPS, rho), np.random.default_rng(1), 0
+    block = table.blocks(table.row())[0]
+    for _ in range(16):
+        place, start = random.uniform((0.5, 3.0), (5.5, 5.0)), random.uniform(-3.0, 5.0)
+        left, clock = -1, start
+        for flight in flights_of(table, (*place, *random.uniform(-3.0, 3.0, 2)), start, start + 20.0):
+            state, flags = tuple(flight[FIRST:LAST].tolist()), int(flight[FLAGS])
+            surface, t, _flags = exact_contact(block, state, left, clock)
+            assert surface == int(flight[SURFACE]) and not flags & AMBIGUOUS
+            assert abs(t - flight[TIME]) <= 1e-12 * (1.0 + t)
+            for s in np.linspace(0.0, flight[TIME], 30):
+                x, y = state[0] + state[2] * s, state[1] + (state[3] - 0.5 * table.gravity * s) * s
+                now = table.distances(x, y, clock + s)
+                assert min(room for name, room in now.items() if name != "out") > rho - 1e-12
+            if flight[OWNER] < 2:
+                flippers += 1
+                name = table.names[int(flight[OWNER])]
+                assert abs(table.distances(*flight[NEXT : NEXT + 2], clock + t)[name] - rho) < 1e-12
+            left, clock = surface, clock + flight[TIME]
+    assert flippers > 20
+
+
+def test_a_flipper_at_rest_is_a_segment_seen_by_a_larger_ball():
+    random, hits = np.random.default_rng(4), set()
+    flipper = gz.flipper("A", (0.3, 0.2), 1.5, 0.25, 0.4, 1.2, ELASTIC, up=9.0, down=9.0)
+    table = gz.table([flipper], 0.1, tilt=0.3)
+    tip = 0.3 + 1.5 * cos(0.4), 0.2 + 1.5 * sin(0.4)
+    other = gz.table([gz.segment("A", (0.3, 0.2), tip, ELASTIC)], 0.35, tilt=0.3)
+    for _ in range(200):
+        state = *random.uniform(-2.0, 3.0, 2), *random.uniform(-2.0, 2.0, 2)
+        if table.overlap(*state[:2])[0] > 0.0:
+            continue
+        surface, t, flags = contact(table, state)
+        known, s, _flags = contact(other, state)
+        assert (surface < 0) == (known < 0) and not flags & AMBIGUOUS
+        if surface >= 0:
+            hits.add(surface)
+            assert abs(t - s) < 1e-12 * (1.0 + t)
+    assert hits == {0, 1, 2, 3}  # the hub, both sides, the tip
+
+
+@pytest.mark.parametrize("rise", [1.0, -1.0])
+def test_a_ball_at_rest_is_hit_by_a_side_that_turns(rise):
+    """On a level table: the side comes to the ball when it has turned by the angle between them."""
+    flipper = gz.flipper("A", (0.0, 0.0), 2.0, 0.2, 0.0, rise * 1.0, gz.newton(0.6), up=4.0, down=1.0)
+    table, (x, y) = gz.table([flipper], 0.1, player=gz.presses(A=[0.25])), (1.2, rise * 0.8)
+    flight, *_rest = flights_of(table, (x, y, 1e-30, 0.0), 0.0, 9.0)
+    far = np.hypot(x, y)
+    turn = np.arctan2(0.8, 1.2) - np.arcsin(0.3 / far)  # the line at distance 0.3 beside the axis
+    assert flight[TIME] == pytest.approx(0.25 + turn / 4.0, rel=1e-14)
+    along = np.sqrt(far**2 - 0.3**2)
+    normal = np.array([-sin(turn), rise * cos(turn)])
+    assert flight[NEXT + 2 : NEXT + 4] == pytest.approx(1.6 * 4.0 * along * normal, rel=1e-13)
+
+
+def test_a_ball_at_rest_is_hit_by_the_tip():
+    flipper = gz.flipper("A", (0.0, 0.0), 2.0, 0.2, 0.0, 2.0, gz.newton(1.0), up=4.0, down=1.0)
+    table, (x, y) = gz.table([flipper], 0.1, player=gz.presses(A=[0.0])), (0.0, 2.2)
+    flight, *_rest = flights_of(table, (x, y, 0.0, 1e-30), 0.0, 9.0)
+    angle = np.arcsin((2.0**2 + 2.2**2 - 0.3**2) / (2 * 2.0 * 2.2))  # the tip is at distance 0.3 from the ball
+    assert flight[TIME] == pytest.approx(angle / 4.0, rel=1e-13)
+    n = (np.array([x, y]) - 2.0 * np.array([cos(angle), sin(angle)])) / 0.3
+    spun = 4.0 * 2.0 * np.array([-sin(angle), cos(angle)])
+    assert flight[NEXT + 2 : NEXT + 4] == pytest.approx(2.0 * (spun @ n) * n, rel=1e-11)
+
+
+def test_a_ball_inside_a_flipper_ends_by_name():
+    table = gz.table([gz.flipper("A", (0, 0), 2.0, 0.2, 0.0, 1.0, ELASTIC, up=4.0, down=1.0)], 0.1)
+    for x, y in ((1.0, 0.1), (2.1, 0.1), (0.0, 0.25)):
+        assert contact(table, (x, y, 1.0, 0.3))[2] & INSIDE_WALL
+        with pytest.raises(gz.InputError, match="overlaps A by"):
+            gz.trajectory(table, (x, y, 1.0, 0.0), until=1.0)
+    assert not contact(table, (1.0, 0.4, 1.0, 0.3))[2] & INSIDE_WALL
+
+
+def test_motions_are_the_same_by_any_clock():
+    """Flips of a period, and the same switches one by one."""
+    flips = gz.flips(0.9, 0.4, 0.2)
+    switches = [s for n in range(30) for s in (0.2 + 0.9 * n, 0.6 + 0.9 * n)]
+    one, other = pair(flips), pair(gz.presses(L=switches, R=switches))
+    for t in np.linspace(0.0, 20.0, 333):
+        assert one.angles(t) == pytest.approx(other.angles(t), abs=1e-12)
+    state = (2.5, 5.0, 0.3, 0.0)
+    a, b = (gz.trajectory(table, state, until=8.0) for table in (one, other))
+    assert a.impact_wall.values.tolist() == b.impact_wall.values.tolist() and "L" in a.impact_wall.values
+    assert a.impact_time.values == pytest.approx(b.impact_time.values, abs=1e-9)
+
+
+def test_a_table_with_flippers_keeps_the_laws_of_tables(monkeypatch):
+    gz.testing.check_table(pair(FLIPS), states=6)
+    found = check.flights_of
+
+    def planted(*args):
+        flights = found(*args)
+        hit = np.flatnonzero(flights[:, OWNER] == 0.0)
+        flights[hit, NEXT + 2] += 1e-3
+        return flights
+
+    monkeypatch.setattr(check, "flights_of", planted)
+    with pytest.raises(AssertionError, match="changes the velocity by"):
+        gz.testing.check_table(pair(FLIPS), states=20)
+
+
+def test_a_flight_of_a_million_strokes_ends_by_name():
+    """A ball that hangs over a flipper which twitches: many strokes are followed, too many are named."""
+    flipper = gz.flipper("A", (0.0, 0.0), 2.0, 0.2, 0.0, 0.8, ELASTIC, up=4.0, down=4.0)
+    table = gz.table([flipper], 0.1, player=gz.flips(1e-3, 1e-4))
+    state = 1.5, 0.35, 0.0, -1e-3
+    flown = gz.trajectory(table, state, until=100.0)  # 50000 strokes until it is there
+    assert flown.outcome == "escaped" and 49.0 < flown.impact_time.values[0] < 50.0
+    flown = gz.trajectory(table, (1.5, 0.35, 0.0, -1e-9), until=1e9)
+    assert flown.outcome == "followed for too long" and flown.trust.item() == "certified" and not flown.impact_time.size
+
+
+@pytest.mark.parametrize(("length", "time"), [(2.0**40, 1.0), (2.0**-40, 2.0**20), (1.0, 2.0**-30)])
+def test_units_do_not_matter(length, time):
+    table, params = pair(FLIPS), dict(pair(FLIPS).params)
+    units = [
+        (("x", "y", "x1", "y1", "x2", "y2", "radius", "length", "hub", "tip", "rho"), length),
+        (("up", "down"), 1.0 / time),
+        (("period", "hold", "phase"), time), (("V",), length / time), (("g",), length / time**2),
+    ]  # fmt: skip
+    scales = {name: unit for names, unit in units for name in names}
+    other = table.at({name: value * scales.get(name.split(".")[-1], 1.0) for name, value in params.items()})
+    angle, speed = np.linspace(0.2, 3.0, 12), np.linspace(1.0, 5.0, 10)
+    one = gz.launches(table, (3.0, 4.0), angle, speed)
+    two = gz.launches(other, (3.0 * length, 4.0 * length), angle, speed * length / time)
+    np.testing.assert_array_equal(one.hits, two.hits)
+    np.testing.assert_array_equal(one.time * time, two.time)
