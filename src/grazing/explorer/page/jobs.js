@@ -250,4 +250,14 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
   return { period: N, word: written(word), point: turns[0] };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins, found };
+/**
+ * Launch balls at many angles and speeds: the drain through which each leaves, and its impacts.
+ * @param {Machine} machine
+ * @param {{block: Floats, x: number, y: number, most: number, angle: Floats, speed: Floats}} job
+ */
+export function exits(machine, job) {
+  const { ways, hits } = machine.call("fan", { numbers: job.block.length, angles: job.angle.length, speeds: job.speed.length, ...job }, ["ways", "hits"]);
+  return { ways: Int32Array.from(ways, Number), hits: Int32Array.from(hits, Number) };
+}
+
+export const JOBS = { raster, periods, extent, chart, basins, found, exits };
