@@ -15,10 +15,10 @@ import grazing as gz
 
 
 def main(tokens=None):
-    """Grow the manifolds on top of the basins, and return the length of each inside the figure."""
+    """Grow the manifolds on top of the basins, and return the length of each inside the figure, in its sides."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=int, default=500, help="cells a side")
-    parser.add_argument("--length", type=float, default=4.0, help="arc length of each branch, at most")
+    parser.add_argument("--length", type=float, default=2.0, help="of each branch, at most, in sides of the figure")
     parser.add_argument("--out", default="manifolds.png", help="file to write: .png, .pdf or .svg")
     options = parser.parse_args(tokens)
 

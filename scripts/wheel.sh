@@ -8,7 +8,8 @@ python=$(pwd -P)/.venv/bin/python
 here=$(pwd -P)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-git archive HEAD | tar -xf - -C "$scratch"
+# what others may write to is not prepared
+git -c tar.umask=0022 archive HEAD | tar -xf - -C "$scratch"
 cd "$scratch"
 export PYTHONPATH="$scratch/src"
 for family in ${*:-x86-64-v2 x86-64-v3 x86-64-v4}; do

@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from importlib.util import MAGIC_NUMBER
 from multiprocessing import get_context
 
 import numpy as np
@@ -89,6 +90,8 @@ def found():
     yield "branch", branch
     yield "orbit of pieces", next(iter(branch))
     yield "impact orbit", one_impact_orbits(ball, 3)[-1]
+    discs = [gz.disc(name, (x, 0.0), 1.0, gz.newton(1.0)) for name, x in (("A", 0.0), ("B", 6.0))]
+    yield "bounce orbit", gz.periodic_orbits(gz.collision_map(gz.table(discs)), word="AB")[0]
     yield "normal form", gz.normal_form(ball, "d")
     logistic_map = dict(maps())["own map"]
     yield "own branch", gz.continuation(logistic_map, gz.periodic_orbits(logistic_map, 1)[0], "a", (2.5, 3.3))
@@ -264,6 +267,38 @@ def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(t
             pickle.loads(packed)
     finally:
         del sys.modules["theirs"]
+
+
+@pytest.mark.parametrize("gone", ["del law", "FACTOR = 1", None, "raise ValueError('broken')", "import nothing_at_all"])
+def test_a_function_that_is_gone_is_named(tmp_path, monkeypatch, gone):
+    """That was an AttributeError, or whatever the module raised, without a word on what to do."""
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "theirs.py").write_text(LAW)
+    theirs = importlib.import_module("theirs")
+    try:
+        law = gz.reset(theirs.law, r=0.8)
+        packed = [pickle.dumps(law), pickle.dumps(gz.Oscillator(0.1, 1.0, gz.Forcing(2.0), law))]
+    finally:
+        del sys.modules["theirs"]
+    source = tmp_path / "theirs.py"
+    source.write_text("" if gone is None else f"{gone}\n" if gone != "del law" else f"{LAW}\n{gone}\n")
+    if gone is None:
+        source.unlink()
+    importlib.invalidate_caches()
+    for one in packed:
+        with pytest.raises(gz.InputError, match=r"theirs\.law, which was pickled by its name, is not found here \("):
+            pickle.loads(one)
+    sys.modules.pop("theirs", None)
+
+
+def test_a_function_that_travelled_whole_needs_its_python_and_cloudpickle(monkeypatch):
+    pytest.importorskip("cloudpickle")
+    packed = pickle.dumps(gz.reset(lambda v, p: -p.r * v, r=0.5))
+    with pytest.raises(gz.InputError, match="takes the version of Python that pickled it"):
+        pickle.loads(packed.replace(MAGIC_NUMBER, b"\0\0\r\n"))
+    monkeypatch.setattr("grazing.copies.find_spec", lambda _name: None)
+    with pytest.raises(gz.InputError, match="takes cloudpickle: pip install it"):
+        pickle.loads(packed)
 
 
 def test_functions_of_a_program_travel_to_another_one(tmp_path):

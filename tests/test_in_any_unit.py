@@ -156,3 +156,42 @@ def test_a_rig_between_stops_in_micrometres_and_in_kilometres():
         assert said == words
         for one, two in zip(numbers, other, strict=True):
             np.testing.assert_allclose(two, one, rtol=1e-8, atol=1e-9)
+
+
+def grown(L, T):
+    """The manifolds of a saddle whose units of length and time are L and T, without units."""
+    P = gz.stroboscopic_map(pushed((3.0, 1.0, 2.2, 0.105, 0.0, 0.8, 0.4, None), L, T))
+    (saddle,) = (one for one in gz.one_impact_orbits(P.model, 2) if one.admissible)
+    found = [gz.manifolds(saddle, side, length=0.4, spacing=0.02) for side in ("unstable", "stable")]
+    return [
+        values for one in found for values in (
+            one.manifold.values / (L, L / T), one.seed.values, one.order.values, one.piece_length.values,
+            one.branch_length.values, one.direction.values / (L, L / T), one.branch_end.values,
+        )
+    ]  # fmt: skip
+
+
+def test_manifolds():
+    # their lengths added displacements to velocities
+    plain = grown(1.0, 1.0)
+    assert len(plain[0]) > 100
+    for L, T in [(2.0**20, 1.0), (1.0, 2.0**-15), (2.0**-70, 2.0**30)]:
+        for one, other in zip(plain, grown(L, T), strict=True):
+            assert np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_orbits_in_a_block_have_the_same_bits(walls):
+    # a margin was at least that of a free flight of one unit of time, so that other orbits were flown one by one
+    def last(L, T):
+        S, push = L / T, gz.Forcing(3.1 / T, offset=0.1 * L / T**2, cos=(L / T**2,))
+        low, high = gz.wall(-0.2 * L, gz.newton(0.8)), gz.wall(0.3 * L, gz.active(0.7, 0.1 * S))
+        laws = {"reset": low.law, "sigma": low.position} if walls == 1 else {"walls": [low, high]}
+        P = gz.stroboscopic_map(gz.Oscillator(alpha=0.05 / T, k=1.0 / T, forcing=push, **laws))
+        starts = np.column_stack([np.linspace(-0.15, 0.25, 24), np.linspace(-1.0, 1.0, 24)]) * (L, S)
+        found = gz.orbit_diagram(P, "omega", [3.1 / T], starts=starts, transient=20, keep=20, arithmetic="fast")
+        return np.stack([found.u.values / L, found.v.values / S])
+
+    plain = last(1.0, 1.0)
+    for L, T in [(1.0, 2.0**-8), (1.0, 2.0**-25), (2.0**30, 2.0**15)]:
+        assert np.array_equal(plain, last(L, T))

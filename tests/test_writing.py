@@ -91,3 +91,13 @@ def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path, ending, write):
     path.symlink_to(tmp_path / "precious")
     write(path)
     assert not path.is_symlink() and (tmp_path / "precious").read_text() == "precious"
+
+
+@posix
+def test_a_pipe_is_not_replaced_nor_a_device(tmp_path, ending, write):
+    # as the user root a command that wrote to /dev/null put a file in its place, for everybody
+    pipe = tmp_path / f"pipe{ending}"
+    os.mkfifo(pipe)
+    with pytest.raises(gz.InputError, match="a device or a pipe, which a file would replace"):
+        write(pipe)
+    assert stat.S_ISFIFO(pipe.stat().st_mode) and [path.name for path in tmp_path.iterdir()] == [pipe.name]

@@ -49,6 +49,7 @@ _PUBLIC = {
     "zdm_points": "maps.discontinuity",
     "NormalForm": "maps.normal_form",
     "normal_form": "maps.normal_form",
+    "BounceOrbit": "orbits.bounce_orbit",
     "ImpactOrbit": "orbits.impact_orbit",
     "Orbit": "orbits.orbit",
     "Orbits": "orbits.periodic",
@@ -77,6 +78,7 @@ _PUBLIC = {
     "bifurcation_diagram": "compare.bifurcation_diagram",
     "Attractor": "studies.attractors",
     "attractors": "studies.attractors",
+    "escape_rate": "studies.escape",
     "basins": "studies.basins",
     "chart": "studies.chart",
     "coexistence": "studies.coexistence",
@@ -141,6 +143,7 @@ if TYPE_CHECKING:
     from grazing.maps.normal_form import normal_form as normal_form
     from grazing.maps.stroboscopic import stroboscopic_map as stroboscopic_map
     from grazing.orbits.adding_tree import adding_tree as adding_tree
+    from grazing.orbits.bounce_orbit import BounceOrbit as BounceOrbit
     from grazing.orbits.boundaries import boundaries as boundaries
     from grazing.orbits.branch import Branch as Branch
     from grazing.orbits.branch import continuation as continuation
@@ -187,6 +190,7 @@ if TYPE_CHECKING:
     from grazing.studies.chart import chart as chart
     from grazing.studies.coexistence import coexistence as coexistence
     from grazing.studies.density import density as density
+    from grazing.studies.escape import escape_rate as escape_rate
     from grazing.studies.graph import graph as graph
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram

@@ -12,13 +12,14 @@ from dataclasses import fields, is_dataclass
 from functools import partial
 from importlib import import_module
 from importlib.util import MAGIC_NUMBER, find_spec
+from operator import attrgetter
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from grazing.kernel.content import below, coded, content, digest, named
-from grazing.outcome import InputError
+from grazing.outcome import InputError, raised
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
 OWN_MODULE = "_grazing_own_"
@@ -97,11 +98,13 @@ class Code:
         try:
             if not whole:
                 pickle.dumps(self.function)
-                return still, (self.function, _code(self.function))
+                if isinstance(self.function, FunctionType):
+                    return still, (module, self.function.__qualname__, _code(self.function))
+                return _itself, (self.function,)
         except Exception:  # whatever an object says that cannot be pickled
             pass
         try:
-            return pickle.loads, (_whole(self.function),)
+            return unpacked, (MAGIC_NUMBER, _whole(self.function))
         except ImportError:
             name = getattr(self.function, "__qualname__", repr(self.function))
             raise InputError(
@@ -141,21 +144,47 @@ def _is_comparable(value: object) -> bool:
     )
 
 
-def still(function: Callable[..., Any], code: tuple[bytes, str] | None) -> Callable[..., Any]:
-    """Return a function that a pickle found by its name, if it is the one that was pickled.
+def still(module: str, name: str, code: tuple[bytes, str] | None) -> Callable[..., Any]:
+    """Return the function that a module has at its top by a name, if it is the one that was pickled.
 
     Raises
     ------
     InputError
-        If it is another one, or names other numbers or functions.
+        If it is gone, is another one, or names other numbers or functions.
     """
+    try:
+        function: Any = attrgetter(name)(import_module(module))
+    except Exception as error:  # of whatever kind: a module is the code of its user
+        raise InputError(
+            f"{module}.{name}, which was pickled by its name, is not found here ({raised(error)}); put it back, or "
+            "make the object anew"
+        ) from error
     here = _code(function)
     if code is None or (here is not None and (code[0] != here[0] or code == here)):  # other Pythons cannot be compared
-        return function
+        return function  # type: ignore[no-any-return]
     raise InputError(
-        f"{function.__module__}.{function.__qualname__} is not the function that was pickled: its code, or a number or "
+        f"{module}.{name} is not the function that was pickled: its code, or a number or "
         "function that it names, is another one here; put that back, or make the object anew"
     )
+
+
+def _itself(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what a pickle found: no function of Python, such as one that was compiled."""
+    return function
+
+
+def unpacked(magic: bytes, content: bytes) -> Callable[..., Any]:
+    """Return a function that travelled whole.
+
+    Raises
+    ------
+    InputError
+        For one of another Python, whose code this one cannot read, or without cloudpickle.
+    """
+    if magic != MAGIC_NUMBER or find_spec("cloudpickle") is None:
+        wants = "the version of Python that pickled it" if magic != MAGIC_NUMBER else "cloudpickle: pip install it"
+        raise InputError(f"a function was pickled whole; to read it takes {wants}, or make the object anew")
+    return pickle.loads(content)  # type: ignore[no-any-return]
 
 
 def _whole(function: Any) -> bytes:

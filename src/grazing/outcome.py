@@ -16,6 +16,7 @@ import os
 import reprlib
 import sys
 import traceback
+import unicodedata
 from collections.abc import Iterable
 from enum import Enum, IntFlag
 from typing import Any, Final
@@ -176,6 +177,23 @@ def shown(value: object) -> str:
         return f"<{type(value).__name__}>"
 
 
+def printable(text: str, newlines: bool = True) -> str:
+    r"""Return a text as a terminal may have it: what files say must not move its cursor or pass for another line.
+
+    Examples
+    --------
+    >>> from grazing.outcome import printable
+    >>> printable("\x1b[2Jgone\n\u202ereversed")
+    '\\x1b[2Jgone\n\\u202ereversed'
+    """
+    kept = "\n\t" if newlines else "\t"
+    return "".join(
+        letter if letter.isprintable() or letter in kept or unicodedata.category(letter) == "Zs"
+        else letter.encode("unicode_escape").decode("ascii")
+        for letter in text
+    )  # fmt: skip
+
+
 #: Items of a list, and letters of a word, that are written out where an object says what it is.
 ITEMS, LETTERS = 16, 60
 
@@ -267,7 +285,16 @@ def level_outside() -> int:
 
 
 class GrazingError(Exception):
-    """Base of every exception that grazing raises on purpose."""
+    """Base of every exception that grazing raises on purpose; its message has a line for each argument.
+
+    Names of files and what files say may hold line ends and what moves the cursor of a terminal: both are escaped.
+    """
+
+    def __init__(self, *lines: object) -> None:
+        super().__init__(*(printable(str(line), newlines=False) for line in lines))
+
+    def __str__(self) -> str:
+        return "\n".join(self.args)
 
 
 class InputError(GrazingError, ValueError):

@@ -19,11 +19,10 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 from grazing.kernel.disk import others_can_write
 from grazing.kernel.prepared import FAMILIES, folder, machines, own, stamp, used
-from grazing.writing import left_in
+from grazing.writing import left_in, put
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,6 +33,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+#: Who may read prepared kernels: everybody, as the sources.
+RIGHTS = 0o644
 #: The parts of the package that kernels come from.
 SOURCES = ("kernel", "systems", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
 
@@ -207,24 +208,13 @@ def prepared(family: str = "") -> int:
         kept = {name for names, _error in said for name in names.split()}
         for file in sorted(Path(scratch).glob("*.nbc")):
             kept.add(file.name)
-            _put(folder() / file.name, file.read_bytes())
+            put(folder() / file.name, file.read_bytes(), RIGHTS)
     if not family:  # a wheel holds several families, a checkout what is right for it
         for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*"), *left_in(folder())):
             if file.name not in kept:
                 file.unlink(missing_ok=True)
-    _put(known, made_from.encode("ascii"))
+    put(known, made_from.encode("ascii"), RIGHTS)
     return len(list(folder().glob("*.nbc")))
-
-
-def _put(file: Path, content: bytes) -> None:
-    """Write a file whole or not at all, under a name of its own until it is: others may be preparing the same."""
-    new = file.with_name(f".{uuid4().hex}.partial")
-    try:
-        new.write_bytes(content)
-        new.chmod(0o644)
-        new.replace(file)
-    finally:
-        new.unlink(missing_ok=True)
 
 
 def _made_from(family: str) -> str:

@@ -34,6 +34,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = path_of(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder; give the name of a file")
+    if os.path.exists(target) and not (os.path.islink(target) or os.path.isfile(target)):
+        raise InputError(f"{target} is a device or a pipe, which a file would replace; give the name of a file")
     part = target.with_name(f".{uuid4().hex}.partial")
     try:
         if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=_EFFECTIVE):
@@ -47,6 +49,24 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def put(file: Path, content: bytes, mode: int) -> None:
+    """Write a file whole or not at all, with these rights: several processes may be writing the same.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    part = file.with_name(f".{uuid4().hex}.partial")
+    try:
+        with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), mode), "wb") as new:
+            new.write(content)
+        part.chmod(mode)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def left_in(folder: Path) -> list[Path]:

@@ -12,11 +12,11 @@ and the functions below. Another arithmetic that does this may stand in the plac
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import RLock
 
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 
 Ball = arb
 #: The working precision belongs to the process, so one certificate is checked at a time.
@@ -57,6 +57,14 @@ def around(centre: Ball, radius: Ball) -> Ball:
 def between_0_and(reach: Ball) -> Ball:
     """Return a ball of all numbers from 0 to an exact reach."""
     return Ball(0.5, 0.5) * reach
+
+
+def polynomial(terms: Sequence[Ball], s: Ball, order: int = 0) -> Ball:
+    """Return a derivative, at s, of the polynomial with these coefficients, the constant first."""
+    found = arb_poly(terms)
+    for _ in range(order):
+        found = found.derivative()
+    return found(s)
 
 
 def pi() -> Ball:

@@ -10,6 +10,7 @@ from grazing_checker.envelope import VERSION, opened
 from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
 from grazing_checker.orbit import check_orbit, check_walled_orbit
 from grazing_checker.reading import Rejected, demand, quoted
+from grazing_checker.table import check_table_orbit
 from grazing_checker.value import check_value, check_walled_value
 
 #: All that is imported from the standard library.
@@ -30,6 +31,7 @@ SEEN = "that a wall that moves, or is above the ball, sees another force, as der
 MULTIPLIERS = "Jury's criterion, and that the multipliers of a map that is smooth at a fixed point decide its stability"
 BETWEEN = "the intermediate value theorem, on the curve of orbits that depends continuously on one coordinate"
 
+TABLES = "the places, flights and turns of a ball on a table, as derived in grazing_checker/plane.py and table.py"
 CYCLES = "that the equations of a word are those of its cycles, as derived in grazing_checker/gap.py"
 STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map stretch sqrt(s) ds, s = sqrt(x)"
 
@@ -44,6 +46,7 @@ class Kind(NamedTuple):
 KINDS = {
     "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
     "periodic orbit with walls": Kind(check_walled_orbit, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS)),
+    "periodic orbit on a table": Kind(check_table_orbit, (KRAWCZYK, TABLES, MULTIPLIERS)),
     "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
     "bifurcation value with walls": Kind(check_walled_value, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS, BETWEEN)),
     "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),

@@ -101,17 +101,17 @@ def _written(document: Mapping[str, Any]) -> str:
 
 def _read(source: str | Path) -> str:
     try:
-        with open(Path(source), "rb", opener=_at_once) as file:
+        with open(os.fspath(source), "rb", opener=_at_once) as file:
             if not S_ISREG(os.fstat(file.fileno()).st_mode):  # a device or a pipe may have no end
-                raise OSError("there is no such file")
-            text = (file.read(LARGEST + 1) or b"").decode()  # nothing yet, of what only looks like a file
+                raise OSError("it is a device or a pipe")
+            content = file.read(LARGEST + 1) or b""  # nothing yet, of what only looks like a file
+        if len(content) > LARGEST:
+            raise OSError(f"it is larger than {LARGEST} bytes")
+        return content.decode()
     except (OSError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         named = repr(str(source) if isinstance(source, Path) else source)
         raise Rejected(f"no certificate can be read from {named}: {reason}; give its path or the document") from None
-    if len(text) > LARGEST:
-        raise Rejected(f"{source} is larger than {LARGEST} bytes: it is no certificate")
-    return text
 
 
 def _at_once(path: str, flags: int) -> int:

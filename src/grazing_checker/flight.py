@@ -16,7 +16,7 @@ from itertools import pairwise
 from math import ceil, factorial
 from typing import NamedTuple
 
-from grazing_checker.balls import Ball, around, between_0_and, number, pi, working_bits
+from grazing_checker.balls import Ball, around, between_0_and, number, pi, polynomial, working_bits
 from grazing_checker.reading import demand
 
 #: A 2 x 2 matrix, row by row.
@@ -111,15 +111,9 @@ class Series(NamedTuple):
     def __call__(self, s: Ball, order: int = 0) -> Ball:
         """Return the derivative of some order (0, 1 or 2) after time s, of either sign; s may be a ball."""
         K = len(self.terms)
-        total = number(0)
-        for n in range(K - 1, order - 1, -1):
-            falling = 1
-            for i in range(order):
-                falling *= n - i
-            total = total * s + falling * self.terms[n]
         reach = self.rho * abs(s).upper()
         tail = self.C * self.rho**order * reach ** (K - order) / factorial(K - order) * reach.exp()
-        return around(total, tail.upper())
+        return around(polynomial(self.terms, s, order), tail.upper())
 
 
 class Checked:
@@ -138,6 +132,8 @@ class Checked:
         while number(STEP) ** terms / factorial(terms) > number(1, -(working_bits() + 16)):
             terms += 4
         self.K = terms
+        self.steps = [number((n + 1) * (n + 2)) for n in range(terms)]
+        self.drags = [motion.alpha * (n + 1) for n in range(terms)]
 
     def keep(self, steps: int) -> None:
         """Take the work and the memory of so many steps, before they are made."""
@@ -155,13 +151,13 @@ class Checked:
 
     def _add(self, total: list[Ball], value: Ball, slope: Ball, W: Ball) -> None:
         """Add the series of a solution of x'' = -W^2 x with that value and slope."""
-        W2 = W * W
+        turned, steps = -W * W, self.steps
         for n in range(0, len(total), 2):
             total[n] = total[n] + value
-            value = -W2 * value / ((n + 1) * (n + 2))
+            value = turned * value / steps[n]
         for n in range(1, len(total), 2):
             total[n] = total[n] + slope
-            slope = -W2 * slope / ((n + 1) * (n + 2))
+            slope = turned * slope / steps[n]
 
     def force_slopes(self, t: Ball, y: list[Ball]) -> tuple[list[Ball], Ball]:
         """Return the Taylor coefficients of what forces the derivative by the parameter, and the bound of its series.
@@ -169,7 +165,7 @@ class Checked:
         It is dF/dp - (d alpha/dp) v - (d k^2/dp) y.
         """
         m, K = self.motion, self.K
-        dk2 = m.slope("k2")
+        dalpha, dk2 = m.slope("alpha"), m.slope("k2")
         level = m.slope("offset") - dk2 * m.sigma - m.k2 * m.slope("sigma")
         total, bound = [level, *([number(0)] * (K - 1))], abs(level)
         for j, cosine, sine in m.turns(t):
@@ -187,15 +183,15 @@ class Checked:
             bound += abs(dc) + abs(ds) + size * (abs(at) + abs(rate) / (2 * m.omega))
         for n in range(K):
             rising = (n + 1) * y[n + 1] if n + 1 < len(y) else number(0)
-            total[n] -= m.slope("alpha") * rising + dk2 * (y[n] if n < len(y) else 0)
+            total[n] -= dalpha * rising + dk2 * (y[n] if n < len(y) else 0)
         return total, bound
 
     def solution(self, F: list[Ball], y: Ball, v: Ball, bound: Ball) -> Series:
         """Return the series of x'' = F - alpha x' - k^2 x from (y, v); ``bound`` bounds |F^(n)| by bound rho^n."""
-        m, K = self.motion, self.K
-        x = [y, v]
-        for n in range(K - 2):
-            x.append((F[n] - m.alpha * (n + 1) * x[n + 1] - m.k2 * x[n]) / ((n + 1) * (n + 2)))
+        k2, K, x = self.motion.k2, self.K, [y, v]
+        for force, drag, step in zip(F[: K - 2], self.drags, self.steps, strict=False):
+            y, v = v, (force - drag * v - k2 * y) / step
+            x.append(v)
         bounds = (
             (abs(x[K - 2]) * factorial(K - 2) / self.rho ** (K - 2)).upper(),
             (abs(x[K - 1]) * factorial(K - 1) / self.rho ** (K - 1)).upper(),

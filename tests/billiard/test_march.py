@@ -187,4 +187,4 @@ def test_a_ball_that_meets_nothing_is_told_so():
     table = gz.table([gz.disc("A", (0, 0), 1.0, ELASTIC), gz.arc("B", (9, 0), 1.0, 0.0, 1.0, ELASTIC)])
     assert contact(table, (5.0, 5.0, 1.0, 1.0)) == (-1, float("inf"), 0)
     assert contact(table.replace(tilt=0.5), (5.0, 5.0, 1.0, 1.0))[0] == -1
-    assert contact(table, (5.0, 5.0, 0.0, 0.0)) == (-1, float("inf"), 0)
+    assert contact(table, (5.0, 5.0, 0.0, 0.0)) == (-1, 0.0, TOO_MANY_IMPACTS)  # at rest, not away

@@ -1,12 +1,13 @@
 """Tables: parameters, what is refused, distances."""
 
 import pickle
-from math import pi, sin
+from math import pi, sin, sqrt
 
 import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.exact import exact_contact
 from grazing.billiard.table import crosses, distance
 from tests.billiard.tables import ELASTIC, box, mixed
 
@@ -106,3 +107,54 @@ def test_a_table_is_the_same_in_any_unit():
         np.testing.assert_allclose(scaled.impact_time / b, plain.impact_time, rtol=1e-9)
         assert scaled.trust == "certified"
     assert plain.sizes["impact"] > 8
+
+
+@pytest.mark.parametrize("T", [1.0, 2.0**-15, 2.0**-90, 2.0**60])
+def test_a_ball_inside_an_arc_is_not_taken_for_one_outside_in_other_units_of_time(T):
+    # what counts as rounding of the first gap was measured by the coefficients of later times, too
+    table = gz.table([gz.arc("ring", (0, 0), 5.0, 0.0, 2.0 * pi, gz.newton(0.9))], g=1.0 / T**2, tilt=0.4)
+    block = table.blocks(table.row())[0]
+    surface, t, _flags = exact_contact(block, (1.0, 0.5, 0.0, -2.0 / T), -1)
+    plain = -(2.0 - sqrt(4.0 + 2.0 * sin(0.4) * (0.5 + sqrt(24.0)))) / sin(0.4)
+    assert surface == 1 and t / T == pytest.approx(plain, rel=1e-14)
+
+
+def test_sizes_whose_fourth_powers_are_no_doubles_are_refused():
+    # a table of size 1e-200 had its impacts at t = 0, certified, or ended in a ZeroDivisionError
+    for size in (1e-300, 1e-200, 1e-75, 1e75, 1e200):
+        with pytest.raises(gz.InputError, match="choose other units"):
+            gz.table([gz.disc("A", (3.0 * size, 0), size, ELASTIC)])
+        with pytest.raises(gz.InputError, match=r"g sin\(tilt\) of the table"):
+            gz.table([gz.disc("A", (3, 0), 1.0, ELASTIC)], g=size, tilt=1.0)
+    seen = []
+    for L in (1e-55, 1.0, 1e55):  # and within the range all is the same
+        table = gz.table([gz.disc("A", (3.0 * L, 4.1 * L), L, ELASTIC), *box(9.0 * L, 9.0 * L)])
+        for v in (1e-55, 1.0, 1e55):
+            found = gz.trajectory(table, (1.5 * L, L, v, 0.2 * v), until=40.0 * L / v)
+            times = found.impact_time.values / L * v
+            assert len(times) > 5 and found.outcome == "ok"
+            seen.append(times[:3])
+    assert np.ptp(seen, axis=0) == pytest.approx([0.0] * 3, abs=1e-9)
+
+
+def test_crossing_and_distance_know_no_unit():
+    for size in (2.0**-600, 1.0, 2.0**600):
+        one, two, three = (
+            gz.segment(name, (a * size, b * size), (c * size, d * size), ELASTIC)
+            for name, a, b, c, d in (("a", -1, 0, 1, 0), ("b", 0, -1, 0, 1), ("c", 2, -1, 2, 1))
+        )
+        assert crosses(one, two) and not crosses(one, three)
+        assert (
+            distance(one, 0.5 * size, 2.0 * size) == 2.0 * size and distance(one, 4.0 * size, 4.0 * size) == 5.0 * size
+        )
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-300, 1e-100])
+def test_a_ball_at_rest_on_a_level_table_has_not_left_it(speed):
+    # it was said to have escaped, away, at t = infinity
+    table = gz.table([gz.disc("A", (3, 0), 1.0, gz.newton(0.0)), gz.drain("out", (-1, -1), (-1, 1))])
+    found = gz.trajectory(table, (0.0, 0.0, speed, 0.0), until=10.0)
+    assert found.outcome == "bounces too small to tell apart" and found.exit.item() == ""
+    (left,) = gz.launches(table, (0.0, 0.0), [0.0], [speed, 1.0]).exit.values.tolist()
+    assert left == ["", ""]  # the other one stops at the disc
+    assert gz.launches(table, (0.0, 0.0), [np.pi], [1.0]).exit.item() == "out"

@@ -43,3 +43,10 @@ def test_edges_of_windows_between_walls_are_proven(capsys):
     assert proof["file"].endswith("N1-ABB-high-lp.json")
     low, high = proof["enclosure"]
     assert low - 1e-11 < window["high"] < high + 1e-11 and verified(capsys, proof["file"])
+
+
+def test_the_place_of_certificates_is_called_by_its_option(capsys):
+    """It was said of -o, which was not given."""
+    orbit = ["orbit", "--period", "2", "--map", "gap", "--lam", "0.8", "--mu", "0.5", "--l", "1", "--certify"]
+    assert main([*orbit, "--save", "none/a.json"]) == 2
+    assert capsys.readouterr().err == "error: --save none/a.json: there is no folder none; make it first\n"

@@ -95,3 +95,21 @@ def test_what_is_said_arrives(tmp_path, monkeypatch):
         monkeypatch.setattr(sys, "__stderr__", stream)
         assert main(["info", "\u03bb"]) == 2
     assert (tmp_path / "said").read_text() == "error: there is no file \\u03bb\n"
+
+
+@pytest.mark.parametrize("line", ["sys.stdout.close()", "sys.stdout = None"])
+def test_code_of_ones_own_that_closes_the_output_is_named(line, tmp_path):
+    """That was an unexpected error, or a traceback behind it."""
+    (tmp_path / "own.py").write_text(
+        f"import sys\nimport grazing as gz\n{line}\nP = gz.Map(lambda x, p: (p.a * x[0],), params={{'a': 0.5}})\n"
+    )
+    command = ["cobweb", "x=0.1", "--map", "own.py:P", "--steps", "3", "-q"]
+    done = subprocess.run([sys.executable, "-m", "grazing", *command], cwd=tmp_path, capture_output=True, text=True)
+    said = "error: code of your own, or of a package, closed the standard output; leave that away.\n"
+    assert (done.returncode, done.stderr) == (1, said)
+
+
+def test_a_machine_without_a_sound_null_device(monkeypatch, capsys):
+    """Where it may not be opened every command was a traceback."""
+    monkeypatch.setattr(os, "devnull", "/none/null")
+    assert main(["--version"]) == 0 and capsys.readouterr().out.startswith("grazing ")

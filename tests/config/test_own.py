@@ -132,6 +132,15 @@ def test_a_file_that_ends_itself_is_named(tmp_path, capsys, line):
     assert re.fullmatch(r"error: --map: \S+program\.py cannot be run: SystemExit: .+\n", capsys.readouterr().err)
 
 
+@pytest.mark.parametrize("line", ["raise GeneratorExit", "class E(BaseException): pass\nraise E('x')"])
+def test_a_file_that_raises_what_is_no_exception_is_named(tmp_path, capsys, line):
+    """It escaped as a traceback."""
+    (tmp_path / "program.py").write_text(f"{line}\n")
+    assert main(["diagram", "a=0:1:3", "--map", f"{tmp_path}/program.py:P"]) == 2
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"error: --map: \S+program\.py cannot be run: (GeneratorExit|\S*E: x)\n", said)
+
+
 RAISES = """
 class Odd(gz.Oscillator):
     @property
@@ -146,7 +155,9 @@ MUTE = "\nclass Mute(Exception):\n    def __str__(self):\n        raise ValueErr
 
 @pytest.mark.parametrize(
     ("lines", "code", "said"),
-    [(RAISES, 1, "line 26 of {file} raised KeyError: 'mine'"), (MUTE, 2, "--model: {file} cannot be run: Mute"),
+    [(RAISES, 1, "line 26 of {file} raised KeyError: 'mine'"),
+     (RAISES.replace('KeyError("mine")', "GeneratorExit"), 1, "line 26 of {file} raised GeneratorExit"),
+     (MUTE, 2, "--model: {file} cannot be run: Mute"),
      (ENDS, 1, "code of your own, or of a package, called sys.exit(None); leave that away.")],
 )  # fmt: skip
 def test_what_a_class_of_ones_own_raises_is_no_defect_of_the_library(own, capsys, lines, code, said):

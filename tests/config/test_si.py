@@ -340,3 +340,44 @@ def test_a_base_of_too_many_harmonics_is_what_is_blamed():
     shaken = {"study": "diagram", "vary": {"omega": "2:3:4"}, "mass": 1.0}
     with pytest.raises(InputError, match=r"^base: .*have 1001 harmonics; allowed are at most 1000$"):
         checked({**shaken, "base": f"moves=both,displacement={' '.join(['1e-4'] * 1001)}"})
+
+
+BEGUN = [
+    ({"study": "trajectory", "settings": {"state": ["1 mm", "3 mm/s"]}}, {"state": [1e-3, 3e-3]}),
+    ({"study": "trajectory", "settings": {"state": "1 mm, 3 mm/s"}}, {"state": [1e-3, 3e-3]}),
+    ({"study": "trajectory", "settings": {"state": ["1 mm", 0.5]}}, {"state": [1e-3, 0.5]}),
+    ({"study": "trajectory", "settings": {"state": "0.1,0"}}, {"state": [0.1, 0.0]}),
+    ({"study": "basins", "map": "impact", "vary": {"tau": "0 ms:1 ms:3", "v_plus": "1 mm/s:2 mm/s:3"}}, {}),
+    ({"study": "graph", "vary": {"u": "0 mm:1 mm:3"}, "settings": {"fixed": "v=5 mm/s"}}, {"fixed": {"v": 5e-3}}),
+    ({"study": "graph", "vary": {"v": "0,5 mm/s"}, "settings": {"fixed": {"u": "1 mm"}}}, {"fixed": {"u": 1e-3}}),
+]
+
+
+@pytest.mark.parametrize(("given", "settings"), BEGUN)
+def test_a_start_of_a_rig_has_units(given, settings):
+    """Parameters had them, and of u = 1 mm it was said that it is no number, or that its units are not known."""
+    found = checked({**given, "si": SI, "parameters": {"r": 0.7}})
+    assert {key: found["settings"][key] for key in settings} == settings
+    for name, written in given.get("vary", {}).items():
+        assert name in found["vary"] and "m" in written and "m" not in str(found["vary"][name])
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"state": ["1 kg", "0"]}, r"state: u = '1 kg'; its units do not match: give a quantity such as '1 m'"),
+        ({"state": ["1 mm", "0", "2 s"]}, r"state = '2 s'; the units of state are not known"),
+        ({"state": "1 mm;2 mm"}, "state"), (3, "settings"), ({"state": [["1 mm"], 0]}, "state"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_start_of_a_rig_is_said(settings, said):
+    with pytest.raises(InputError, match=said):
+        checked({"study": "trajectory", "si": SI, "parameters": {"r": 0.7}, "settings": settings})
+
+
+def test_a_start_in_millimetres_in_the_shell_is_that_in_metres(capsys):
+    rig = ["trajectory", "--si", TEXT, "--r", "0.7", "--until", "0.2", "-q", "--units", "mm", "-o"]
+    assert main([*rig, "a.nc", "u=1 mm", "v=5 mm/s"]) == 0 and main([*rig, "b.nc", "u=0.001", "v=0.005"]) == 0
+    assert load("a.nc").u.values.tolist() == load("b.nc").u.values.tolist()
+    assert main(["trajectory", "u=1 mm", "v=0"]) == 2  # without a rig there are no units
+    assert "state[0] = '1 mm' is not a real number" in capsys.readouterr().err

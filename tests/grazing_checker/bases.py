@@ -2,13 +2,17 @@
 
 from functools import cache
 
+import grazing as gz
 from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
 from grazing.proof.gap_chaos import prove_no_attractor
+from tests.billiard.orbits import active_discs, bowl, pinball
+from tests.billiard.tables import ELASTIC, three_discs
 from tests.grazing_checker.documents import documents
 
 KINDS = (
     "periodic orbit",
     "periodic orbit with walls",
+    "periodic orbit on a table",
     "bifurcation value",
     "bifurcation value with walls",
     "gap map orbit",
@@ -20,12 +24,40 @@ GAP_NAMES = (
     "R", "LLR", "LLRLR", "LLRLLR", "LLRR", "gap pd", "gap bc", "gap gr", "gap lp", "gap bc of two", "gap pd of R",
     "small", "between", "narrow",
 )  # fmt: skip
+TABLE_NAMES = (
+    "back and forth", "triangle", "kicked", "kicked and lit", "by the ceiling", "in the bowl", "on the tip",
+    "up and down",
+)  # fmt: skip
 
 
 @cache
 def bases():
     """Return documents by name."""
-    return {**documents(), **gap_bases()}
+    return {**documents(), **gap_bases(), **table_bases()}
+
+
+@cache
+def table_bases():
+    """Return documents about orbits on tables by name."""
+
+    def of(table, word, **more):
+        return [
+            one for one in gz.periodic_orbits(gz.collision_map(table), word=word, starts=100, **more) if one.admissible
+        ]
+
+    two = [gz.disc("low", (0, 0), 1.0, ELASTIC), gz.disc("high", (0, 4), 1.0, ELASTIC)]
+    found = {
+        "back and forth": of(three_discs(6.0), "AB")[0],
+        "triangle": of(three_discs(3.0), "ABC")[0],
+        "kicked": of(active_discs(3.0), "ABC")[0],
+        "kicked and lit": of(active_discs(3.0), "ABAC")[0],
+        "by the ceiling": of(pinball(), "PQ(ceiling)")[0],
+        "in the bowl": next(one for one in of(bowl(r=0.8), "(bowl)", period=2) if one.stable),
+        "on the tip": next(one for one in of(bowl(rho=0.1), "(bowl)") if not one.neutral),
+        "up and down": of(gz.table(two, tilt=0.3), "(low)(high)", energy=3.0)[0],
+    }
+    assert tuple(found) == TABLE_NAMES
+    return {name: gz.certify(orbit).document for name, orbit in found.items()}
 
 
 @cache

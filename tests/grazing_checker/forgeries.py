@@ -14,7 +14,7 @@ import numpy as np
 
 from grazing.proof.report import bound
 from grazing.proof.text import below, enclosed
-from grazing_checker import gap, orbit, value
+from grazing_checker import gap, orbit, table, value
 from grazing_checker.balls import LOCK, double, number, pi, precision
 from grazing_checker.check import KINDS, trusted_base
 from grazing_checker.envelope import seal
@@ -25,6 +25,7 @@ from grazing_checker.sentence import orbit_sentence, value_sentence
 SENTENCES = {
     "periodic orbit": orbit_sentence,
     "periodic orbit with walls": orbit_sentence,
+    "periodic orbit on a table": table.table_sentence,
     "bifurcation value": value_sentence,
     "bifurcation value with walls": value_sentence,
     "gap map orbit": gap.orbit_sentence,
@@ -43,8 +44,13 @@ class Pen:
 
     @property
     def name(self):
-        """What the true certificate says here: the forger follows it where the checker asks what comes next."""
-        return self.script[len(self.rows)]["name"] if len(self.rows) < len(self.script) else ""
+        """What the true certificate says here: the forger follows it where the checker asks what comes next.
+
+        That is what comes there behind the last row that both have: there may be more of these than in the true one.
+        """
+        names = [one["name"] for one in self.script]
+        known = [names.index(one["name"]) for one in self.rows if one["name"] in names]
+        return next(iter(names[known[-1] + 1 if known else 0 :]), "")
 
     def more(self, name, x):
         self.rows.append(bound(name, x, ">", 0) if x.is_finite() else row(name, ">", "0"))
@@ -81,7 +87,9 @@ def forging(script, honest):
             texts[:] = enclosed(x)
 
     kept = {
-        (module, name): getattr(module, name) for module in (gap, orbit, value) for name in ("Inequalities", "within")
+        (module, name): getattr(module, name)
+        for module in (gap, orbit, table, value)
+        for name in ("Inequalities", "within")
     }
     pen = type("Pen", (Pen,), {"script": script})
     try:
@@ -278,7 +286,7 @@ def of_a_neighbour(rng, data, others):
 def neighbours_proof(rng, data, others):
     """The whole proof of a neighbour about the model of this one."""
     other = rng.choice(others)
-    keep = {"lam", "mu", "l", "model", "law", "walls", "word", "low", "high"}
+    keep = {"lam", "mu", "l", "model", "law", "walls", "word", "low", "high", "objects", "rho", "g", "tilt"}
     for name in data:
         if name not in keep and name in other:
             data[name] = deepcopy(other[name])
@@ -316,7 +324,11 @@ def dropped(rng, data, _others):
 
 def parameter(rng, data, _others):
     """Another value of a parameter of the model."""
-    if "model" in data:
+    if "objects" in data:
+        places = [(data, name) for name in ("rho", "g", "tilt", "energy")]
+        places += [(one["shape"], name) for one in data["objects"] for name in one["shape"]]
+        places += [(law["parameters"], name) for law in laws_in(data) for name in law["parameters"]]
+    elif "model" in data:
         parts = [data["model"], *data.get("walls", ())]
         places = [(part, name) for part in parts for name, text in part.items() if text is None or is_double(text)]
         places += [(part[row], j) for part in parts for row in ("cos", "sin") for j in range(len(part[row]))]
@@ -329,6 +341,8 @@ def parameter(rng, data, _others):
 
 
 def laws_in(data):
+    if "objects" in data:
+        return [one["law"] for one in data["objects"] if "law" in one]
     return [wall["law"] for wall in data["walls"]] if "walls" in data else [data["law"]]
 
 
@@ -501,7 +515,7 @@ def law(rng, data, _others):
     elif how == 2:
         names = ("alpha", "k", "cos1", "sigma", "offset", "e; so it is stable", "unused", "r")
         one["parameters"][rng.choice(names)] = (0.5).hex()
-    elif "offset_name" in data["model"]:
+    elif "offset_name" in data.get("model", ()):
         data["model"]["offset_name"] = rng.choice(("offset", "d", "k", "the offset, which is stable", ""))
 
 
@@ -604,6 +618,9 @@ def system(data):
             last, slope = gap.event(letters, powers, data["edge"], data["at"], z, z, l)
             F, D = [*F, last], [*D, slope]
         return F, [[row_.get(j, number(0)) for j in range(k + edged)] for row_ in D]
+    if "objects" in data:
+        found, x = table.Table(data), [exact(text) for text in data["centre"]]
+        return found.defect(x), found.derivative(x)
     unknown = (data["parameter"]["of"], data["parameter"]["name"]) if "parameter" in data else None
     problem = Problem(data, unknown)
     x = [exact(text) for text in data["centre"]]
@@ -625,7 +642,11 @@ def fitting_matrix(_rng, data, _others):
 
 def solved_again(rng, data, others):
     """A parameter is changed a little, and the equations are solved again: all fits, and may even be true."""
-    if "model" in data:
+    if "objects" in data:
+        places = [(data, name) for name in ("rho", "tilt", "energy")]
+        places += [(one["shape"], name) for one in data["objects"] for name in one["shape"]]
+        places += [(law["parameters"], p) for law in laws_in(data) for p in law["parameters"]]
+    elif "model" in data:
         places = [(data["model"], "alpha"), (data["model"], "offset")]
         places += [(law["parameters"], p) for law in laws_in(data) for p in law["parameters"] if p in "rV"]
         places += [(wall, "sigma") for wall in data.get("walls", ())]
@@ -815,13 +836,116 @@ def image(rng, data, others):
     data["claims"]["symmetric"] = True
 
 
+# What he does to tables
+
+
+def other_word(rng, data, _others):
+    """Impacts at other objects or parts, begun later, one more or less, the other way round."""
+    hits = data["impacts"]
+    i = rng.randrange(len(hits))
+    names = [one["name"] for one in data["objects"]]
+    parts = ("disc", "left", "right", "start", "stop", "outer", "inner", "drain", "", 1)
+    new = [rng.choice(names), rng.choice(parts)]
+    data["impacts"] = rng.choice(
+        (
+            [*hits[1:], *hits[:1]],
+            hits[::-1],
+            [*hits[:i], [hits[i][0], rng.choice(parts)], *hits[i + 1 :]],
+            [*hits[:i], new, *hits[i + 1 :]],
+            [*hits[:i], new, *hits[i:]],
+            [*hits[:i], *hits[i + 1 :]],
+            [[rng.choice((*names, "Z", "", None)), part] for _name, part in hits],
+            len(hits),
+        )
+    )
+
+
+def begun_later(rng, data, others):
+    """The orbit begun at another impact, with all that belongs to it: true."""
+    n = len(data["impacts"])
+    k = rng.randrange(1, n)
+    data["impacts"] = data["impacts"][k:] + data["impacts"][:k]
+    for where, names in ((data, ("centre", "radius", "unique")), (data["claims"], ("box", "apart"))):
+        for name in names:
+            u, t = where[name][:n], where[name][n:]
+            where[name] = u[k:] + u[:k] + t[k:] + t[:k]
+    data["claims"]["incoming"] = data["claims"]["incoming"][k:] + data["claims"]["incoming"][:k]
+    fitting_matrix(rng, data, others)
+
+
+def round_twice(rng, data, others):
+    """The orbit gone round twice, said to be one of that least period."""
+    n = len(data["impacts"])
+    data["impacts"] = 2 * data["impacts"]
+    for where, names in ((data, ("centre", "radius", "unique")), (data["claims"], ("box", "apart"))):
+        for name in names:
+            where[name] = 2 * where[name][:n] + 2 * where[name][n:]
+    data["claims"]["incoming"], data["claims"]["least_period"] = 2 * data["claims"]["incoming"], True
+    if data["energy"] is None:
+        data["claims"]["sums"] = data["claims"]["sums"][:3]
+    fitting_matrix(rng, data, others)
+
+
+def in_the_way(rng, data, _others):
+    """One more object: on the way, beside it, or far off."""
+    x, y = (rng.uniform(-1, 7) for _ in range(2))
+    size = rng.choice((1e-9, 0.01, 0.3, 1.0))
+    law = deepcopy(laws_in(data)[0])
+    shapes = {
+        "disc": {"x": x, "y": y, "radius": size},
+        "segment": {"x1": x, "y1": y, "x2": x + size, "y2": y + rng.uniform(-1, 1)},
+        "drain": {"x1": x, "y1": y, "x2": x + size, "y2": y + rng.uniform(-1, 1)},
+        "arc": {"x": x, "y": y, "radius": size, "start": rng.uniform(0, 6), "stop": rng.uniform(6, 12)},
+    }
+    kind = rng.choice(sorted(shapes))
+    new = {"name": rng.choice(("new", "A", "x_1")), "kind": kind}
+    new["shape"] = {name: float(value).hex() for name, value in shapes[kind].items()}
+    data["objects"].insert(rng.randrange(2) * len(data["objects"]), new | ({"law": law} if kind != "drain" else {}))
+
+
+def object_changed(rng, data, others):
+    """An object moved, turned into another kind, renamed, or left out; solved again, or not."""
+    i = rng.randrange(len(data["objects"]))
+    one, how = data["objects"][i], rng.randrange(5)
+    if how == 0:
+        name = rng.choice(sorted(one["shape"]))
+        by = rng.choice((1e-12, 1e-6, 1e-3, 0.05, 1.0)) * rng.uniform(-1, 1)
+        one["shape"][name] = (float.fromhex(one["shape"][name]) + by).hex()
+        if rng.random() < 0.6:
+            with precision(256):
+                newton(data)
+            fitting_matrix(rng, data, others)
+    elif how == 1:
+        one["kind"] = rng.choice(("disc", "segment", "arc", "drain", "flipper"))
+    elif how == 2:
+        old, one["name"] = one["name"], rng.choice(("A", "new", "", "a b", 'A"; it is stable', "\u0391", 1))
+        if rng.random() < 0.5:
+            data["impacts"] = [[one["name"] if name == old else name, part] for name, part in data["impacts"]]
+    elif how == 3:
+        del data["objects"][i]
+    else:
+        data["objects"].append(deepcopy(one))
+
+
+def other_energy(rng, data, others):
+    """Another energy, or one where none is conserved, or none where it is."""
+    old = data["energy"]
+    data["energy"] = rng.choice((None, (0.5).hex(), (3.0).hex(), (-1.0).hex(), (1e300).hex(), old))
+    if old is not None and data["energy"] is not None and rng.random() < 0.6:
+        with precision(256):
+            newton(data)
+        fitting_matrix(rng, data, others)
+
+
 COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
 SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
 OSCILLATOR = (*SOLVED, signature, law, kicked, cuts, later)
 WALLS = (wall_renamed, walls_exchanged, wall_dropped, side_flipped, wall_moved, image)
+TABLES = (other_word, begun_later, round_twice, in_the_way, object_changed, other_energy)
 WAYS = {
     "periodic orbit": (*OSCILLATOR, twice),
     "periodic orbit with walls": (*OSCILLATOR, twice, *WALLS, *WALLS),
+    "periodic orbit on a table": (*SOLVED, law, kicked, *TABLES, *TABLES),
     "bifurcation value": (*OSCILLATOR, unknown, event),
     "bifurcation value with walls": (*OSCILLATOR, unknown, event, *WALLS),
     "gap map orbit": (*SOLVED, word, again),

@@ -209,6 +209,22 @@ class arb:
         return repr(self)
 
 
+class arb_poly:
+    """A polynomial, by its coefficients."""
+
+    def __init__(self, terms):
+        self.terms = list(terms)
+
+    def derivative(self):
+        return arb_poly([n * term for n, term in enumerate(self.terms)][1:])
+
+    def __call__(self, s):
+        total = arb(0)
+        for term in reversed(self.terms):
+            total = total * s + term
+        return total
+
+
 def divided(one, two, prec):
     """Division, of which nothing is known where the divisor may be 0."""
     low, high = two
@@ -218,7 +234,7 @@ def divided(one, two, prec):
 def checker_on_intervals():
     """Return a second grazing_checker.check that computes with these intervals and not with flint."""
     flint = ModuleType("flint")
-    flint.arb, flint.ctx = arb, ctx
+    flint.arb, flint.arb_poly, flint.ctx = arb, arb_poly, ctx
     kept = forgotten()
     sys.modules["flint"] = flint
     try:

@@ -74,7 +74,7 @@ def alone(tmp_path_factory):
 
 def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(alone, tmp_path):
     paths, proofs = {}, {name.replace(" ", "-"): document for name, document in bases().items()}
-    for name in ("stable", "free", "own", "pair", "pd", "table-pd", "R", "gap-pd", "small"):
+    for name in ("stable", "free", "own", "pair", "kicked", "pd", "table-pd", "R", "gap-pd", "small"):
         paths[name] = tmp_path / f"{name}.json"
         paths[name].write_text(json.dumps(proofs[name]))
     assert {proofs[name]["kind"] for name in paths} == set(KINDS)
@@ -109,3 +109,19 @@ def test_a_certificate_of_the_first_version_is_refused_and_says_how_to_prove_aga
     assert done.returncode == 1
     assert "version 1 of the format, this program reads 2; prove it again" in done.stderr
     assert "gz.certify(orbit)" in done.stderr and "gz.enclose(orbit, kind, name)" in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a full disk of its own")
+def test_an_output_that_cannot_be_written_is_no_traceback_and_no_success(tmp_path):
+    """A reader that left, as ``| head``, or a full disk was a traceback; what was not said is not proven."""
+    good = tmp_path / "good.json"
+    good.write_text(json.dumps(bases()["R"]))
+    command = [sys.executable, "-m", "grazing_checker", *[str(good)] * 3]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=FOLDER.parent)
+    assert done.returncode == 1
+    assert done.stderr == "what certificates prove cannot be written: No space left on device\n"
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=FOLDER.parent) as running:
+        running.stdout.close()  # before anything is printed
+        assert running.stderr.read() == b""
+    assert running.returncode == 1

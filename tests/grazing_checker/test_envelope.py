@@ -97,10 +97,16 @@ def test_what_is_no_json_is_refused(tmp_path, text, said):
         opened(path)
 
 
-@pytest.mark.parametrize("source", ["no/such/file.json", 3, "/dev/zero", ".", "\0"])
+@pytest.mark.parametrize("source", ["no/such/file.json", 3, "/dev/zero", ".", "\0", "", b"none", None])
 def test_what_is_no_file_is_refused(source):
     with pytest.raises(Rejected, match="no certificate can be read"):
         opened(source)
+
+
+def test_what_is_no_file_is_named_as_what_it_is():
+    for source, said in (("/dev/zero", "it is a device or a pipe"), ("", "No such file or directory")):
+        with pytest.raises(Rejected, match=said):
+            opened(source)
 
 
 def test_a_path_is_named_as_it_was_given(tmp_path):
@@ -112,6 +118,19 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path):
     path = tmp_path / "c.json"
     with path.open("wb") as file:
         file.truncate(LARGEST + 1)
+    with pytest.raises(Rejected, match="larger than"):
+        opened(path)
+
+
+def test_the_bytes_of_a_file_are_counted_not_its_letters(tmp_path):
+    """With one letter of two bytes in it, what came after so many bytes was left away in silence."""
+    path = tmp_path / "c.json"
+    document = {**made(statement="é")}
+    document["sha256"] = digest_of({name: value for name, value in document.items() if name != "sha256"})
+    text = json.dumps(document, ensure_ascii=False).encode()
+    path.write_bytes(text)
+    assert opened(path) == document
+    path.write_bytes(text.ljust(LARGEST + 1) + b"and no more of it")
     with pytest.raises(Rejected, match="larger than"):
         opened(path)
 

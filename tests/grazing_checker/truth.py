@@ -11,7 +11,8 @@ import numpy as np
 from mpmath import mp, mpf
 
 from grazing import theory
-from tests.grazing_checker.truth_walls import WalledRig
+from tests.grazing_checker import truth_table
+from tests.grazing_checker.truth_walls import WalledRig, entries_of, exponential
 
 word_edges = cache(theory.word_edges)
 DIGITS = 36
@@ -242,7 +243,11 @@ class Rig:
             W = (j + 1) * self.omega
             M[1, 3 + 2 * j], M[1, 4 + 2 * j] = self.cos[j], self.sin[j]
             M[3 + 2 * j, 4 + 2 * j], M[4 + 2 * j, 3 + 2 * j] = -W, W
-        self.M = M
+        self.M, self.entries = M, entries_of(M)
+
+    def flow(self, t):
+        """The exponential of M t."""
+        return exponential(self.entries, t)
 
     def state(self, t, y, w):
         z = [y, w, mpf(1)]
@@ -272,7 +277,7 @@ class Rig:
         made = []
         for t, y, w, L in starts:
             hold(0 < L < 1000, "the impacts are not in the order of time")
-            E, z = mp.expm(self.M * L), self.state(t, y, w)
+            E, z = self.flow(L), self.state(t, y, w)
             made.append((z, L, E, E * z))
         return made
 
@@ -318,7 +323,7 @@ class Rig:
     def dips(self, x, flight, count=400):
         """The lowest heights of a flight: by floats on a grid, and each dip between to all digits."""
         z, L, _E, _end = self.flights(x)[flight]
-        step = np.array(mp.expm(self.M * (L / count)).tolist(), dtype=float)
+        step = np.array(self.flow(L / count).tolist(), dtype=float)
         states = [np.array(z.tolist(), dtype=float)[:, 0]]
         for _ in range(count):
             states.append(step @ states[-1])
@@ -329,11 +334,11 @@ class Rig:
         """The height of the local minimum of a flight that is near a time."""
         z = self.flights(x)[flight][0]
         for _ in range(60):
-            here = mp.expm(self.M * time) * z
+            here = self.flow(time) * z
             step = here[1] / (self.M * here)[1]
             time -= step
             if abs(step) < mpf(10) ** -25:
-                return (mp.expm(self.M * time) * z)[0]
+                return (self.flow(time) * z)[0]
         raise Untrue("the dip is not found")
 
 
@@ -483,7 +488,33 @@ def exact(text):
     return mpf(int(mantissa, 16)) * mpf(2) ** int(exponent)
 
 
+def table_orbit(data):
+    """An orbit on a table: its sums are those of the eigenvalues of a turn by differences."""
+
+    def check_sums(J, claims, level):
+        roots = [mp.mpc(root) for root in mp.eig(J, left=False, right=False)]
+        if level:
+            del roots[min(range(3), key=lambda k: abs(roots[k] - 1))]
+            roots_sums = [sum(roots)]
+        else:
+            a, b, c = roots
+            roots_sums = [a + b + c, a * b + b * c + c * a, a * b * c]
+        hold(len(claims["sums"]) == len(roots_sums), "another number of sums")
+        size = max(1, *map(abs, roots_sums))
+        for found, (low, high) in zip(roots_sums, claims["sums"], strict=True):
+            slack = mpf(10) ** -14 * size**2
+            hold(mpf(low) - slack <= mp.re(found) <= mpf(high) + slack, "a sum of multipliers is another")
+        outside = max(map(abs, roots))
+        if claims["stability"] == "stable":
+            hold(outside < 1 and not level, f"a multiplier is {mp.nstr(outside, 10)}")
+        if claims["stability"] == "unstable":
+            hold(outside > 1, f"the largest multiplier is {mp.nstr(outside, 10)}")
+
+    truth_table.table_orbit(data, Untrue, inside, check_sums)
+
+
 TRUTHS = {
+    "periodic orbit on a table": table_orbit,
     "gap map orbit": gap_orbit,
     "gap map edge": gap_edge,
     "gap map without attracting orbits": no_attractor,

@@ -4,12 +4,24 @@ A state holds u, u', 1 and the cosines and sines of the force. A wall's distance
 and its rate that row times M. Derivatives are difference quotients.
 """
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 from mpmath import mp, mpf
 
 TINY = mpf(10) ** -15
+
+
+def entries_of(M):
+    """The rows of a matrix, by which its exponentials are remembered."""
+    return tuple(map(tuple, M.tolist()))
+
+
+@lru_cache(maxsize=256)
+def exponential(entries, t):
+    """The exponential of a matrix times t: Newton's method asks for the same flights again and again."""
+    return mp.expm(mp.matrix(entries) * t)
 
 
 class WalledRig:
@@ -38,7 +50,7 @@ class WalledRig:
             M[3 + 2 * j, 4 + 2 * j], M[4 + 2 * j, 3 + 2 * j] = -W, W
             if j < len(self.cos):
                 M[1, 3 + 2 * j], M[1, 4 + 2 * j] = self.cos[j], self.sin[j]
-        self.M, self.rows = M, []
+        self.M, self.rows, self.entries = M, [], entries_of(M)
         self.laws = [{name: number(text) for name, text in w["law"]["parameters"].items()} for w in self.walls]
         for sign, wall in zip(self.signs, self.walls, strict=True):
             row = mp.zeros(1, 3 + 2 * self.H)
@@ -47,6 +59,10 @@ class WalledRig:
                 row[3 + 2 * j], row[4 + 2 * j] = -sign * number(c), -sign * number(s)
             self.rows.append(row)
         self.middle = sum(number(wall["sigma"]) for wall in self.walls)
+
+    def flow(self, t):
+        """The exponential of M t."""
+        return exponential(self.entries, t)
 
     def seen(self, wall, z):
         """Distance from a wall and its rate."""
@@ -74,12 +90,12 @@ class WalledRig:
         n = self.n
         if n == 0:
             z = self.leaving(0, mpf(0), x[0], x[1])
-            return [(0, 0, z, self.turn, mp.expm(self.M * self.turn) * z)]
+            return [(0, 0, z, self.turn, self.flow(self.turn) * z)]
         ends, made = [*x[1:n], x[0] + self.turn], []
         for i in range(n):
             L, z = ends[i] - x[i], self.leaving(self.hits[i], x[i], mpf(0), x[n + i])
             self.hold(0 < L < 1000, "the impacts are not in the order of time")
-            made.append((self.hits[i], self.hits[(i + 1) % n], z, L, mp.expm(self.M * L) * z))
+            made.append((self.hits[i], self.hits[(i + 1) % n], z, L, self.flow(L) * z))
         return made
 
     def incoming(self, x):
@@ -98,7 +114,7 @@ class WalledRig:
     def trace_and_det(self, x):
         """Of the map from (time, velocity) after one impact to the next, by difference quotients."""
         if self.n == 0:
-            E = mp.expm(self.M * self.turn)
+            E = self.flow(self.turn)
             return E[0, 0] + E[1, 1], E[0, 0] * E[1, 1] - E[0, 1] * E[1, 0]
         total, n = mp.eye(2), self.n
         for i in range(n):
@@ -106,7 +122,7 @@ class WalledRig:
             at = [x[i], x[n + i], x[i + 1] if i + 1 < n else x[0] + self.turn]
 
             def leg(t, w, end, one=one, two=two):
-                y, v = self.seen(two, mp.expm(self.M * (end - t)) * self.leaving(one, t, mpf(0), w))
+                y, v = self.seen(two, self.flow(end - t) * self.leaving(one, t, mpf(0), w))
                 return mp.matrix([y, self.law_of(two, v)])
 
             slopes = []
@@ -130,7 +146,7 @@ class WalledRig:
                 v = self.seen(two, end)[1]
                 self.hold(v < 0, "an impact does not arrive from the wall's own side")
                 self.hold(self.law_of(two, v) >= 0, "the law returns a velocity into the wall")
-            step = np.array(mp.expm(self.M * (L / count)).tolist(), dtype=float)
+            step = np.array(self.flow(L / count).tolist(), dtype=float)
             states = [np.array(z.tolist(), dtype=float)[:, 0]]
             for _ in range(count):
                 states.append(step @ states[-1])
@@ -151,12 +167,12 @@ class WalledRig:
     def lowest(self, wall, z, time):
         row = self.rows[wall]
         for _ in range(60):
-            here = mp.expm(self.M * time) * z
+            here = self.flow(time) * z
             step = (row * self.M * here)[0] / (row * self.M * self.M * here)[0]
             time -= step
             if abs(step) < mpf(10) ** -25:
                 break
-        return (row * (mp.expm(self.M * time) * z))[0]
+        return (row * (self.flow(time) * z))[0]
 
     def steps(self, x):
         """Wall, time and the ball's own velocity after every impact."""

@@ -54,6 +54,41 @@ def test_any_damage_costs_a_compilation_and_no_more(kept):
         assert "it is damaged" in heals(kept)
 
 
+def test_what_killed_processes_have_left_half_written_is_removed(kept):
+    """It stayed for ever, a megabyte each time."""
+    half, fresh_half, other = (
+        kept.with_name(f".{i * 32}{rest}") for i, rest in (("a", ".partial"), ("b", ".partial"), ("c", ""))
+    )
+    for file in (half, fresh_half, other):
+        file.write_bytes(b"half")
+    os.utime(half, (1e9, 1e9))
+    os.utime(other, (1e9, 1e9))
+    kept.unlink()
+    assert fresh()(3.0) == 7.0
+    assert {each.name for each in kept.parent.iterdir()} == {kept.name, fresh_half.name, other.name}
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes")
+def test_processes_that_keep_the_same_kernel_at_once_never_read_half_of_it(tmp_path):
+    """Two write it in turn, as those that compile it at the same time, while this one reads it: all of it or none."""
+    files, whole = disk.KernelFiles(tmp_path, "k"), {i: bytes([i]) * 10**6 for i in range(2)}
+    files.save("key", whole[0])  # numba is imported before the fork
+    writers = []
+    for content in whole.values():
+        writers.append(os.fork())
+        if not writers[-1]:
+            for _ in range(200):
+                files.save("key", content)
+            os._exit(0)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert all(files.load("key") in whole.values() for _ in range(200))
+    finally:
+        assert [os.waitpid(each, 0)[1] for each in writers] == [0, 0]
+    assert [each.name for each in tmp_path.iterdir()] == [files.called("key")]
+
+
 class Marker:
     """What runs when it is unpickled."""
 

@@ -9,6 +9,8 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.rows import LENGTH
+from grazing.orbits.search_impacts import Tally
+from grazing.orbits.search_map import Cycles
 from grazing.outcome import ESCAPED
 from tests.billiard.tables import ELASTIC, box, layout, mixed, three_discs, unit_cell
 
@@ -116,10 +118,12 @@ def test_points_are_those_of_the_trajectory():
 
 
 def test_only_ways_out_are_fixed_points_behind_the_objects():
-    """A search finds the drains and *away*, and no ball at rest in a solid."""
+    """A search on the map finds the drains and *away*, and no ball at rest in a solid."""
     P = gz.collision_map(pinball())
-    found = gz.periodic_orbits(P, 1)
-    assert {str(one.word) for one in found} <= {"(left_drain)", "(right_drain)", "(away)"}
+    cycles = Cycles(P, Tally())
+    cycles.at_random(1, *np.array([(0.0, -1.5, 0.0), (60.0, 1.5, 2.0)]), 500, 0)
+    assert {str(one.word) for one in cycles.orbits(1)} <= {"(left_drain)", "(right_drain)", "(away)"}
+    assert not any("drain" in one.word or "away" in one.word for one in gz.periodic_orbits(P, (1, 2), starts=100))
     table = P.origin.table
     behind = float(table.blocks(table.row())[0][LENGTH])
     for k, name in enumerate([*table.names, "away", "beyond"]):
@@ -229,6 +233,7 @@ def test_a_table_may_have_hundreds_of_objects():
     [
         (lambda: gz.collision_map(gz.pinball()), "give gz.table"),
         (lambda: gz.collision_map(gz.table([gz.drain("out", (0, 0), (1, 0))])), "drains only"),
+        (lambda: gz.collision_map(gz.table([gz.disc("pin", (0, 0), 0.0, ELASTIC)])), "drains and pins"),
         (lambda: gz.collision_map(pinball(), on="R"), "on is 'R'; allowed are P, Q, right"),
         (lambda: gz.collision_map(gz.table([gz.arc("A", (0, 0), 1.0, 0.0, 2 * pi, ELASTIC)], rho=0.99), on="A"), None),
         (lambda: gz.collision_map(gz.table(box(1.0, 10.0), rho=0.6), on="floor"), "fits nowhere beside floor"),
@@ -240,3 +245,16 @@ def test_wrong_input_is_refused(make, said):
         return
     with pytest.raises(gz.InputError, match=said):
         make()
+
+
+def test_a_pin_is_not_where_balls_without_a_radius_start():
+    # it has no places: the default object was one that is never hit
+    pin = gz.disc("pin", (0, 0), 0.0, ELASTIC)
+    P = gz.collision_map(gz.table([pin, gz.disc("A", (3, 0), 1.0, ELASTIC)]))
+    assert P.origin.on == "A" and P.box[0] == (0.0, pytest.approx(2.0 * pi))
+    wide = gz.collision_map(gz.table([pin, gz.disc("A", (3, 0), 1.0, ELASTIC)], rho=0.1))
+    assert wide.origin.on == "pin"
+    with pytest.raises(gz.InputError, match="never meets it"):
+        wide.replace(rho=0.0)
+    with pytest.raises(gz.InputError, match="never meets"):
+        gz.lyapunov(wide, "rho", [0.1, 0.0, 0.2], starts=2, steps=2, transient=0)

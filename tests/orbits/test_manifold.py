@@ -9,7 +9,7 @@ import pytest
 import grazing as gz
 from grazing.orbits import manifold_steps
 from grazing.orbits.manifold import manifolds
-from grazing.orbits.manifold_saddle import checked_saddle
+from grazing.orbits.manifold_saddle import saddle_of as side_of
 from grazing.orbits.manifold_steps import Backwards, Forwards, Ray, swift, traced
 from grazing.orbits.orbit import Orbit, condition_of
 from tests.models import MODELS, changed_origin
@@ -135,13 +135,13 @@ def test_of_a_linear_map_they_are_straight_lines(a, b, c):
     orbit = saddle_of(P, [[0.0, 0.0]])
     slow = np.array([c, b - a]) / np.hypot(c, b - a)
     for side, line, value in (("unstable", np.array([1.0, 0.0]), a), ("stable", slow, b)):
-        found = manifolds(orbit, side, length=1.5)
-        assert abs(found.direction.values[0] @ line) == pytest.approx(1.0, abs=1e-14)
+        found = manifolds(orbit, side, length=1.5 / 8.0)  # the box is twice as wide as the map's
+        assert abs(found.direction.values[0] @ line) == pytest.approx(8.0, abs=1e-13)
         assert found.attrs["multiplier"] == pytest.approx(value, rel=1e-12)
         points = found.manifold.values[rows_of(found)]
         assert np.abs(points[:, 0] * line[1] - points[:, 1] * line[0]).max() < 1e-13
         assert found.branch_end.values.tolist() == ["length"] * 2
-        assert found.branch_length.values == pytest.approx(1.5, abs=0.04)
+        assert found.branch_length.values == pytest.approx(1.5 / 8.0, abs=0.04 / 8.0)
         for sign in (1, -1):  # and nothing is left out of them
             run = np.sort(sign * points @ line)
             assert np.diff(run[run > -1e-9]).max() < 1.01 * 4 * np.sqrt(32) / 300 and run[-1] > 1.4
@@ -155,7 +155,7 @@ def series_of(P, orbit, value, terms=40):
     w[0] = orbit.points[0]
     J = P.jacobian(orbit.points[0])
     vector = np.array([J[0, 1], value - J[0, 0]])
-    w[1] = vector / np.hypot(*vector)
+    w[1] = vector / np.hypot(*(vector / (6.0, 2.0)))  # the sides of a box twice as wide as the map's
     for n in range(2, terms):
         square = sum(w[j, 0] * w[n - j, 0] for j in range(1, n))
         w[n] = np.linalg.solve(value**n * np.eye(2) - np.array([[-2 * a * w[0, 0], 1.0], [b, 0.0]]), [-a * square, 0.0])
@@ -169,7 +169,7 @@ def test_of_henons_map_they_are_those_of_a_power_series(a, b, side):
     x = (b - 1.0 + np.sqrt((1.0 - b) ** 2 + 4.0 * a)) / (2.0 * a)
     orbit = saddle_of(P, [[x, b * x]])
     value = float(orbit.multipliers[0 if side == "unstable" else 1].real)
-    found = manifolds(orbit, side, length=4.0, spacing=0.02)
+    found = manifolds(orbit, side, length=0.7, spacing=0.0033)
     series = series_of(P, orbit, value)
     rows = rows_of(found)
     points, order, seed = (
@@ -183,7 +183,7 @@ def test_of_henons_map_they_are_those_of_a_power_series(a, b, side):
     s = seed * value ** (order if side == "unstable" else -order)
     wanted = np.empty_like(points)
     for i, one in enumerate(s):
-        steps = max(0, int(np.ceil(np.log(abs(one) / 0.02) / abs(np.log(abs(value)))))) if one else 0
+        steps = max(0, int(np.ceil(np.log(abs(one) / 0.003) / abs(np.log(abs(value)))))) if one else 0
         small = one * value ** (-steps if side == "unstable" else steps)
         state = np.polynomial.polynomial.polyval(small, series)
         for _ in range(steps):
@@ -197,7 +197,7 @@ def test_of_henons_map_they_are_those_of_a_power_series(a, b, side):
     assert distances(wanted[:: len(wanted) // 40], found).max() < 1e-5
     # backwards Henon's map runs away to infinity
     assert set(found.branch_end.values) <= ({"length"} if side == "unstable" else {"length", "lost", "away"})
-    assert float(found.branch_length.sum()) > (7.9 if side == "unstable" else 3.0)
+    assert float(found.branch_length.sum()) > (1.38 if side == "unstable" else 0.6)
 
 
 def test_lozis_map_is_cut_where_it_has_its_kink():
@@ -205,7 +205,7 @@ def test_lozis_map_is_cut_where_it_has_its_kink():
     P = made(lozi, letters="LR", a=1.7, b=0.5, box=((-1.5, 1.5), (-0.8, 0.8)))
     x = 1.0 / (1.0 + 1.7 - 0.5)
     orbit = saddle_of(P, [[x, 0.5 * x]], "R")
-    found = manifolds(orbit, "unstable", length=12.0)
+    found = manifolds(orbit, "unstable", length=3.0)
     ends = 0
     for number in range(found.sizes["piece"]):
         rows = np.flatnonzero((found.piece.values == number) & np.isfinite(found.seed.values))
@@ -242,9 +242,9 @@ def test_a_jump_is_no_line_even_if_the_map_writes_no_letters(lettered):
 
     P = made(step, letters="LR" if lettered else None, a=1.7, b=0.5, l=0.3, box=((-1.5, 1.5), (-0.8, 0.8)))
     x = (1.0 - 0.3) / (1.0 + 1.7 - 0.5)
-    found = manifolds(saddle_of(P, [[x, 0.5 * x]], "R"), "unstable", length=6.0)
+    found = manifolds(saddle_of(P, [[x, 0.5 * x]], "R"), "unstable", length=1.5)
     curve = found.manifold.values
-    steps = np.hypot(*np.diff(curve, axis=0).T)
+    steps = np.hypot(*(np.diff(curve, axis=0) / np.ptp(found.box.values, axis=1)).T)
     assert np.nanmax(steps) < 4.0 * json.loads(found.attrs["grazing_config"])["spacing"]
     # the two sides of the first cut are the jump apart
     rows = rows_of(found)
@@ -258,7 +258,7 @@ def test_a_jump_is_no_line_even_if_the_map_writes_no_letters(lettered):
 
 @pytest.mark.parametrize("side", ["unstable", "stable"])
 def test_they_leave_the_saddle_along_its_eigenvectors(saddle, side):
-    found = manifolds(saddle, side, length=0.05)
+    found = manifolds(saddle, side, length=0.015)
     value = saddle.multipliers[0 if side == "unstable" else 1].real
     P, p = saddle.map, saddle.period
     for j in range(p):
@@ -277,8 +277,9 @@ def test_they_leave_the_saddle_along_its_eigenvectors(saddle, side):
 
 def test_every_point_is_what_the_map_makes_of_its_start(saddle):
     P = swift(saddle.map)  # at a cut decisions are left to rounding
+    extent = np.ptp(np.concatenate([np.array(saddle.map.box).T, saddle.points]), axis=0)
     for side in ("unstable", "stable"):
-        found = manifolds(saddle, side, length=0.6)
+        found = manifolds(saddle, side, length=0.6 / np.hypot(*extent) / np.sqrt(2.0))
         rows = rows_of(found)[::7]
         starts, pieces = starts_of(found, rows), found.piece.values[rows]
         for start, point, piece in zip(starts, found.manifold.values[rows], pieces, strict=True):
@@ -297,7 +298,7 @@ def test_every_point_is_what_the_map_makes_of_its_start(saddle):
 def test_an_image_of_the_manifold_lies_on_it(saddle):
     """To a tolerance that shrinks with the spacing: the polyline's own error."""
     P, worst = saddle.map, []
-    whole = manifolds(saddle, "unstable", length=1.0)
+    whole = manifolds(saddle, "unstable", length=0.3)
     rows = rows_of(whole)
     kept = rows[whole.order.values[whole.piece.values[rows]] <= np.quantile(whole.order.values, 0.5)][::5]
     images = np.array([P(point)[0] for point in whole.manifold.values[kept]])
@@ -305,14 +306,14 @@ def test_an_image_of_the_manifold_lies_on_it(saddle):
     images = images[((images > frame[:, 0]) & (images < frame[:, 1])).all(axis=1)]
     diagonal = float(np.hypot(*(frame[:, 1] - frame[:, 0])))
     for part in (50, 1600):
-        found = manifolds(saddle, "unstable", length=3.0, spacing=diagonal / part)
+        found = manifolds(saddle, "unstable", length=0.9, spacing=np.sqrt(2.0) / part)
         worst.append(float(np.quantile(distances(images, found), 0.95)))
     assert worst[0] < 1e-3 * diagonal and worst[1] < max(0.1 * worst[0], 1e-9)
 
 
 def test_points_of_the_unstable_manifold_come_from_the_saddle(saddle):
     """Flown back from contact to contact, an algorithm of its own, they pass the states nearer to it."""
-    found = manifolds(saddle, "unstable", length=0.5)
+    found = manifolds(saddle, "unstable", length=0.15)
     rows = rows_of(found)
     order = found.order.values[found.piece.values[rows]]
     size = float(np.abs(saddle.points).max())
@@ -335,7 +336,7 @@ def test_points_of_the_unstable_manifold_come_from_the_saddle(saddle):
 def test_at_a_cut_the_ball_grazes_or_meets_the_strobe_on_its_way():
     """The start next to a cut is that of an orbit with a miss, or an impact, as near to none as rounding allows."""
     saddle = one_impact_saddle(gz.pinball(d=0.105, V=0.4), 2, -1.0)
-    found = manifolds(saddle, "unstable", length=0.4)
+    found = manifolds(saddle, "unstable", length=0.2)
     seen = 0
     for number in range(found.sizes["piece"]):
         rows = np.flatnonzero((found.piece.values == number) & np.isfinite(found.seed.values))
@@ -351,7 +352,7 @@ def test_at_a_cut_the_ball_grazes_or_meets_the_strobe_on_its_way():
 def test_the_stable_manifold_bounds_basins(tag):
     """A little to one side of it and to the other, orbits come to different attractors."""
     saddle = one_impact_saddle(*SADDLES[tag])
-    found = manifolds(saddle, "stable", length=0.8)
+    found = manifolds(saddle, "stable", length=0.3)
     curve = found.manifold.values
     steps = np.diff(curve, axis=0)
     inner = np.flatnonzero(np.isfinite(steps).all(axis=1) & (np.hypot(*steps.T) > 1e-4))[::3]
@@ -385,7 +386,7 @@ def test_points_go_on_from_where_they_are():
     saddle = one_impact_saddle(LIGHT, 2, 1.0)
     t = np.linspace(0.0, 1.0, 9)
     unstable, stable = (
-        Ray(saddle.points[0], checked_saddle(saddle, side).directions[0]) for side in ("unstable", "stable")
+        Ray(saddle.points[0], side_of(saddle, side, np.ones(2)).directions[0]) for side in ("unstable", "stable")
     )
     for steps in (Forwards(saddle.map, unstable), Backwards(saddle.map, stable, 2.0)):
         here = traced(steps, t, 1e-3 * t, 4)
@@ -405,7 +406,7 @@ def test_an_image_of_the_short_piece_begins_with_the_one_before(monkeypatch):
 
     monkeypatch.setattr(manifold_steps, "stepped", counted)
     saddle = one_impact_saddle(*SADDLES["passive"])
-    found = manifolds(saddle, "unstable", length=1.0)
+    found = manifolds(saddle, "unstable", length=0.3)
     assert found.order.values.max() > 50 and sum(flown) < 4 * found.order.values.sum()
 
 
@@ -501,4 +502,4 @@ def test_maps_of_another_dimension_and_without_inverse_are_refused():
     flat = saddle_of(P, [[0.0, 0.0]])
     with pytest.raises(gz.InputError, match="no inverse"):
         manifolds(flat, "stable")
-    assert manifolds(flat, "unstable", length=1.0).branch_end.values.tolist() == ["length"] * 2
+    assert manifolds(flat, "unstable", length=0.1).branch_end.values.tolist() == ["length"] * 2

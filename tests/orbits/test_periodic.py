@@ -292,3 +292,16 @@ def test_what_a_search_meets_of_a_continuum_is_listed_once():
     assert _one_of_each_continuum([one, *others]) == ([one], (("1", 1, 3),))
     assert _one_of_each_continuum([one, others[0]]) == ([one, others[0]], ())  # as many as meet at a fold
     assert _one_of_each_continuum([free]) == ([free], (("0", 1, 1),))  # a flight is linear: there is no fold
+
+
+def test_a_search_names_orbits_that_differ_from_the_word_by_the_strobe_alone():
+    # it said that there is none of (AB), and not that (BA) is the same impacts
+    walls = [gz.wall(-0.3, gz.newton(0.7)), gz.wall(0.5, gz.newton(0.8))]
+    push = gz.Forcing(2.4, offset=-0.138, cos=(1.0,))
+    P = gz.stroboscopic_map(gz.Oscillator(alpha=0.1, k=1.0, forcing=push, walls=walls))
+    there, none = (gz.periodic_orbits(P, word=word, starts=30, threads=1) for word in ("(BA)", "(AB)"))
+    assert {one.word for one in there} == {"(BA)"} and len(none) == 0
+    assert there.searched.turned == () and none.searched.turned == ("(BA)",)
+    assert "another one first after the strobe: (BA)" in none.statement
+    rest = gz.periodic_orbits(P, word="(CA)", starts=30, threads=1)
+    assert rest.searched.turned == ()

@@ -13,20 +13,12 @@ from flint import arb, ctx
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.maps.starting import paper_box
-from grazing.oscillator import exact
+from grazing.oscillator import exact, exact_flight
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.exact import (
-    Beyond,
-    Motion,
-    Period,
-    Sure,
-    Undecided,
-    exact_period,
-    followed,
-    rounded,
-    windows_of,
-)
+from grazing.oscillator.exact import Frame, Period, exact_period, followed
+from grazing.oscillator.exact_flight import Motion, rounded
 from grazing.oscillator.flight import anchored, flight, modes
+from grazing.oscillator.sure import Beyond, Sure, Undecided
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, GRAZE, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 from tests.models import MODELS, model_of, packed
 from tests.reference import PROBLEMS, Problem, active, advance, load_dips, load_orbits, newton, trigger
@@ -100,7 +92,7 @@ def test_agrees_where_double_precision_decides(name):
 
 @pytest.mark.parametrize("bits", [16, 24, 32, 53])
 def test_few_bits_say_undecided_but_never_what_is_wrong(bits, monkeypatch):
-    monkeypatch.setattr(exact, "GOOD", 2)
+    monkeypatch.setattr(exact_flight, "GOOD", 2)
     decided = 0
     for dip in DIPS[::18]:
         m = model_of(PROBLEMS[dip.problem])
@@ -220,6 +212,35 @@ def test_chatter_or_release_is_decided_where_double_precision_is_not_asked():
     assert exact_period(m, (0.21150387156487616, 0.01709258673871694)).outcome == CHATTER | STUCK
 
 
+# ---- formulas and matrix exponentials
+
+#: Damped, undamped and over-damped, of negative stiffness and damping, near resonance and near critical damping.
+RATES = [(0.2, 1.1), (0.0, 1.3), (3.0, 1.0), (0.3, -0.4), (-0.1, 1.2), (0.01, 2.8901), (2.0, 1.001), (0.0, 0.0)]
+
+
+@pytest.mark.parametrize(("alpha", "stiffness"), RATES)
+def test_formulas_and_matrix_exponentials_agree(monkeypatch, alpha, stiffness):
+    """Their balls overlap at all times, and the periods are the same; near singular cases there are no formulas."""
+    force = gz.Forcing(omega=1.7, offset=-0.1, cos=(1.0, 0.2), sin=(0.3, 0.0))
+    m = gz.Oscillator(alpha=alpha, stiffness=stiffness, forcing=force, reset=gz.newton(0.8))
+    motion = Frame(m, 0, 0.3).motion
+    assert bool(motion.formulas) is ((alpha, stiffness) in RATES[:5])
+    flight = exact_flight.Flight(motion, arb(0.4), arb(0.1), arb(-0.3))
+    starts = [(0.01 * i, 0.3 - 0.05 * i) for i in range(12)]
+    found = [exact_period(m, start) for start in starts]
+    times = [arb(x) for x in (1e-6, 1e-3, 0.1, 1.0, 3.0)]
+    seen = [flight.at(s) for s in times]
+    motion.formulas = False
+    for (y, v), (y0, v0) in zip(seen, (flight.at(s) for s in times), strict=True):
+        assert y.overlaps(y0) and v.overlaps(v0) and max(y.rad(), v.rad()) < 1e-12
+    monkeypatch.setattr(exact_flight, "NEAR", math.inf)  # nothing is as far from singular cases as that
+    assert not Frame(m, 0, 0.3).motion.formulas
+    again = [exact_period(m, start) for start in starts]
+    assert [(each.state, each.impacts, each.outcome) for each in again] == [
+        (each.state, each.impacts, each.outcome) for each in found
+    ]
+
+
 # ---- ties
 
 
@@ -259,7 +280,7 @@ def test_a_tie_of_exact_numbers_is_decided():
 
 def signs(m, bits=128):
     with ctx.workprec(bits):
-        return [(float(window.end), window.sign) for window in windows_of(Motion(m, 0.0))]
+        return [(float(window.end), window.sign) for window in Frame(m, 0, 0.0).windows]
 
 
 def test_windows_of_a_zero_at_the_strobe():
@@ -280,7 +301,7 @@ def test_a_double_zero_is_no_edge(t0):
     assert signs(gz.pinball(omega=1.0, t0=t0, d=-1.0)) == [(2.0 * math.pi, -1)]
     assert signs(gz.pinball(omega=1.0, t0=t0, d=-math.nextafter(1.0, 2.0))) == [(2.0 * math.pi, -1)]
     m = gz.pinball(omega=1.0, t0=t0, d=-1.0, V=0.0)
-    assert exact_period(m, (0.0, 0.0)) == Period((0.0, 0.0), 0, True, STUCK, math.inf, math.inf)
+    assert exact_period(m, (0.0, 0.0)) == Period((0.0, 0.0), (), True, STUCK, math.inf, math.inf)
 
 
 @pytest.mark.parametrize("a", [0.1875, 0.25, 0.3125])
@@ -333,14 +354,14 @@ def test_thirty_harmonics():
 @pytest.mark.parametrize(
     ("m", "start", "expected"),
     [
-        (constant(0.0, gz.newton(0.5)), (0.0, 0.0), Period((0.0, 0.0), 0, False, 0, math.inf, math.inf)),
-        (constant(-1.0, gz.newton(0.5)), (0.0, 0.0), Period((0.0, 0.0), 0, True, STUCK, math.inf, math.inf)),
-        (constant(-1.0, gz.newton(0.0)), (0.0, -1.0), Period((0.0, 0.0), 1, False, STUCK, math.inf, 1.0)),
-        (constant(-1.0, gz.newton(0.5)), (0.0, -1.0), Period((0.0, 0.0), 1, False, STUCK | CHATTER, math.inf, 1.0)),
+        (constant(0.0, gz.newton(0.5)), (0.0, 0.0), Period((0.0, 0.0), (), False, 0, math.inf, math.inf)),
+        (constant(-1.0, gz.newton(0.5)), (0.0, 0.0), Period((0.0, 0.0), (), True, STUCK, math.inf, math.inf)),
+        (constant(-1.0, gz.newton(0.0)), (0.0, -1.0), Period((0.0, 0.0), (0,), False, STUCK, math.inf, 1.0)),
+        (constant(-1.0, gz.newton(0.5)), (0.0, -1.0), Period((0.0, 0.0), (0,), False, STUCK | CHATTER, math.inf, 1.0)),
         (
             gz.pinball(d=-1.5, V=0.0, sigma=0.5, k=0.0),
             (0.5, 0.0),
-            Period((0.5, 0.0), 0, True, STUCK, math.inf, math.inf),
+            Period((0.5, 0.0), (), True, STUCK, math.inf, math.inf),
         ),
     ],
 )
@@ -435,7 +456,7 @@ def test_work_is_bounded(m, flag, monkeypatch):
     monkeypatch.setattr(Motion, "count", lambda self, n, count=Motion.count: work.append(n) or count(self, n))
     start = (m.sigma, 1e-4)
     assert exact_period(m, start) is None
-    assert sum(work) <= len(exact.PRECISIONS) * (exact.BUDGET + 10)
+    assert sum(work) <= len(exact.PRECISIONS) * (exact_flight.BUDGET + 10)
     assert not flag or in_doubles(m, start)[2] & flag
 
 

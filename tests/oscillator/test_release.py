@@ -157,7 +157,7 @@ def test_windows_without_doubt_are_those_of_the_algebra():
     """Wherever the doubles are sure of all windows, balls find as many edges, at the same times."""
     from flint import ctx
 
-    from grazing.oscillator.exact import Motion, windows_of
+    from grazing.oscillator.exact import Frame
 
     sure = 0
     for P, _ in near_pairs(80, 81):
@@ -165,7 +165,7 @@ def test_windows_without_doubt_are_those_of_the_algebra():
         if any(c.doubtful):
             continue
         with ctx.workprec(256):
-            windows = windows_of(Motion(P.model, P.params["phase"]))
+            windows = Frame(P.model, 0, P.params["phase"]).windows
         inside = [edge for edge in c.edges[1:] if edge < c.T]
         assert inside == pytest.approx([float(w.end) for w in windows[:-1]], rel=0.0, abs=2e-12 * c.T)
         assert c.first == windows[0].sign

@@ -5,7 +5,9 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import Future
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,9 +15,11 @@ import pytest
 import grazing
 from grazing.outcome import InputError
 from grazing.paper import FIGURES
+from grazing.paper import report as reporting
 from grazing.paper.report import BESIDE, chosen_groups, report, selected
 from grazing.paper.run import Run, figure_module
 from grazing.paper.slips import SLIPS
+from grazing.plot.style import figure
 
 
 @pytest.fixture(scope="module")
@@ -254,3 +258,18 @@ def test_edges_against_the_gap(run):
     assert data["appear"][4] == pytest.approx(0.0800077500, abs=1e-12)
     assert data["appear"][5] == pytest.approx(0.1796237775, abs=1e-12)
     assert data["meet"][(3, 4)] == pytest.approx(0.62724375, abs=1e-12)
+
+
+def test_a_figure_is_laid_out_once_and_drawn_once_for_each_file(tmp_path, monkeypatch):
+    draws, layouts = [], []
+    fig = figure(80.0, 60.0)
+    fig.subplots().plot([0.0, 1.0])
+    engine = type(fig.get_layout_engine())
+    lay_out = engine.execute
+    monkeypatch.setattr(engine, "execute", lambda self, figure: (layouts.append(1), lay_out(self, figure)))
+    monkeypatch.setattr(fig, "draw", lambda renderer, draw=fig.draw: (draws.append(1), draw(renderer)))
+    monkeypatch.setattr(reporting, "module_of", lambda name: SimpleNamespace(draw=lambda data: fig, TITLE="a line"))
+    data = Future()
+    data.set_result(None)
+    assert reporting.drawn(tmp_path, "0.0", data, "quick") == ["figure-0.0.png", "figure-0.0.pdf"]
+    assert (len(layouts), len(draws)) == (1, 2)

@@ -31,6 +31,15 @@ def test_a_branch_without_special_points_is_lines_alone(plain):
         assert drawn["lines"] and not drawn["markers"] and not drawn["names"]
 
 
+def test_grazes_carry_the_name_of_their_wall():
+    walls = gz.wall(-0.4, gz.newton(0.7)), gz.wall(0.3, gz.newton(0.6))
+    P = gz.stroboscopic_map(gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7, cos=(1.0,)), walls=walls))
+    branch = gz.continuation(P, gz.periodic_orbits(P, period=1, starts=10)[0], "B.sigma", (0.1, 0.9))
+    grazes = {f"gr {one.wall}" for one in branch.special if one.type == "gr"}
+    names = {text.get_text() for text in plot.branch(branch, virtual=True)["names"]}
+    assert grazes and grazes == {name for name in names if name.startswith("gr")} and "pd " not in names
+
+
 def test_the_command_draws_a_branch_without_special_points(tmp_path, capsys):
     tokens = ["branch", "mu=0.099:0.101", "--map", "gap", "--lam", "0.5", "--l", "0.2", "--word", "LR", "-q"]
     files = [tmp_path / name for name in ("a.png", "a.nc")]

@@ -2,7 +2,7 @@ import pytest
 from flint import arb, ctx
 
 import grazing as gz
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing.proof.expression import expression
 from grazing.proof.law import Law
 from tests.models import cubic

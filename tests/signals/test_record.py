@@ -40,6 +40,10 @@ def test_they_are_those_of_the_trajectory(rig):
     seen = history(rig, (0.0, 0.0), until=1.0, of="v")
     xr.testing.assert_equal(seen, flown)
     assert gz.plot.history(seen)["figure"].axes[0].get_ylabel().startswith("velocity")
+    late = history(rig, (0.0, 0.0), until=1.0, since=0.6)
+    assert late.t.values.tolist() == flown.t.values[flown.t.values >= 0.6].tolist()
+    np.testing.assert_array_equal(late.u, flown.u.values[flown.t.values >= 0.6])
+    assert (late.impact_time >= 0.6).all() and 0 < late.sizes["impact"] < flown.sizes["impact"]
     assert gz.plot.history(seen, of="u")["figure"].axes[0].get_ylabel().startswith("position")
 
 
@@ -51,6 +55,10 @@ def test_they_are_those_of_the_trajectory(rig):
             "since = 1; allowed is start = 0 <= since < until = 1",
         ),
         (lambda m: sampled(m, (0.0, 0.0), until=1.0, since=-0.1), "since = -0.1"),
+        (
+            lambda m: history(m, (0.0, 0.0), until=1.0, since=2.0),
+            "since = 2; allowed is start = 0 <= since < until = 1",
+        ),
         (lambda m: sampled(m, (0.0, 0.0), until=1.0, rate=-1.0), "rate = -1"),
         (lambda m: history(m, (0.0, 0.0), until=1.0, of="w"), "of = 'w'; allowed are u, the position"),
         (lambda m: spectrum_of(m, (0.0, 0.0), until=0.1, rate=50.0), "there are 5 samples"),
@@ -61,10 +69,27 @@ def test_what_is_wrong_is_said(rig, call, said):
         call(rig)
 
 
+def test_rests_that_ended_before_are_left_out():
+    """Between walls they were told of all the same."""
+    walls = gz.wall(-0.1, gz.newton(0.0)), gz.wall(0.1, gz.newton(0.0))
+    m = gz.Oscillator(0.1, 1.0, gz.Forcing(omega=1.0, cos=(1.0,)), walls=walls)
+    whole, middle = gz.trajectory(m, (0.0, 0.0), until=20.0).rest_time.values, 10.0
+    after = whole[whole[:, 1] >= middle]
+    assert 0 < len(after) < len(whole) and after[0, 0] < middle  # one goes on at that time
+    for late in (
+        history(m, (0.0, 0.0), until=20.0, since=middle),
+        sampled(m, (0.0, 0.0), until=20.0, since=middle),
+    ):
+        np.testing.assert_array_equal(late.rest_time, after)
+
+
 def test_the_shell_prints_what_was_found_and_writes_it(folder, capsys):
     rig = ["u=0", "v=0", "--si", SI, "--r", "0.7", "--until", "2", "--units", "mm", "-q"]
     assert main(["history", *rig, "--of", "v", "-o", "a.png", "-o", "a.nc"]) == 0
     assert "27 impacts, certified" in capsys.readouterr().out
+    assert main(["history", *rig, "--since", "1", "-o", "late.nc"]) == 0
+    assert "14 impacts, certified" in capsys.readouterr().out and load("late.nc").t[0] >= 1.0
+    assert main(["info", "late.nc"]) == 0 and "--since 1.0" in capsys.readouterr().out
     assert main(["sample", *rig, "--rate", "2000", "--since", "1", "-o", "b.csv", "-o", "b.nc", "-o", "b.pdf"]) == 0
     assert "2001 samples, 2000 per s, t from 1 to 2 s" in capsys.readouterr().out
     assert (folder / "b.csv").read_text().startswith("t (s),u (mm positive down),v (m/s positive down)")

@@ -445,3 +445,34 @@ def test_logarithms_are_taken_only_where_what_was_multiplied_up_leaves_its_range
 def test_error_texts(arguments, more, said):
     with pytest.raises(gz.InputError, match=said):
         lyapunov(*arguments, **more)
+
+
+def test_the_error_of_an_exponent_is_that_of_independent_steps_where_they_are():
+    """The steps of a skew tent map are independent: its slopes are 1/c and 1/(1 - c) with probabilities c and 1 - c."""
+    c, steps = 0.3, 500
+
+    def tent(state, p):
+        return (state[0] / p.c if state[0] < p.c else (1.0 - state[0]) / (1.0 - p.c),)
+
+    P = gz.Map(tent, params={"c": c}, coordinates=("x",), box=((0.0, 1.0),))
+    found = lyapunov(P, starts=400, steps=steps)
+    assert (found.period.values == -1).all()
+    exact = -c * math.log(c) - (1.0 - c) * math.log(1.0 - c)
+    error = math.sqrt(c * (1.0 - c) / steps) * math.log((1.0 - c) / c)
+    assert found.exponent_error.values.mean() == pytest.approx(error, rel=0.05)
+    away = (found.exponent.values - exact) / found.exponent_error.values
+    assert 0.95 < away.std() < 1.2 and abs(away.mean()) < 0.2  # Student's t with 19 degrees of freedom has 1.06
+
+
+def test_errors_of_exponents_are_as_wide_as_starts_scatter():
+    found = lyapunov(HENON.replace(a=1.4, b=0.3), starts=200, steps=2000)
+    assert (found.period.values == -1).all()
+    spread, said = found.exponent.values.std(axis=0), found.exponent_error.values.mean(axis=0)
+    assert said == pytest.approx(spread, rel=0.35) and said[0] == pytest.approx(said[1], rel=1e-6)  # det J is constant
+
+
+def test_an_exponent_of_a_cycle_has_no_statistical_error():
+    found = lyapunov(gz.gap_map(lam=0.5, mu=0.07, l=0.1), starts=2)
+    assert (found.exponent_error.values == 0.0).all()
+    one = lyapunov(LOGISTIC.replace(**{name: 4.0 for name in LOGISTIC.params}), starts=2, steps=1)
+    assert np.isnan(one.exponent_error.values).all()

@@ -6,9 +6,11 @@ import xarray as xr
 
 import grazing as gz
 from grazing import memory, theory
+from grazing.catalogue import diagram
 from grazing.studies.attractors import attractors
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.starts import random_starts
+from tests.studies.maps import SMOOTH
 
 GAP = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
 BALL = gz.stroboscopic_map(gz.pinball(V=0.4))
@@ -351,3 +353,22 @@ def test_orbits_that_grow_without_bound_have_diverged():
     softer = gz.reset(gain, r=0.5, c=0.5)  # gives back less at every speed: no warning, and nothing diverges
     P = gz.stroboscopic_map(gz.Oscillator(0.05, 1.0, gz.Forcing(2.2, cos=(1.0,)), softer))
     assert (gz.orbit_diagram(P, "offset", [0.0], starts=5).outcome.values == 0).all()
+
+
+def test_an_orbit_on_its_way_to_its_cycle_says_how_far_it_moves():
+    """Beside the period doubling of the logistic map at a = 3 the cycle is x = 1 - 1/a, of multiplier 2 - a."""
+    values = [2.8, 2.999, 3.001, 3.9]
+    found = orbit_diagram(SMOOTH, "a", values, starts=5, transient=200)
+    assert found.period.values[:, 0].tolist() == [1, 1, 2, -1]
+    x, side = found.x.values, 0.9
+    assert found.drift.values[:2] == pytest.approx(np.abs(x[:2, :, -1] - x[:2, :, -2]) / side, rel=1e-12)
+    assert found.drift.values[2] == pytest.approx(np.abs(x[2, :, -1] - x[2, :, -3]) / side, rel=1e-12)
+    assert (found.drift.values[0] < 1e-12).all() and (found.drift.values[1] > 0.004).all()
+    away = np.abs(x[1, :, -1] - (1.0 - 1.0 / 2.999)) / side
+    assert found.drift.values[1] == pytest.approx(away * (1.0 + 1.0 / 0.999), rel=0.02)
+    assert np.isnan(found.drift.values[3]).all()
+    longer = orbit_diagram(SMOOTH, "a", values[1:2], starts=5, transient=20_000)
+    assert (longer.drift.values < 1e-6).all()
+    told = diagram.words(diagram.found(found))
+    assert "on their way" in told[-1] and diagram.found(found)["unsettled"] >= 5
+    assert not any("on their way" in line for line in diagram.words(diagram.found(longer)))

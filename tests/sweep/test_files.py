@@ -2,13 +2,18 @@
 
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from linecache import getline
 
 import pytest
 
+import grazing as gz
+from grazing import sweep
+from grazing.outcome import InputError
 from grazing.sweep import files
-from grazing.sweep.files import append_line, remove_file, write_file
+from grazing.sweep.files import append_line, place, remove_file, write_file
+from grazing.sweep.store import Store
 
 
 class Interrupted:
@@ -100,3 +105,41 @@ def test_no_handle_is_closed_twice(tmp_path, monkeypatch):
     monkeypatch.setattr(files.os, "close", closes_and_is_interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_file(tmp_path, "a/b/c/d", b"")
+
+
+def test_a_folder_that_two_remove_at_once_is_gone(tmp_path, monkeypatch):
+    """One of them raised, or said nothing and left the rest there."""
+    real, left = os.unlink, [3]
+
+    def another_is_faster(name, **options):
+        real(name, **options)
+        left[0] -= 1
+        if left[0] >= 0:
+            raise FileNotFoundError(2, "no such file", name)
+
+    for i in range(5):
+        write_file(tmp_path, f"a/b/c/{i}", b"")
+        write_file(tmp_path, f"a/d/c/{i}", b"")
+    monkeypatch.setattr(files.os, "unlink", another_is_faster)
+    remove_file(tmp_path, "a/b")
+    left[0] = 3
+    with place(tmp_path, "a") as here:
+        here.remove("d")
+    assert [*(tmp_path / "a").iterdir()] == []
+
+
+def test_a_store_whose_leftovers_cannot_be_removed_says_so(tmp_path, monkeypatch):
+    """Behind the workers of an executor it was a bare error of the system."""
+    real, calls = Store.remove_partials, []
+
+    def fails(store, numbers):
+        calls.append(numbers)
+        if len(calls) > 1:
+            raise PermissionError(13, "Permission denied")
+        real(store, numbers)
+
+    monkeypatch.setattr(Store, "remove_partials", fails)
+    plan = gz.plans.density(gz.gap_map(lam=0.8, mu=0.1, l=0.2), "mu", [0.1, 0.2], starts=3)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="cannot be written: Permission denied"):
+        sweep.run(plan, tmp_path / "a.zarr", executor=pool)
+    assert len(calls) == 2

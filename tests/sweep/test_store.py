@@ -1,4 +1,5 @@
 import json
+import os
 import shutil
 
 import numpy as np
@@ -243,3 +244,20 @@ def test_names_that_a_store_keeps_for_itself(tmp_path):
     with pytest.raises(gz.InputError, match=r"mu is both a variable and a coordinate"):
         sweep.run(some, tmp_path / "a.zarr")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_that_may_not_be_read_is_not_called_damaged(tmp_path, monkeypatch):
+    """Of its manifest it was said that it is damaged, with the advice to put it back."""
+    G = gz.gap_map(lam=0.8, mu=0.1, l=0.2)
+    sweep.run(gz.plans.density(G, "mu", [0.1, 0.2], starts=3), tmp_path / "a.zarr")
+    real = os.open
+    for kept in ("template", "seal", "zarr.json"):
+
+        def refuses(path, *given, kept=kept, **options):
+            if os.path.basename(path) == kept:
+                raise PermissionError(13, "Permission denied", path)
+            return real(path, *given, **options)
+
+        monkeypatch.setattr(os, "open", refuses)
+        with pytest.raises(gz.InputError, match=rf"a\.zarr cannot be read: Permission denied \(\S*{kept}\)$"):
+            gz.load(tmp_path / "a.zarr")

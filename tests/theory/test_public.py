@@ -30,6 +30,7 @@ def test_it_rests_on_numpy_and_the_outcomes_alone():
         "__future__",
         "collections.abc",
         "dataclasses",
+        "decimal",
         "enum",
         "itertools",
         "math",

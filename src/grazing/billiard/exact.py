@@ -53,13 +53,17 @@ class Undecided(Exception):
 
 
 class Gap(NamedTuple):
-    """The gap of a surface along a flight; ``within`` are polynomials that are >= 0 where the surface is."""
+    """The gap of a surface along a flight; ``within`` are polynomials that are >= 0 where the surface is.
+
+    ``size`` are the sizes that the gap at the beginning is made of.
+    """
 
     surface: int
     owner: int
     h: fmpq_poly
     within: tuple[fmpq_poly, ...]
     fresh: bool
+    size: float
 
 
 class Root(NamedTuple):
@@ -87,6 +91,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
         dx, dy = fmpq_poly([x - exact(row[PX]), vx]), fmpq_poly([y - exact(row[PY]), vy, fall])
         within: tuple[fmpq_poly, ...]
         owner, size = int(row[OWNER]), fmpq_poly([exact(row[SIZE])])
+        spread = abs(state[0] - row[PX]) + abs(state[1] - row[PY]) + row[SIZE]
         if i < faces:
             ex, ey = exact(row[EX]), exact(row[EY])
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
@@ -100,11 +105,11 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
                 if corner:
                     off -= off[0]
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
-                yield made(surface, owner, sign * off - size, within, fresh)
+                yield made(surface, owner, sign * off - size, within, fresh, spread)
             continue
         surface, h = faces + i, dx * dx + dy * dy - size * size
         if i < faces + circles:
-            yield made(surface, owner, h, (), left == surface)
+            yield made(surface, owner, h, (), left == surface, spread * spread)
         else:
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
@@ -113,12 +118,12 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
                 fresh, comes = side_corner(row, state[0], state[1], state[2], state[3], body)
                 if comes:
                     continue
-            yield made(surface, owner, int(row[SIGN]) * h, within, fresh)
+            yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 
-def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool) -> Gap:
+def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool, size: float) -> Gap:
     """Return a gap; it is 0 at the beginning by definition where the ball just left the surface, from either side."""
-    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh)
+    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh, size)
 
 
 @contextmanager
@@ -145,10 +150,10 @@ def sign_at(h: fmpq_poly, root: Root | arb) -> int:
     return 1 if value > 0 else (-1 if value < 0 else 0)
 
 
-def roots_of(gap: Gap, reach: float) -> list[Root]:
+def roots_of(gap: Gap) -> list[Root]:
     """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
     h, found = gap.h, []
-    if not gap.fresh and h[0] <= 0 and h[1] < 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * reach:
+    if not gap.fresh and h[0] <= 0 and h[1] < 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
         found.append(Root(arb(0), gap, False))
     if h.degree() < 1:
         return found
@@ -201,8 +206,7 @@ def _first(gaps: list[Gap], state: tuple[float, ...], last: bool) -> tuple[int, 
     touches: list[Root] = []
     flags = OK
     for gap in gaps:
-        size = sum(abs(float(Fraction(int(c.p), int(c.q)))) for c in gap.h.coeffs()) + 1e-300
-        for root in roots_of(gap, size):
+        for root in roots_of(gap):
             where = inside(root)
             if where == 0 and not last:
                 raise Undecided

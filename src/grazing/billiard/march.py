@@ -31,9 +31,11 @@ from grazing.billiard.rows import (
     WIDTH,
 )  # fmt: skip
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
+from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS
 
 INFINITY = float("inf")
+#: Sizes and speeds beyond which a gap, of their fourth powers, leaves the range of doubles.
+LEAST, MOST = 1e-60, 1e60
 #: Errors of a gap within which a ball without a radius is in a corner.
 CORNER = 4.0
 
@@ -62,6 +64,8 @@ def ended(found: Any, surface: int, t: float, flags: int) -> Any:
 def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: Any) -> Any:
     """Return (surface, t, flags): what a ball hits first, -1 for nothing, and when, from t = 0 on.
 
+    A ball that is at rest on a level table, or as slow as nothing, ends by name.
+
     Parameters
     ----------
     x, y, vx, vy : float
@@ -72,6 +76,11 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, table: 
         Of :func:`grazing.billiard.rows.block_of`.
     """
     g, faces, circles = table[GRAVITY], int(table[FACES]), int(table[CIRCLES])
+    fast = abs(vx) + abs(vy)
+    if not (abs(x) + abs(y) <= MOST and fast <= MOST):
+        return -1, 0.0, DIVERGED
+    if g == 0.0 and fast < LEAST:
+        return -1, 0.0, TOO_MANY_IMPACTS
     rows, last = behind(table, HEAD + THING * int(table[THINGS])), int(left)
     start = rows
     found = of_faces((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, circles, rows)

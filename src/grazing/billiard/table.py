@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.flown import table_trajectory
 from grazing.billiard.laws import addresses
+from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
@@ -73,6 +74,7 @@ class Table(ByValue):
             params |= {f"{one.name}.{name}": value for name, value in one.params.items()}
         _refuse_same_in_code(checked_params(params))
         object.__setattr__(self, "params", MappingProxyType(params))
+        self._refuse_out_of_range()
         self._refuse_overlaps()
 
     def __reduce__(self) -> Any:
@@ -173,6 +175,15 @@ class Table(ByValue):
                 f"a ball of radius {self.rho:g} at ({x:g}, {y:g}) overlaps {name} by {deep:g}; start where it is free"
             )
 
+    def _refuse_out_of_range(self) -> None:
+        lengths = [abs(x) for one in self.objects for name, x in one.shape.items() if name not in ("start", "stop")]
+        for what, size in (("the largest length", max(self.rho, *lengths)), ("g sin(tilt)", self.gravity)):
+            if size != 0.0 and not LEAST <= size <= MOST:
+                raise InputError(
+                    f"{what} of the table is {size:g}; allowed are {LEAST:g} to {MOST:g}: choose other units, as "
+                    "fourth powers of it have no place in double precision"
+                )
+
     def _refuse_overlaps(self) -> None:
         discs = [one for one in self.objects if one.kind == DISC]
         others = [one for one in self.objects if one.kind in (SEGMENT, ARC)]
@@ -202,10 +213,10 @@ def distance(one: Thing, x: float, y: float) -> float:
         if (atan2(dy, dx) - shape["start"]) % (2.0 * pi) <= shape["stop"] - shape["start"]:
             return abs(hypot(dx, dy) - radius)
         return min(hypot(dx - radius * cos(a), dy - radius * sin(a)) for a in (shape["start"], shape["stop"]))
-    dx, dy = shape["x2"] - shape["x1"], shape["y2"] - shape["y1"]
-    along = ((x - shape["x1"]) * dx + (y - shape["y1"]) * dy) / (dx * dx + dy * dy)
-    along = min(max(along, 0.0), 1.0)
-    return hypot(x - shape["x1"] - along * dx, y - shape["y1"] - along * dy)
+    dx, dy, length = x - shape["x1"], y - shape["y1"], hypot(shape["x2"] - shape["x1"], shape["y2"] - shape["y1"])
+    ex, ey = (shape["x2"] - shape["x1"]) / length, (shape["y2"] - shape["y1"]) / length
+    along = min(max(dx * ex + dy * ey, 0.0), length)
+    return hypot(dx - along * ex, dy - along * ey)
 
 
 def crosses(one: Thing, other: Thing) -> bool:
@@ -213,12 +224,11 @@ def crosses(one: Thing, other: Thing) -> bool:
 
     def sides(a: Thing, b: Thing) -> float:
         p, q = a.shape, b.shape
-        dx, dy = p["x2"] - p["x1"], p["y2"] - p["y1"]
-        size = hypot(dx, dy) * (
-            hypot(q["x1"] - p["x1"], q["y1"] - p["y1"]) + hypot(q["x2"] - p["x1"], q["y2"] - p["y1"])
-        )
-        found = [dx * (q[f"y{i}"] - p["y1"]) - dy * (q[f"x{i}"] - p["x1"]) for i in (1, 2)]
-        return 1.0 if min(map(abs, found)) <= SLACK * size else found[0] * found[1]
+        length = hypot(p["x2"] - p["x1"], p["y2"] - p["y1"])
+        ex, ey = (p["x2"] - p["x1"]) / length, (p["y2"] - p["y1"]) / length
+        size = hypot(q["x1"] - p["x1"], q["y1"] - p["y1"]) + hypot(q["x2"] - p["x1"], q["y2"] - p["y1"])
+        one, two = (ex * (q[f"y{i}"] - p["y1"]) - ey * (q[f"x{i}"] - p["x1"]) for i in (1, 2))
+        return 1.0 if min(abs(one), abs(two)) <= SLACK * size or (one > 0.0) == (two > 0.0) else -1.0
 
     return sides(one, other) < 0.0 and sides(other, one) < 0.0
 

@@ -8,6 +8,9 @@ from grazing.catalogue.rows import AMBIGUOUS, attractor, numbered, ranges_of
 from grazing.catalogue.study import Row, Study
 from grazing.catalogue.words import headed, named, places, share, table
 
+#: Drift, in sides of the box, that a figure shows.
+VISIBLE = 1e-3
+
 
 def found(result: Any) -> Row:
     """Return the attractors of an orbit diagram, those that most orbits reach first, and where each was reached."""
@@ -27,7 +30,11 @@ def found(result: Any) -> Row:
         )
     rows.sort(key=lambda row: -row["share"])
     doubtful = int((result["trust"].values == AMBIGUOUS).sum())
-    return {"parameter": name, "values": len(grid), "orbits": which.size, "attractors": rows, "ambiguous": doubtful}
+    drift = result["drift"].values if "drift" in result else np.zeros(0)  # of a file made before 0.2
+    return {
+        "parameter": name, "values": len(grid), "orbits": which.size, "attractors": rows, "ambiguous": doubtful,
+        "unsettled": int((drift > VISIBLE).sum()),
+    }  # fmt: skip
 
 
 def words(found: Row, *_of: Any) -> list[str]:
@@ -37,7 +44,12 @@ def words(found: Row, *_of: Any) -> list[str]:
         [*named(row), share(row["share"], many), f"{row['values']} of {found['values']}", places(row["ranges"])]
         for row in found["attractors"]
     ]
-    return table(["word", "", "orbits", "values", f"{headed(name, found.get('unit', ''))} from"], rows)
+    told = table(["word", "", "orbits", "values", f"{headed(name, found.get('unit', ''))} from"], rows)
+    if found.get("unsettled"):
+        part = share(found["unsettled"] / many, many)
+        told += ["", f"{part} of the orbits are still on their way to their cycle, and move by more than {VISIBLE:g} "
+                 "of the box in a period: a longer transient settles them"]  # fmt: skip
+    return told
 
 
 STUDY = Study(

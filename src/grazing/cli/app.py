@@ -20,7 +20,7 @@ from grazing import __version__
 from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, raised, shown
+from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
 from grazing.parameter import called_here
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -127,7 +127,8 @@ def _guarded(tokens: list[str]) -> int:
         return result if isinstance(result, int) else DONE
     except CycloptsError as error:
         command = " ".join(["grazing", *(error.command_chain or ())])
-        return _fail(f"{_reworded(error)} '{command} --help' lists what is allowed.", USAGE)
+        said = printable(_reworded(error), newlines=False)
+        return _fail(f"{said} '{command} --help' lists what is allowed.", USAGE)
     except (InputError, OutsideForm) as error:
         return _fail(str(error), USAGE)
     except GrazingError as error:
@@ -158,11 +159,13 @@ def _guarded(tokens: list[str]) -> int:
             "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
             FAILED,
         )
-    except Exception as error:
+    except BaseException as error:  # of whatever kind: a class of the user's may raise any
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
+        if streams.closed(sys.stdout):
+            return _fail("code of your own, or of a package, closed the standard output; leave that away.", FAILED)
         if theirs := _in_own_code(error):
-            return _fail(theirs, FAILED)
+            return _fail(printable(theirs, newlines=False), FAILED)
         return _fail(
             f"{raised(error)}\nThis is a defect in grazing {__version__}. Please report it with the "
             "command you gave and the output\nof the same command with GRAZING_DEBUG=1 in front, which shows where "
@@ -218,7 +221,7 @@ def _misconfigured(error: BaseException | None) -> str:
     return ""
 
 
-def _in_own_code(error: Exception) -> str:
+def _in_own_code(error: BaseException) -> str:
     """Return what a file of one's own raised, such as a property of a class in it; nothing if it was no such file."""
     from grazing.copies import OWN_MODULE
 
@@ -265,7 +268,7 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
     """Write one message to stderr, with the traceback if GRAZING_DEBUG asks for it; return the code."""
     if os.environ.get("GRAZING_DEBUG", "0") not in ("", "0"):
         traceback.print_exc()
-    print(f"{kind}: {streams.printable(message)}", file=sys.stderr)
+    print(f"{kind}: {printable(message)}", file=sys.stderr)
     return code
 
 
@@ -281,6 +284,6 @@ def _once() -> Callable[..., None]:
         if kind not in told:
             told.add(kind)
             said = " ".join(str(message).partition("\nTraceback")[0].splitlines())
-            print(f"warning: {streams.printable(said)}", file=sys.stderr)
+            print(f"warning: {printable(said)}", file=sys.stderr)
 
     return show

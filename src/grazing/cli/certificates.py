@@ -15,7 +15,7 @@ from grazing.outcome import InputError
 def certificates_at(target: Path) -> Path:
     """Return where certificates go, checked before anything is computed."""
     if target.suffix == ".json" and not os.path.isdir(target):
-        output.targets([target], (".json",))
+        output.targets([target], (".json",), "--save")
         return target
     if target.suffix and not os.path.isdir(target):
         raise InputError(f"--save {target}: give a file that ends in .json, or a folder")

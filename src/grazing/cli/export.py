@@ -11,8 +11,7 @@ from cyclopts import Parameter
 
 from grazing.cli import output
 from grazing.cli.stored import loaded
-from grazing.cli.streams import printable
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, printable, shown
 
 
 def export(

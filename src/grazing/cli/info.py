@@ -11,8 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output
-from grazing.cli.streams import printable
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, printable
 
 #: Letters of a command beyond which a file says it better.
 LONGEST = 4000

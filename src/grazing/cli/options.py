@@ -129,7 +129,8 @@ def signature_of(study: str, run: Sequence[Argument]) -> Signature:
 
 def _positional_help(known: Study) -> str:
     if known.single:
-        return f"Initial state and parameters: {'u=0.1 v=0 d=0.12' if known.flown else 'x=0.1 mu=0.05'}."
+        rig = "; of a rig in m and m/s unless units are said: u='1 mm'" if known.flown else ""
+        return f"Initial state and parameters: {'u=0.1 v=0 d=0.12' if known.flown else 'x=0.1 mu=0.05'}{rig}."
     if known.form == "bounds":
         usual = "; NAME alone for its usual range" if known.has("span") else ""
         return f"What varies: NAME=LOW:HIGH{usual}; NAME=VALUE sets a parameter."

@@ -11,9 +11,8 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from grazing.cli import output
-from grazing.cli.streams import printable
 from grazing.cli.study import __getattr__ as command_of
-from grazing.outcome import InputError
+from grazing.outcome import InputError, printable
 
 DONE, FAILED = 0, 1
 

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grazing.cli.streams import printable
 from grazing.measured import downwards
-from grazing.outcome import InputError
+from grazing.outcome import InputError, printable
 
 FIGURES = (".png", ".pdf", ".svg")
 STORE, SOUND = ".zarr", ".wav"
@@ -31,7 +30,7 @@ def help_of(endings: Sequence[str]) -> str:
     return f"File to write; may be repeated. Its ending chooses the format: {formats}."
 
 
-def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) -> list[Path]:
+def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS, option: str = "-o") -> list[Path]:
     """Return the files to write, checked before anything is computed.
 
     Raises
@@ -43,13 +42,13 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS) 
     for path in paths:
         if path.suffix not in allowed or not path.stem:
             endings = ", ".join(ending.lstrip(".") for ending in allowed)
-            raise InputError(f"-o {path}: the ending chooses the format; allowed are {endings}, in small letters")
+            raise InputError(f"{option} {path}: the ending chooses the format; allowed are {endings}, in small letters")
         if not os.path.isdir(path.parent):
-            raise InputError(f"-o {path}: there is no folder {path.parent}; make it first")
+            raise InputError(f"{option} {path}: there is no folder {path.parent}; make it first")
         if os.path.isdir(path) and path.suffix != STORE:
-            raise InputError(f"-o {path}: that is a folder; give the name of a file")
+            raise InputError(f"{option} {path}: that is a folder; give the name of a file")
         if not os.access(path if os.path.exists(path) and path.suffix != STORE else path.parent, os.W_OK):
-            raise InputError(f"-o {path} cannot be written: permission denied; choose another folder")
+            raise InputError(f"{option} {path} cannot be written: permission denied; choose another folder")
     stores = [str(path) for path in paths if path.suffix == STORE]
     if len(stores) > 1:
         raise InputError(f"-o {' -o '.join(stores)}: one store at a time")

@@ -14,8 +14,7 @@ from grazing.cli import output
 from grazing.cli.figures import drawing, drawn, study_of, style_of
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.stored import Missing, axes_of, curve_in, loaded
-from grazing.cli.streams import printable
-from grazing.outcome import GrazingError, InputError, in_one_line
+from grazing.outcome import GrazingError, InputError, in_one_line, printable
 
 #: What drawing raises when variables are missing, of another type or form, or hold texts that are no labels.
 MISFIT = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, StopIteration, RecursionError)
@@ -55,13 +54,13 @@ def plot(
     """
     if not out:
         raise InputError("nothing to write; give -o and a figure's name, such as -o figure.pdf")
-    files = output.targets(out, output.FIGURES)
+    files, chosen = output.targets(out, output.FIGURES), output.checked_units(units)
     result = loaded(file)
     if "grazing_incomplete" in result.attrs:
         warnings.warn(f"{file} is not complete: {result.attrs['grazing_incomplete']}", stacklevel=2)
     arguments = styled(style or [], study_of(result.attrs))
     result, arguments = with_drawn(result, arguments, [str(one) for one in curves or ()] or None, file, map, model)
-    result = output.converted(result, output.checked_units(units))
+    result = output.converted(result, chosen)
     try:
         written = [name for path in files for name in output.write(result, path, **arguments)]
     except MISFIT as error:  # a file may say anything; what we computed ourselves is drawn elsewhere

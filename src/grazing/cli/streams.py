@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
@@ -16,9 +15,10 @@ def prepared() -> Iterator[None]:
     """Make stdout and stderr safe to write to: a missing one is replaced, letters they lack are escaped."""
     before = sys.stdout, sys.stderr
     opened: list[TextIO] = []
-    while (number := os.open(os.devnull, os.O_RDWR)) < 3:  # else a file of ours gets it, and what libraries print
-        pass
-    os.close(number)
+    with suppress(OSError):  # of a machine whose own is broken
+        while (number := os.open(os.devnull, os.O_RDWR)) < 3:  # else a file of ours gets it, and what libraries print
+            pass
+        os.close(number)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
@@ -67,28 +67,14 @@ class _Said(io.RawIOBase):
         return os.isatty(self._number)
 
 
-def printable(text: str, newlines: bool = True) -> str:
-    r"""Return a text as a terminal may have it: what files say must not move its cursor or pass for another line.
-
-    Examples
-    --------
-    >>> printable("\x1b[2Jgone\n\u202ereversed")
-    '\\x1b[2Jgone\n\\u202ereversed'
-    """
-    kept = "\n\t" if newlines else "\t"
-    return "".join(
-        letter if letter.isprintable() or letter in kept or unicodedata.category(letter) == "Zs"
-        else letter.encode("unicode_escape").decode("ascii")
-        for letter in text
-    )  # fmt: skip
-
-
 def flushed(code: int) -> int:
     """Flush both streams and return the exit code: 1 if what was written could not be kept, as on a full disk.
 
     A reader that closed the pipe (``| head``) has what it wanted: that is no failure.
     """
     for stream in (sys.stdout, sys.stderr):
+        if closed(stream):
+            continue
         try:
             stream.flush()
         except BrokenPipeError:
@@ -99,6 +85,11 @@ def flushed(code: int) -> int:
                 print(f"error: cannot write to the standard output: {error.strerror}", file=sys.stderr)
                 code = 1
     return code
+
+
+def closed(stream: TextIO | None) -> bool:
+    """Say whether code that was run has closed a stream, or taken it away."""
+    return stream is None or stream.closed
 
 
 def _discard(stream: object) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from grazing.catalogue.study import Study
 from grazing.cli import output, progress
-from grazing.cli.streams import printable
+from grazing.outcome import printable
 
 #: Names of variables that a line shows, of each unit or sign.
 MOST = 3

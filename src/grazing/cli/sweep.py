@@ -17,9 +17,8 @@ from cyclopts import App, Parameter
 
 from grazing.cli import progress
 from grazing.cli.own import OwnMap, OwnModel, named_here
-from grazing.cli.streams import printable
 from grazing.cli.whole import whole_number
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, printable, shown
 
 DONE, FAILED, INCOMPLETE = 0, 1, 3
 

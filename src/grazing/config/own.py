@@ -171,10 +171,10 @@ def _module(path: Path) -> Any:
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except GrazingError:
+    except (GrazingError, KeyboardInterrupt):
         del sys.modules[name]
         raise
-    except (Exception, SystemExit) as error:  # a program that calls sys.exit ends itself, not us
+    except BaseException as error:  # of whatever kind; a program that calls sys.exit ends itself, not us
         del sys.modules[name]
         raise UserCodeError(f"{path} cannot be run: {raised(error)}") from error
     return module

@@ -58,20 +58,20 @@ class Refusal(InputError):
 
 def refusal(problems: Sequence[Problem], source: str, label: Label = dotted) -> Refusal:
     """Return the error that lists all problems, one a line."""
-    found = Refusal(_listed(problems, source, label))
+    found = Refusal(*_listed(problems, source, label))
     found.problems = tuple(problems)
     return found
 
 
-def _listed(problems: Sequence[Problem], source: str, label: Label) -> str:
+def _listed(problems: Sequence[Problem], source: str, label: Label) -> list[str]:
     lines = list(dict.fromkeys(problem.line(label) for problem in problems[:MOST]))
     more = len(problems) - MOST
     if more > 0:
         lines.append(f"... and {more} more")
     if len(lines) == 1:
-        return f"{source}: {lines[0]}" if source else lines[0]
+        return [f"{source}: {lines[0]}" if source else lines[0]]
     of = f"{source} has" if source else "there are"
-    return "\n  ".join([f"{of} {len(problems) if more > 0 else len(lines)} errors:", *lines])
+    return [f"{of} {len(problems) if more > 0 else len(lines)} errors:", *(f"  {line}" for line in lines)]
 
 
 def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> str:

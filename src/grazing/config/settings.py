@@ -101,7 +101,7 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "start": _number("time of the initial state"),
     "until": _number("time of the end"),
     "samples": _whole(2, "points per period of the forcing"),
-    "since": _number("time before which nothing is recorded; start if not given"),
+    "since": _number("time before which all is left out; start if not given"),
     "rate": _number("samples per unit of time, in Hz of a rig; 128 a period if not given"),
     "of": _choice(("u", "v"), "position or velocity"),
     "window": _text("window of the spectrum, such as hann, boxcar or flattop"),

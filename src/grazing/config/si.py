@@ -12,7 +12,7 @@ from grazing.config.problems import Problem
 from grazing.config.values import DEFAULT
 from grazing.config.walls import checked_walls, flat, front_of, last_of, sides_of
 from grazing.oscillator.deflection import warn_of_gap
-from grazing.oscillator.parameters import parameter_units
+from grazing.oscillator.parameters import COORDINATES, parameter_units
 from grazing.oscillator.si import AMPLITUDES, GAP, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
 from grazing.parameter import unknown
@@ -25,7 +25,10 @@ WORDS = ("side", "moves")
 #: What it must hold, and what stands for entries that are wrong while the rest is checked.
 NEEDED = ("m", "c", "k", "gap")
 UNITS = {**{name: known.units for name, known in SI.items()}, **AMPLITUDES}
+UNITS |= {name: known.units for name, known in COORDINATES.items()}
 SOUND = {"m": 1.0, "c": 0.0, "k": 1.0, "gap": 0.0, "omega": 1.0, "frequency": 1.0}
+#: Coordinates of sections that are not u and v.
+SECTIONS = {"impact": ("tau", "v_plus")}
 SCHEMA = {
     "anyOf": [
         {"type": "string"},
@@ -131,6 +134,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         found["stop"] = side
         found.setdefault("law", LAW)
     problems += _renamed(found, _sides(made, side, gaps), made.mass)
+    problems += _begun(found, made.mass)
     if not problems:
         warn_of_gap(
             made, _least_gap(found, {own.name: own.factor for own in gaps.values()} if gaps else {"sigma": -1.0})
@@ -311,6 +315,32 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
             locus = {name.strip(): text} if equals else locus
         if isinstance(locus, Mapping):
             found["settings"] = {**settings, "locus": named(locus, True, "settings", "locus")}
+    return faults
+
+
+def _begun(found: dict[str, Any], mass: float) -> list[Problem]:
+    """Put coordinates of a start that have units of their own in m, m/s and s; return what is wrong with them."""
+    settings = _mapping(found.get("settings"))
+    faults = []
+    for key in ("state", "fixed"):
+        given: Any = settings.get(key)
+        if isinstance(given, str):
+            parts = given.split(",")
+            given = (
+                parts if key == "state" else {part.partition("=")[0].strip(): part.partition("=")[2] for part in parts}
+            )
+        named = isinstance(given, Mapping)
+        values: list[Any] = [*given.values()] if named else [*given] if isinstance(given, (list, tuple)) else []
+        names = [*given] if named else [*SECTIONS.get(str(found.get("map")), ("u", "v")), *[key] * len(values)]
+        if not any(isinstance(one, str) and _has_units(one) for one in values):
+            continue
+        for i, one in enumerate(values):
+            try:
+                values[i] = _one(one, names[i], mass) if isinstance(one, str) else one
+            except InputError as error:
+                faults.append(Problem(("settings", key), str(error)))
+                values[i] = 0.0
+        found["settings"] = settings = {**settings, key: dict(zip(names, values, strict=True)) if named else values}
     return faults
 
 

@@ -17,9 +17,9 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 from grazing.kernel.prepared import folder, used
+from grazing.writing import left_in, put
 
 #: What a file begins with; its SHA-256 follows.
 MAGIC = b"grazing kernel\n"
@@ -160,19 +160,15 @@ class KernelFiles:
         return None
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep a compiled kernel, whole or not at all."""
+        """Keep a compiled kernel, and remove what killed processes have left half written."""
         from grazing.kernel.private import dumps
 
         if self._folder is None:
             return
         file, content = self._folder / self.called(key), dumps(data)
-        new = file.with_name(f".{file.name}-{uuid4().hex[:16]}")
-        try:
-            with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as opened:
-                opened.write(MAGIC + _checksum(content, file.name) + content)
-            os.replace(new, file)
-        finally:
-            new.unlink(missing_ok=True)
+        for half in left_in(self._folder):
+            half.unlink(missing_ok=True)
+        put(file, MAGIC + _checksum(content, file.name) + content, 0o600)
 
     def flush(self) -> None:
         """Forget all that is kept of this kernel."""

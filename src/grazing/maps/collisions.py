@@ -14,7 +14,7 @@ from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, decided
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_of, slope_of, spot, way_at
-from grazing.billiard.objects import ARC, DRAIN
+from grazing.billiard.objects import ARC, DISC, DRAIN
 from grazing.billiard.rows import FROM, GRAVITY, LENGTH, LONG, OWNER, THINGS, surfaces_of
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
@@ -165,8 +165,10 @@ def blocks_at(blocks: Floats) -> Floats:
 class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
+    stirred = ("angle",)
+
     def __init__(self, table: Table, on: str) -> None:
-        self.table, self.on = table, on
+        self.table, self.impacts_on, self.on = table, table, on
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)
 
     def replace(self, params: Mapping[str, float]) -> Map:
@@ -210,6 +212,8 @@ def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[flo
     surfaces = surfaces_of(table.objects, params["rho"], params)
     owner = table.names.index(name)
     rows = [row for kind in surfaces[:3] for row in kind if row[OWNER] == owner and row[LONG] > 0.0]
+    if not rows:
+        raise InputError(f"a ball without a radius never meets {name}, a pin; give one of them a radius")
     row = rows[-1] if table.objects[owner].kind == ARC else rows[0]
     return float(row[FROM]), float(row[FROM] + row[LONG])
 
@@ -242,7 +246,7 @@ def collision_map(table: Table, on: str | None = None) -> Map:
         Of :func:`grazing.table`.
     on : str, optional
         The object on which random starts are drawn: all around a disc, on the left side of a segment or the inner side
-        of an arc. Default: the first one that is no drain.
+        of an arc. Default: the first one that is hit.
 
     Returns
     -------
@@ -269,9 +273,13 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     ('B', [6.283185, 0.0, 1.0])
     """
     table = checked_table(table)
-    solids = [one.name for one in table.objects if one.kind != DRAIN]
+    pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
+    solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]
     if not solids:
-        raise InputError("the table has drains only; a map from impact to impact needs something that is hit")
+        only = "drains and pins that a ball without a radius never meets" if pins else "drains only"
+        raise InputError(f"the table has {only}; a map from impact to impact needs something that is hit")
+    if isinstance(on, str) and on in pins:
+        raise InputError(f"on is {on!r}: a ball without a radius never meets it; allowed are {', '.join(solids)}")
     if on is not None and not (isinstance(on, str) and on in solids):
         raise InputError(f"on is {shown(on)}; allowed are {', '.join(solids)}")
     on = solids[0] if on is None else on

@@ -58,6 +58,10 @@ class Origin(ByValue):
         The oscillator over one wall at rest that the map shows.
     walled : Walled, optional
         The oscillator between walls of its own that the map shows at the strobe.
+    impacts_on : Table, optional
+        The table of which the steps of the map are the impacts, one each.
+    stirred : tuple of str
+        Coordinates in which copies of an orbit are moved a little to part from it, in their own units; all if empty.
     section : {"strobe", "impact"}, optional
         Where the map shows that oscillator, exactly; None for a map that only comes near it.
     """
@@ -74,6 +78,8 @@ class Origin(ByValue):
     sized: ClassVar[bool] = False
     model: Any = None
     walled: Any = None
+    impacts_on: Any = None
+    stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
 
     def __bool__(self) -> bool:

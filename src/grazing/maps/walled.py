@@ -17,9 +17,10 @@ from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
-from grazing.maps.settle import said_in_flight
+from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
 from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
@@ -233,6 +234,24 @@ class Strobed(OfRig):
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a ball inside a wall."""
         self.walled.refuse_inside(float(state[0]), params["phase"])
+
+    def settle(self, row: Sequence[float], state: tuple[float, ...]) -> Settled | None:
+        """Decide a step in ball arithmetic; None where no precision decides."""
+        own, phase = apart(dict(zip([*self.walled.params, "phase"], row, strict=True)))
+        proven = exact_period(self.walled.replace(**own), (state[0], state[1]), phase)
+        if proven is None:
+            return None
+        letter = proven.impacts
+        if len(self.walled.walls) > 1:
+            letter = 0
+            for wall in proven.walls:
+                letter = 3 * letter + wall + 1
+            letter = letter if proven.impacts <= MOST else MANY
+        if proven.outcome & CHATTERED:
+            letter = CHATTER - 2 * proven.rest
+        elif proven.lay:
+            letter = LAY - 2 * proven.rest
+        return Settled(proven.state, letter, proven.outcome, proven.near, proven.slow)
 
     def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
         """Say what a reset law did wrong in the step from a state."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
-from grazing.orbits.manifold_saddle import Saddle, checked_saddle, short_pieces
+from grazing.orbits.manifold_saddle import Saddle, refuse_no_saddle, saddle_of, short_pieces
 from grazing.orbits.manifold_steps import Backwards, Forwards, Leaves, Ray, Solved, Steps, traced
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import InputError
@@ -22,6 +22,8 @@ from grazing.parameter import checked_box, real, whole
 
 Floats = NDArray[np.float64]
 
+#: The diagonal of a box, in sides of it.
+DIAGONAL = math.sqrt(2.0)
 #: Turns are taken together until they stretch the short piece by this.
 STRETCH = 1.5
 #: A branch is at its end when its last image is this part of a spacing long.
@@ -60,10 +62,11 @@ def manifolds(
     side : {"unstable", "stable"}
         The states that came from the saddle, or those that come to it.
     length : float, optional
-        Arc length inside the box after which each branch is ended. Default: ten diagonals of the box.
+        Arc length inside the box after which each branch is ended, in sides of the box: each coordinate is measured by
+        its own side, so that no unit matters. Default: ten diagonals of the box, 14.1.
     spacing : float, optional
-        Distance of neighbouring points, at most; they are closer where the curve bends. Default: a 300th of the
-        diagonal.
+        Distance of neighbouring points, at most, in sides of the box; they are closer where the curve bends. Default:
+        a 300th of the diagonal, 0.0047.
     box : ((low, high), (low, high)), optional
         What is drawn; a curve that leaves it is followed until it comes back. Default: the box of the map and the
         points of the orbit, twice as wide.
@@ -80,7 +83,8 @@ def manifolds(
         at that end or on its way. ``seed`` (point) is the start: ``saddle[0] + seed * direction`` comes to the point
         in ``order`` steps, or the point comes to it. The table on dimension "branch", two for each point of the orbit:
         ``saddle_point``, ``sign``, ``branch_length`` and ``branch_end``, one of length settled lost away steps points
-        (in words: attribute ``meaning``). ``saddle`` (saddle_index, coordinate), ``direction`` (coordinate).
+        (in words: attribute ``meaning``). ``saddle`` (saddle_index, coordinate), ``direction`` (coordinate). All
+        lengths are in sides of the box, and so a direction is one side long.
 
     Raises
     ------
@@ -115,17 +119,17 @@ def manifolds(
     >>> import grazing as gz
     >>> from grazing.orbits.manifold import manifolds
     >>> saddle = gz.one_impact_orbits(gz.pinball(d=0.105, V=0.4), 2)[-1]
-    >>> grown = manifolds(saddle, "unstable", length=0.5)
+    >>> grown = manifolds(saddle, "unstable", length=1.0)
     >>> grown.sizes["branch"], set(grown.branch_end.values.tolist()), grown.word.values[:3].tolist()
     (4, {'settled'}, ['', '01', '0101'])
     """
-    saddle = checked_saddle(orbit, side)
+    refuse_no_saddle(orbit, side)
     frame = _box(orbit, box)
-    diagonal = float(np.hypot(*(frame[:, 1] - frame[:, 0])))
-    reach = 10.0 * diagonal if length is None else _positive(length, "length")
-    fine = diagonal / 300.0 if spacing is None else _positive(spacing, "spacing")
+    saddle = saddle_of(orbit, side, frame[:, 1] - frame[:, 0])
+    reach = 10.0 * DIAGONAL if length is None else _positive(length, "length")
+    fine = DIAGONAL / 300.0 if spacing is None else _positive(spacing, "spacing")
     most = whole(steps, "steps", 1)
-    grown, branches = _grown(saddle, Ruler(frame), diagonal, reach, fine, most)
+    grown, branches = _grown(saddle, Ruler(frame), reach, fine, most)
     return _dataset(saddle, grown, branches, {"length": reach, "spacing": fine, "box": frame.tolist(), "steps": most})
 
 
@@ -165,16 +169,14 @@ class Grown(NamedTuple):
     seed: Floats
 
 
-def _grown(
-    saddle: Saddle, ruler: Ruler, diagonal: float, reach: float, spacing: float, most: int
-) -> tuple[list[Grown], list[Branch]]:
+def _grown(saddle: Saddle, ruler: Ruler, reach: float, spacing: float, most: int) -> tuple[list[Grown], list[Branch]]:
     """Return all pieces of all branches, those of one branch in the order in which they were grown."""
     p = saddle.orbit.period
     # so many steps are taken together that they stretch the short piece by STRETCH
     stride = max(1, math.ceil(p * math.log(STRETCH) / math.log(saddle.stretch) - 1e-9))
-    far = short_pieces(saddle, diagonal)
+    far = short_pieces(saddle)
     near = far * saddle.stretch ** (-stride / p)
-    movers = _movers(saddle, far, stride, diagonal)
+    movers = _movers(saddle, far, stride)
     branches = {(point, sign): Branch() for point in range(p) for sign in (1, -1)}
     numbers = {key: number for number, key in enumerate(branches)}
     t = {key: np.linspace(0.0, 1.0, FIRST) for key in branches}
@@ -204,7 +206,7 @@ def _grown(
     return sorted(grown, key=lambda one: (one.branch, one.order)), list(branches.values())
 
 
-def _movers(saddle: Saddle, far: Floats, stride: int, size: float) -> dict[tuple[int, int], Steps]:
+def _movers(saddle: Saddle, far: Floats, stride: int) -> dict[tuple[int, int], Steps]:
     """Return what takes starts along the manifold, for both sides of each point of the saddle."""
     orbit, P = saddle.orbit, saddle.orbit.map
     movers: dict[tuple[int, int], Steps] = {}
@@ -228,9 +230,9 @@ def _movers(saddle: Saddle, far: Floats, stride: int, size: float) -> dict[tuple
             if saddle.forwards:
                 movers[start, sign] = Forwards(P, ray)
             elif P.section == "strobe":
-                movers[start, sign] = Backwards(P, ray, size)
+                movers[start, sign] = Backwards(P, ray, saddle.box)
             else:
-                movers[start, sign] = solved[start, sign] = Solved(P, ray, size, anchor_of(start, sign))
+                movers[start, sign] = solved[start, sign] = Solved(P, ray, saddle.box, anchor_of(start, sign))
     return movers
 
 
@@ -293,24 +295,26 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
             {"long_name": f"{saddle.side} manifold", "units": state},
         ),
         "piece": column("point", np.concatenate(piece), np.int64, "row of the table of pieces", **count),
-        "seed": column("point", np.concatenate(seeds), np.float64, "distance of the start from the saddle", **count),
+        "seed": column("point", np.concatenate(seeds), np.float64, "distance of the start, in directions", **count),
         "order": column("piece", [g.order for g in grown], np.int64, "steps from the neighbourhood of the saddle"),
         "start": column("piece", [g.start for g in grown], np.int64, "point of the saddle next to the starts"),
         "word": ("piece", words, {"long_name": "letters on these steps, in the order of time"}),
         "branch": column("piece", [g.branch for g in grown], np.int64, "row of the table of branches"),
-        "piece_length": column("piece", [g.piece.length for g in grown], np.float64, "length of the piece", **count),
+        "piece_length": column(
+            "piece", [g.piece.length for g in grown], np.float64, "length, in sides of the box", **count
+        ),
         "cut_first": column("piece", [g.piece.cut[0] for g in grown], bool, "not smooth at the first point"),
         "cut_last": column("piece", [g.piece.cut[1] for g in grown], bool, "not smooth at the last point"),
         "saddle_point": column("branch", points, np.int64, "point of the saddle that the branch leaves"),
         "sign": column("branch", [1, -1] * orbit.period, np.int64, "of the seeds next to that point"),
-        "branch_length": column("branch", [b.length for b in branches], np.float64, "arc length inside the box"),
+        "branch_length": column("branch", [b.length for b in branches], np.float64, "length in the box, in its sides"),
         "branch_end": column("branch", [b.end for b in branches], "<U8", "why the branch ends", meaning=ends),
         "saddle": (("saddle_index", "coordinate"), np.array(orbit.points), {"long_name": "the saddle", "units": state}),
         "box": (("coordinate", "end"), np.array(about["box"]), {"long_name": "what is drawn", "units": state}),
         "direction": (
             ("saddle_index", "coordinate"),
             saddle.directions,
-            {"long_name": f"{saddle.side} direction, a unit vector", **count},
+            {"long_name": f"{saddle.side} direction, one side of the box long", "units": state},
         ),
     }
     config = {"side": saddle.side, "params": dict(P.params), "points": orbit.points.tolist(), **about}

@@ -36,7 +36,7 @@ ROUNDS = 400
 
 
 class Ruler:
-    """Distances in the plane: true inside a box, shorter outside, none far from it."""
+    """Distances in the plane, in sides of a box: true inside it, shorter outside, none far from it."""
 
     def __init__(self, box: Floats) -> None:
         self.middle, self.half = box.mean(axis=1), 0.5 * (box[:, 1] - box[:, 0])
@@ -45,7 +45,7 @@ class Ruler:
         """Return where states (n, 2) are drawn on this ruler."""
         share = (state - self.middle) / self.half
         inside = np.clip(share, -1.0, 1.0)
-        return np.asarray(self.half * (inside + OUTSIDE * np.arcsinh(np.clip(share, -FAR, FAR) - inside)))
+        return np.asarray(0.5 * (inside + OUTSIDE * np.arcsinh(np.clip(share, -FAR, FAR) - inside)))
 
     def away(self, state: Floats) -> Floats:
         """Return how many half widths states are away from the middle, in the larger coordinate."""
@@ -164,8 +164,8 @@ def image_of(
     ----------
     steps : Steps
     distance : ndarray, shape (2,)
-        Of the starts from the saddle, signed: distance[0] at t = 0, geometrically to distance[1] at t = 1; linearly
-        if distance[0] is 0.
+        Of the starts from the saddle, in directions, signed: distance[0] at t = 0, geometrically to distance[1] at
+        t = 1; linearly if distance[0] is 0.
     order : int
         Steps from the short piece.
     t : ndarray, shape (n,)

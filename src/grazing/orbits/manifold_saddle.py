@@ -23,15 +23,17 @@ STRAIGHT = 1e-4
 
 
 class Saddle(NamedTuple):
-    """One side of a saddle: a unit eigenvector at each of its p points, shape (p, 2), and the multiplier of a turn.
+    """One side of a saddle: an eigenvector at each of its p points, shape (p, 2), and the multiplier of a turn.
 
-    The map takes each eigenvector to the direction of the next; only the last step may turn it round.
+    ``box`` (2,) are the sides of the box, in which everything is measured: eigenvectors are one side long. The map
+    takes each to the direction of the next; only the last step may turn it round.
     """
 
     orbit: Orbit
     side: str
     directions: Floats
     multiplier: float
+    box: Floats
 
     @property
     def forwards(self) -> bool:
@@ -50,7 +52,7 @@ class Saddle(NamedTuple):
         return to % self.orbit.period, -sign if turned else sign
 
 
-def short_pieces(saddle: Saddle, diagonal: float) -> Floats:
+def short_pieces(saddle: Saddle) -> Floats:
     """Return how far the short piece at each point of the saddle reaches: the map bends it by STRAIGHT of it, at most.
 
     One step of growth stretches each by the same factor.
@@ -62,9 +64,9 @@ def short_pieces(saddle: Saddle, diagonal: float) -> Floats:
     even = abs(saddle.multiplier) ** (1.0 / p)
     share = np.append(1.0, np.cumprod(np.abs(factors[:-1]) / even))
     letters = stepped(P, orbit.points, 1)[1][:, 0]
-    size = SHORT * diagonal
-    noise = 64.0 * np.finfo(float).eps * (diagonal + np.abs(orbit.points).max())
-    while size >= LEAST * diagonal:
+    size = SHORT
+    noise = 64.0 * np.finfo(float).eps * (1.0 + np.abs(orbit.points / saddle.box).max())
+    while size >= LEAST:
         far = size * share / share.max()
         # on the unstable side the step is taken that ends on the short piece
         seed = far / even if saddle.forwards else far
@@ -72,19 +74,19 @@ def short_pieces(saddle: Saddle, diagonal: float) -> Floats:
         for sign in (1.0, -1.0):
             image, own = stepped(P, orbit.points + sign * seed[:, None] * e, 1)
             ahead = orbit.points[after] + sign * (seed * factors)[:, None] * e[after]
-            bend = np.abs(image - ahead).max(axis=1)
+            bend = np.abs((image - ahead) / saddle.box).max(axis=1)
             good &= bool((bend <= STRAIGHT * far[after] + noise).all() and (own[:, 0] == letters).all())
         if good:
             return np.asarray(far)
         size *= 0.25
     raise InputError(
-        f"the map is not smooth within {LEAST * diagonal:.1g} of {shown(orbit)}, the shortest piece to begin with: the "
-        "orbit grazes, or nearly; vary a parameter a little"
+        f"the map is not smooth within {LEAST:.1g} sides of the box of {shown(orbit)}, the shortest piece to begin "
+        "with: the orbit grazes, or nearly; vary a parameter a little"
     )
 
 
-def checked_saddle(orbit: Any, side: str) -> Saddle:
-    """Return one side of a saddle, or refuse what is none."""
+def refuse_no_saddle(orbit: Any, side: str) -> None:
+    """Raise InputError for what is no saddle of a map of the plane, or has no such manifold."""
     if not isinstance(orbit, Orbit):
         raise InputError(f"orbit is {shown(orbit)}; give a gz.Orbit, such as gz.one_impact_orbits(model, N) returns")
     if not isinstance(side, str) or side not in SIDES:
@@ -102,8 +104,13 @@ def checked_saddle(orbit: Any, side: str) -> Saddle:
         )
     if side == "stable":
         _invertible(orbit)
+
+
+def saddle_of(orbit: Orbit, side: str, box: Floats) -> Saddle:
+    """Return one side of a saddle, measured by the sides of a box."""
+    fast, slow = orbit.multipliers
     value = float((fast if side == "unstable" else slow).real)
-    return Saddle(orbit, side, _directions(orbit, value), value)
+    return Saddle(orbit, side, _directions(orbit, value, box), value, box)
 
 
 def _invertible(orbit: Orbit) -> None:
@@ -122,10 +129,10 @@ def _invertible(orbit: Orbit) -> None:
         )
 
 
-def _directions(orbit: Orbit, value: float) -> Floats:
-    """Return the unit eigenvectors (p, 2) at all points, turned so that only the last step may turn the sign."""
+def _directions(orbit: Orbit, value: float, box: Floats) -> Floats:
+    """Return the eigenvectors (p, 2) at all points, turned so that only the last step may turn the sign."""
     p = orbit.period
-    steps = [orbit.map.jacobian(point) for point in orbit.points]
+    steps = [orbit.map.jacobian(point) * box / box[:, None] for point in orbit.points]
     found = np.empty((p, 2))
     for j in range(p):
         J = np.eye(2)
@@ -141,11 +148,11 @@ def _directions(orbit: Orbit, value: float) -> Floats:
         found[j] = np.array([-row[1], row[0]]) / size
         if j > 0 and float(found[j] @ (steps[j - 1] @ found[j - 1])) < 0.0:
             found[j] *= -1.0
-    return found
+    return found * box
 
 
 def _factor(saddle: Saddle, j: int) -> float:
-    """Return what one step of the map, in forward time, makes of the unit vector at point j."""
+    """Return what one step of the map, in forward time, makes of the eigenvector at point j."""
     after = (j + 1) % saddle.orbit.period
     moved = saddle.orbit.map.jacobian(saddle.orbit.points[j]) @ saddle.directions[j]
-    return float(moved @ saddle.directions[after])
+    return float((moved / saddle.box) @ (saddle.directions[after] / saddle.box))

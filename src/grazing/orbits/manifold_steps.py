@@ -29,11 +29,11 @@ CHUNK = 64
 MAX_IMPACTS = 20
 #: A point k steps back must come to the one k - 1 steps back by one step of the map, to this relative error.
 TOLERANCE = 1e-8
-#: States this large are not followed back any more: the ball gains energy on the way.
+#: States this many sides of the box large are not followed back any more: the ball gains energy on the way.
 HUGE = 1e12
 #: Newton steps for one preimage, and parts of the way from a known one at which it is tried again.
 NEWTON, PARTS = 12, 16
-#: Relative step of the differences that stand for the derivative in Newton's method.
+#: Step, in sides of the box, of the differences that stand for the derivative in Newton's method.
 DIFFERENCE = 1e-6
 
 
@@ -66,7 +66,7 @@ class Leaves:
 
 
 class Ray(NamedTuple):
-    """A straight line from a saddle: where it begins, its unit direction."""
+    """A straight line from a saddle: where it begins, its direction, one side of the box long."""
 
     start: Floats
     direction: Floats
@@ -136,9 +136,9 @@ class Flown(NamedTuple):
 class Backwards:
     """The inverse of the stroboscopic map of an oscillator, with all its branches."""
 
-    def __init__(self, P: Map, ray: Ray, size: float) -> None:
+    def __init__(self, P: Map, ray: Ray, sides: Floats) -> None:
         assert isinstance(P.model, Oscillator)
-        self.map, self.model, self.ray, self.size = swift(P), P.model, ray, size
+        self.map, self.model, self.ray, self.sides = swift(P), P.model, ray, sides
 
     def further(self, leaves: Leaves, n: int) -> Leaves:
         """Return every state from which n steps of the map lead to one of the points."""
@@ -163,8 +163,8 @@ class Backwards:
         for before, one in itertools.pairwise(back):
             here = slice(done, done + len(one.state))
             aim = before.state[one.origin]
-            error = np.abs(later[here] - aim).max(axis=1, initial=0.0)
-            comes = error <= TOLERANCE * (self.size + np.abs(aim).max(axis=1, initial=0.0))
+            error = np.abs((later[here] - aim) / self.sides).max(axis=1, initial=0.0)
+            comes = error <= TOLERANCE * (1.0 + np.abs(aim / self.sides).max(axis=1, initial=0.0))
             good.append(comes & (letters[here, 0] == one.letter) & good[-1][one.origin])
             done += len(one.state)
         return good
@@ -191,7 +191,7 @@ class Backwards:
             lines, origin, code = lines[i], origin[i], mixed(code[i], branch)
             lines[:, CLIMB] = speeds[i, branch]
         found = Flown(*(np.concatenate(column) for column in zip(*done, strict=True)))
-        good = (np.abs(found.state) < HUGE).all(axis=1)
+        good = (np.abs(found.state / self.sides) < HUGE).all(axis=1)
         return Flown(found.origin[good], mixed(found.code[good], 1_000_003), found.state[good], found.letter[good])
 
 
@@ -202,8 +202,8 @@ class Solved:
     It begins at ``anchor(k)``, a state on it, or next to it, before anything is known; None where there is none.
     """
 
-    def __init__(self, P: Map, ray: Ray, size: float, anchor: Callable[[int], Floats | None]) -> None:
-        self.map, self.ray, self.size, self.anchor = swift(P), ray, size, anchor
+    def __init__(self, P: Map, ray: Ray, sides: Floats, anchor: Callable[[int], Floats | None]) -> None:
+        self.map, self.ray, self.sides, self.anchor = swift(P), ray, sides, anchor
         self.known: dict[int, tuple[Floats, Floats, Floats]] = {}
 
     def further(self, leaves: Leaves, n: int) -> Leaves:
@@ -265,25 +265,25 @@ class Solved:
     def newton(self, guess: Floats, target: Floats) -> Floats:
         """Return states whose image is the target, from guesses; NaN where Newton's method does not get there."""
         state, n = guess.copy(), len(guess)
-        h = DIFFERENCE * self.size
-        shifts = np.array([[0.0, 0.0], [h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]])
+        h = DIFFERENCE * self.sides
+        shifts = h * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
         best, least = state.copy(), np.full(n, np.inf)
         for _ in range(NEWTON):
             beside = (state[None] + shifts[:, None]).reshape(-1, 2)
             images = stepped(self.map, beside, 1)[0].reshape(5, n, 2)
             defect = images[0] - target
-            error = np.abs(defect).max(axis=1)
+            error = np.abs(defect / self.sides).max(axis=1)
             better = error < least
             best[better], least[better] = state[better], error[better]
-            a, b = (images[1] - images[2]) / (2.0 * h), (images[3] - images[4]) / (2.0 * h)
+            a, b = (images[1] - images[2]) / (2.0 * h[0]), (images[3] - images[4]) / (2.0 * h[1])
             det = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = np.column_stack(
                     [defect[:, 0] * b[:, 1] - defect[:, 1] * b[:, 0], a[:, 0] * defect[:, 1] - a[:, 1] * defect[:, 0]]
                 )
                 state = state - step / det[:, None]
-            if not ((least > 1e-15 * self.size) & np.isfinite(state).all(axis=1)).any():
+            if not ((least > 1e-15) & np.isfinite(state).all(axis=1)).any():
                 break
-        scale = self.size + np.abs(target).max(axis=1)
+        scale = 1.0 + np.abs(target / self.sides).max(axis=1)
         best[~(least <= TOLERANCE * 1e-3 * scale)] = np.nan
         return best

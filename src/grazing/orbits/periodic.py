@@ -13,6 +13,7 @@ from grazing.maps.map import Map
 from grazing.orbits.contacts import model_of, section_of
 from grazing.orbits.gap_orbits import gap_orbits
 from grazing.orbits.orbit import Orbit
+from grazing.orbits.search_bounces import ONE_EACH, bounce_orbits, how_thorough
 from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_map import Cycles
 from grazing.orbits.search_pieces import piece_orbits, spelled
@@ -20,9 +21,9 @@ from grazing.orbits.search_rest import resting_orbits
 from grazing.orbits.search_section import AIMED, Search, aimed_guesses, orbits_of, solutions_of
 from grazing.orbits.search_windows import WIDE, drawn, middle_of, recurrences, refuse_many, simulated
 from grazing.orbits.search_words import checked_word
-from grazing.orbits.word import letters_of
+from grazing.orbits.word import least_rotation, letters_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import whole
+from grazing.parameter import real, whole
 
 #: Longest period of a search; of one that solves each word, of which there are 2^period/period.
 LONGEST, LONGEST_WORDS = 64, 20
@@ -56,6 +57,15 @@ class Searched:
         Of the random starts and guesses.
     continua : tuple of (str, int, int)
         Words and periods of which so many orbits with a multiplier 1 were met, and one is listed.
+    turned : tuple of str
+        Where no orbit has the word that was asked for: the words of those that hit the same walls in the same order
+        all around, but are elsewhere at the strobe, as (BA) is for (AB).
+    impossible : tuple of str
+        On a table: what no orbit can do, proven, each with the reason. Words with that were not looked for.
+    missing : tuple of str
+        On a table: words of which no orbit was found, not even a virtual one, though nothing forbids it.
+    families : tuple of str
+        On a table: words that conserve energy, and were not looked for as none was given.
     """
 
     periods: tuple[int, ...]
@@ -68,6 +78,10 @@ class Searched:
     complete: bool
     seed: int
     continua: tuple[tuple[str, int, int], ...] = ()
+    turned: tuple[str, ...] = ()
+    impossible: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+    families: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"Searched({', '.join(f'{one.name}={shown(getattr(self, one.name))}' for one in fields(self))})"
@@ -114,8 +128,14 @@ class Orbits(tuple[Orbit, ...]):
         for spelled_as, N, many in s.continua:
             met = f"{many} with a multiplier 1 were met, one listed" if many > 1 else "the one in the middle is listed"
             said += f" (of word {spelled_as} and period {N} a continuum: {met})"
+        if s.turned:
+            said += f" (the same impacts in the same order, but another one first after the strobe: {listed(s.turned)})"
+        tables = self.map.origin.impacts_on is not None
         if s.complete:
-            return f"{said}: these are all, because every word of the length is solved by algebra"
+            why = ONE_EACH if tables else "every word of the length is solved by algebra"
+            return f"{said}: these are all, because {why}"
+        if tables:
+            return f"{said}: {how_thorough(s)}"
         how = (
             f"{said}: found by {_counted(s.attempts, 'Newton attempt')}, of which {s.converged} converged, from "
             f"near-recurrences of {_counted(s.starts, 'random start')} in {_counted(s.steps, 'step')} and other guesses"
@@ -144,6 +164,7 @@ def periodic_orbits(
     *,
     word: str | None = None,
     virtual: bool = False,
+    energy: float | None = None,
     starts: int = 4000,
     seed: int = 0,
     threads: int | None = None,
@@ -154,7 +175,8 @@ def periodic_orbits(
     ----------
     P : Map
         Any map. The stroboscopic and the impact map of an oscillator are searched in the times and velocities of
-        impacts, the gap map by algebra, others by Newton's method on the map; of a map by pieces each word has
+        impacts, that of a table word by word in the places of impacts and the times between them, the gap map by
+        algebra, others by Newton's method on the map; of a map by pieces each word has
         equations of its own, which find virtual orbits too.
     period : int or iterable of int, optional
         Least periods, in steps of the map; by default the length of ``word``.
@@ -162,8 +184,12 @@ def periodic_orbits(
         Only orbits of this word, such as "001". If none is admissible its virtual orbits are listed.
     virtual : bool
         Whether to list virtual orbits as well; they are marked, ``orbit.admissible`` is False.
+    energy : float, optional
+        On a table: kinetic and potential energy, for a ball of mass 1, of orbits whose impacts conserve it. Without
+        gravity it is 1/2, speed 1, unless given; with gravity such orbits are left out unless it is.
     starts : int
-        Random starts, >= 1; also how many near-recurrences of each period become guesses.
+        Random starts, >= 1; also how many near-recurrences of each period become guesses. On a table guesses of each
+        period, shared out among its words.
     seed : int
         Of starts and guesses; equal seeds give equal lists.
     threads : int, optional
@@ -203,6 +229,12 @@ def periodic_orbits(
     if not isinstance(P, Map):
         raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
     starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0, 2**64 - 1)
+    if energy is not None:
+        if P.origin.impacts_on is None:
+            raise InputError(
+                f"energy is {shown(energy)}; only orbits of a table that conserve it come in families by it"
+            )
+        energy = real(energy, "energy", "give a finite value")
     asked, letters = checked_word(P, word)
     periods = _checked_periods(P, period, letters)
     strobe = letters is not None and section_of(P) == "strobe"
@@ -213,9 +245,11 @@ def periodic_orbits(
             "search costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
         )
     solved = P.origin.orbits is not None  # word by word, by algebra
+    tally, met = Tally(), 0
+    if P.origin.impacts_on is not None:
+        return _bounced(P, periods, asked, letters, virtual, energy, starts, seed)
     if not solved:
         refuse_many(P, starts, periods[-1])
-    tally, met = Tally(), 0
     if solved:
         found = [orbit for n in periods for orbit in gap_orbits(P, n)]
         tally.signatures.update((n, n) for n in periods)
@@ -231,9 +265,27 @@ def periodic_orbits(
         found = _mapped(P, periods, starts, seed, threads, tally, letters)
         met = sum(not orbit.admissible for orbit in found)
     listing, continua = _one_of_each_continuum(_listing(found, asked, virtual))
-    signatures = tuple(sorted(tally.signatures))
+    signatures, turned = tuple(sorted(tally.signatures)), _turned(found, asked) if strobe else ()
     searched = Searched(
         periods, tally.starts, tally.steps, tally.attempts, tally.converged, signatures, met, solved, seed, continua,
+        turned,
+    )  # fmt: skip
+    return Orbits(listing, P, asked, searched)
+
+
+def _bounced(
+    P: Map, periods: tuple[int, ...], asked: str | None, letters: tuple[int, ...] | None, virtual: bool,
+    energy: float | None, starts: int, seed: int,
+) -> Orbits:  # fmt: skip
+    """Return the orbits of the map of a table from impact to impact, solved word by word."""
+    tally = Tally()
+    found = bounce_orbits(P, periods, letters, starts, seed, energy, tally)
+    listing, continua = _one_of_each_continuum(_listing(list(found.orbits), asked, virtual))
+    met = sum(not orbit.admissible for orbit in found.orbits)
+    signatures, complete = tuple(sorted(tally.signatures)), found.single and not found.missing and not found.families
+    said = tuple(found.impossible), tuple(found.missing), tuple(found.families)
+    searched = Searched(
+        periods, 0, 0, tally.attempts, tally.converged, signatures, met, complete, seed, continua, (), *said
     )  # fmt: skip
     return Orbits(listing, P, asked, searched)
 
@@ -265,6 +317,25 @@ def impacts_in(P: Map, letters: Sequence[int]) -> int:
     if isinstance(P.letters, Hits):
         return sum(len(P.letters.walls(letter)) for letter in letters)
     return sum(map(abs, letters))
+
+
+def _turned(found: list[Orbit], asked: str | None) -> tuple[str, ...]:
+    """Return the words of admissible orbits that would have the word asked for, were the strobe at another time."""
+    kept = [orbit for orbit in found if orbit.admissible]
+    if asked is None or any(orbit.word == asked for orbit in kept):
+        return ()
+    around = {orbit.word: _around(orbit, orbit.word) for orbit in kept}
+    return tuple(sorted({one.word for one in kept if around[one.word] and around[one.word] == _around(one, asked)}))
+
+
+def _around(orbit: Orbit, text: str) -> tuple[int, ...]:
+    """Return the walls that an orbit would hit in its period if it had a word, least rotation; none for other maps."""
+    symbols = orbit.map.letters
+    letters = letters_of(text, symbols)
+    if not isinstance(symbols, Hits) or min(letters) < 0:
+        return ()
+    walls = [wall for letter in letters for wall in symbols.walls(letter)] * (orbit.period // len(letters))
+    return least_rotation(walls) if walls else ()
 
 
 def _listing(found: list[Orbit], asked: str | None, virtual: bool) -> list[Orbit]:
@@ -306,7 +377,7 @@ def _checked_periods(P: Map, period: Any, letters: Sequence[int] | None) -> tupl
     except TypeError:
         items = [period]
     found = sorted({whole(one, "period", 1) for one in items})
-    longest = LONGEST if P.origin.orbits is None else LONGEST_WORDS
+    longest = LONGEST if P.origin.orbits is None and P.origin.impacts_on is None else LONGEST_WORDS
     if not found:
         raise InputError("period is an empty list; give whole numbers >= 1, such as range(1, 7)")
     if found[-1] > longest:

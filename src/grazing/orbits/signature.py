@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.orbits.bounce_equations import equations_of_bounces
+from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import (
     Model,
     left_walls,
@@ -52,6 +54,8 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
         For parameters that the map does not have, and for an orbit that rests on the wall.
     """
     P = orbit.map
+    if isinstance(orbit, BounceOrbit):
+        return equations_of_bounces(orbit, names, spans)
     if isinstance(orbit, ImpactOrbit):
         walls = numbered(orbit.model, orbit.walls)
         equations = impact_equations(orbit.model, names, orbit.period, orbit.incoming, walls, spans)

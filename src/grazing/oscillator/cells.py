@@ -19,6 +19,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
+from grazing.kernel.primitives import unit
 from grazing.oscillator.constants import FAR, OFFSET, Constants, natural_size, steady_position
 from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
@@ -281,6 +282,7 @@ def fill_window(
     return cell + count, n, m, extent
 
 
+@unit
 def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off_v: float = 0.0) -> bool:
     """Fill a table; False where the parameter value must be left to the scalar routine.
 
@@ -303,7 +305,7 @@ def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off
         return False
     # clearances below this are measured one by one: a few percent of what the chords cost
     band = 1e-3 * c.force * (0.5 * REACH / fastest(c)) ** 2
-    extent = Extent(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
+    extent = Extent(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0)
     start = int(0.0)  # of a literal 0 the compiler would make versions of their own
     cell, n, m = start, start + CERTIFICATE, start + ROWS
     for i in range(windows):

@@ -1,25 +1,24 @@
 """One forcing period in ball arithmetic: it decides what double precision cannot.
 
-Every number is a ball that contains the true one, and a comparison counts only where it holds for all of the ball. A
-flight is a sum of matrix exponentials: the ball under the constant force, and a ball at rest under each harmonic, obey
-small linear systems that have no singular case. Impacts are searched as in :mod:`grazing.oscillator.contact`: a piece
-of a window of one sign holds at most one, and signs on both sides of it prove it. The windows themselves are algebra:
-the force is a polynomial with rational coefficients. What a precision does not decide is tried again with twice the
-bits; an exact tie of a flight, which no number of bits decides, stays undecided.
+Every number is a ball that contains the true one, and a comparison counts only where it holds for all of the ball. What
+a precision does not decide is tried again with twice the bits; an exact tie of a flight, which no number of bits
+decides, stays undecided. Between walls each flight is seen from the wall that it left, and the other wall is asked
+for what comes before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import pairwise
-from math import floor, inf, isfinite, log2, nan, nextafter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.oscillator.forcing import Forcing
+import numpy as np
+
+from grazing.oscillator.exact_flight import Flight, Motion, Rule, next_impact, rounded, windows_of
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.reset import Reset, contraction_at
-from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
-from grazing.parameter import parameter_tuple
+from grazing.oscillator.sure import Beyond, Undecided, rational, sign
+from grazing.oscillator.walled import Walled
+from grazing.outcome import BAD_LAW, CHATTER, OK
 from grazing.pool import LOCK
 
 if TYPE_CHECKING:
@@ -27,657 +26,191 @@ if TYPE_CHECKING:
 
 #: Bits of the midpoints, tried one after the other.
 PRECISIONS = (128, 256, 512, 1024)
-#: Forces and matrix exponentials that are evaluated at one precision; beyond, the period stays undecided.
-BUDGET = 10_000
-#: Longest period, in units of the fastest rate of the motion.
-FAR = 1e9
-#: Bits to which the state at the end must be known, so that it can be rounded.
-GOOD = 60
-#: Hops of this share of a period, by a law that is not known to contract, are followed no further.
-SHORT = 1e-16
-#: A ball that leaves the wall faster is followed no further: twice its speed would be no double.
-FASTEST = 2.0**1021
-#: A state that is known to within 2^-TINY and may be 0 is 0.
-TINY = 900
-#: The share of a window at which its sign is looked at.
-ODD = 0.4871939420700073
-
-Curve = Callable[["arb"], tuple["arb", "arb"]]
-
-
-class Undecided(ArithmeticError):
-    """The ball is too wide for this decision; a higher precision may do."""
-
-
-class Beyond(Exception):
-    """More digits would not help: too much work, or a law that does not take balls."""
+#: A state so near to a moving wall, in units of its position, may be that of a ball that lies on it.
+NEAR = 4e-15
 
 
 class Period(NamedTuple):
     """One period: state at its end and what happened in (0, T].
 
-    ``near`` is the height of the narrowest miss and ``slow`` the speed of the slowest impact, infinity for none; both
-    are known to be above 0 where they are, but small ones only to their order of magnitude.
+    ``walls`` are the numbers of those hit, in order, ``rest`` that on which the ball lay or came to rest last. ``near``
+    is the height of the narrowest miss and ``slow`` the speed of the slowest impact, infinity for none; both are known
+    to be above 0 where they are, but small ones only to their order of magnitude.
     """
 
     state: tuple[float, float]
-    impacts: int
+    walls: tuple[int, ...]
     lay: bool
     outcome: int
     near: float
     slow: float
+    rest: int = 0
+
+    @property
+    def impacts(self) -> int:
+        """The number of impacts."""
+        return len(self.walls)
 
 
-class Window(NamedTuple):
-    """A stretch of the period up to ``end`` on which F has one sign; 0 if F = 0 throughout."""
+class Frame:
+    """What one wall sees, at the working precision: force, windows and contact rule; and where it is itself.
 
-    end: arb
-    sign: int
+    All numbers of the model are taken as exact. With y = side (u - z), z the place of the wall, the force is
+    side (f - z'' - alpha z' - k^2 z).
+    """
 
-
-def certain(x: arb) -> int:
-    """Return the sign that all of the ball has, 0 if there is none."""
-    return 1 if x > 0 else (-1 if x < 0 else 0)
-
-
-def sign(x: arb) -> int:
-    """Return the sign of the number in the ball, or raise Undecided."""
-    if x.is_zero():
-        return 0
-    known = certain(x)
-    if known == 0:
-        raise Undecided
-    return known
-
-
-class Sure:
-    """A number for reset laws: arithmetic on balls, and comparisons that are certain or raise Undecided."""
-
-    __slots__ = ("ball",)
-    __hash__ = None  # type: ignore[assignment]
-
-    def __init__(self, x: Any) -> None:
+    def __init__(self, model: Oscillator | Walled, j: int, phase: float) -> None:
         from flint import arb
 
-        if isinstance(x, bool) or not isinstance(x, (int, float, arb, Sure)):
-            raise TypeError(f"{x!r} is not a number that a ball can hold")
-        self.ball: arb = x.ball if isinstance(x, Sure) else arb(x)
-
-    def __neg__(self) -> Sure:
-        return Sure(-self.ball)
-
-    def __pos__(self) -> Sure:
-        return self
-
-    def __abs__(self) -> Sure:
-        return Sure(abs(self.ball))
-
-    def __add__(self, x: Any) -> Sure:
-        return Sure(self.ball + Sure(x).ball)
-
-    def __sub__(self, x: Any) -> Sure:
-        return Sure(self.ball - Sure(x).ball)
-
-    def __mul__(self, x: Any) -> Sure:
-        return Sure(self.ball * Sure(x).ball)
-
-    def __truediv__(self, x: Any) -> Sure:
-        return Sure(self.ball / Sure(x).ball)
-
-    def __pow__(self, x: Any) -> Sure:
-        return Sure(self.ball ** Sure(x).ball)
-
-    __radd__, __rmul__ = __add__, __mul__
-
-    def __rsub__(self, x: Any) -> Sure:
-        return Sure(x) - self
-
-    def __rtruediv__(self, x: Any) -> Sure:
-        return Sure(x) / self
-
-    def __rpow__(self, x: Any) -> Sure:
-        return Sure(x) ** self
-
-    def compared(self, x: Any) -> int:
-        """Return the sign of the difference, or raise Undecided."""
-        return sign((self - x).ball)
-
-    def __lt__(self, x: Any) -> bool:
-        return self.compared(x) < 0
-
-    def __le__(self, x: Any) -> bool:
-        return self.compared(x) <= 0
-
-    def __gt__(self, x: Any) -> bool:
-        return self.compared(x) > 0
-
-    def __ge__(self, x: Any) -> bool:
-        return self.compared(x) >= 0
-
-    def __eq__(self, x: object) -> bool:
-        return self.compared(x) == 0
-
-    def __bool__(self) -> bool:
-        return self.compared(0) != 0
-
-
-class Slope:
-    """A number for reset laws with its derivative by the velocity, for all velocities in a ball."""
-
-    __slots__ = ("slope", "value")
-    __hash__ = None  # type: ignore[assignment]
-
-    def __init__(self, value: Any, slope: Any) -> None:
-        self.value, self.slope = Sure(value), Sure(slope).ball
-
-    @staticmethod
-    def of(x: Any) -> Slope:
-        """Return a number as one with a derivative."""
-        return x if isinstance(x, Slope) else Slope(x, 0)
-
-    def __neg__(self) -> Slope:
-        return Slope(-self.value, -self.slope)
-
-    def __pos__(self) -> Slope:
-        return self
-
-    def __abs__(self) -> Slope:
-        if self.value.ball <= 0:
-            return -self
-        if self.value.ball >= 0:
-            return self
-        raise Undecided
-
-    def __add__(self, x: Any) -> Slope:
-        other = Slope.of(x)
-        return Slope(self.value + other.value, self.slope + other.slope)
-
-    def __sub__(self, x: Any) -> Slope:
-        return self + -Slope.of(x)
-
-    def __mul__(self, x: Any) -> Slope:
-        other = Slope.of(x)
-        return Slope(self.value * other.value, self.slope * other.value.ball + self.value.ball * other.slope)
-
-    def __truediv__(self, x: Any) -> Slope:
-        other = Slope.of(x)
-        ratio = self.value / other.value
-        return Slope(ratio, (self.slope - ratio.ball * other.slope) / other.value.ball)
-
-    def __pow__(self, x: Any) -> Slope:
-        if not isinstance(x, (int, float)) or x != int(x) or x < 1:
-            raise TypeError("only whole powers have a slope here")
-        return Slope(self.value ** int(x), int(x) * self.value.ball ** (int(x) - 1) * self.slope)
-
-    __radd__, __rmul__ = __add__, __mul__
-
-    def __rsub__(self, x: Any) -> Slope:
-        return Slope.of(x) - self
-
-    def __rtruediv__(self, x: Any) -> Slope:
-        return Slope.of(x) / self
-
-    def __lt__(self, x: Any) -> bool:
-        return self.value < Slope.of(x).value
-
-    def __le__(self, x: Any) -> bool:
-        return self.value <= Slope.of(x).value
-
-    def __gt__(self, x: Any) -> bool:
-        return self.value > Slope.of(x).value
-
-    def __ge__(self, x: Any) -> bool:
-        return self.value >= Slope.of(x).value
-
-    def __eq__(self, x: object) -> bool:
-        return self.value == Slope.of(x).value
-
-    def __bool__(self) -> bool:
-        return bool(self.value)
-
-
-def arb_between(low: float, high: float) -> arb:
-    """Return a ball of all numbers between two, and no others where their half is a power of two."""
-    from flint import arb
-
-    return arb(0.5 * (low + high), 0.5 * (high - low))
-
-
-def rational(x: float) -> fmpq:
-    """Return a float as the fraction that it is."""
-    from flint import fmpq
-
-    return fmpq(*x.as_integer_ratio())
-
-
-class Motion:
-    """Forcing and free flight of one model at the working precision; counts how often they are evaluated."""
-
-    def __init__(self, model: Oscillator, phase: float) -> None:
-        from flint import arb, arb_mat
-
-        forcing = model.forcing
-        self.alpha, self.omega = arb(model.alpha), arb(forcing.omega)
-        self.k2 = arb(model.k) ** 2 if model.stiffness is None else arb(model.stiffness)
-        self.q2 = self.alpha**2 / 4 - self.k2
-        self.T = 2 * arb.pi() / self.omega
-        self.theta = self.omega * (arb(forcing.t0) + arb(phase))
-        self.level = arb(forcing.offset) - self.k2 * arb(model.sigma)
-        pairs = enumerate(zip(forcing.cos, forcing.sin, strict=True), start=1)
-        self.waves = [(j, arb(c), arb(s)) for j, (c, s) in pairs if c != 0.0 or s != 0.0]
-        rates = [j * self.omega for j, _c, _s in self.waves]
-        if not self.T * sum(rates, abs(self.alpha) + abs(self.k2).sqrt()) < FAR:
-            raise Beyond
+        seen = model if isinstance(model, Oscillator) else model.seen_from(j)
+        self.side, self.sigma = 1, model.sigma if isinstance(model, Oscillator) else model.walls[j].position
+        force, moved = _pairs(model.forcing.cos, model.forcing.sin), []
+        if isinstance(model, Walled):
+            self.side = 1 if model.walls[j].sign > 0.0 else -1
+            wave = model.waves(j, np.array([list(model.params.values())]))[0].tolist()
+            moved = _pairs(wave[::2], wave[1::2])
+        omega, alpha = rational(model.forcing.omega), rational(model.alpha)
         k2 = rational(model.k) ** 2 if model.stiffness is None else rational(model.stiffness)
-        level = rational(forcing.offset) - k2 * rational(model.sigma)
-        self.turns = turning_phases(forcing, level) if self.waves else []
-        self.still = arb_mat([[0, 1, 0], [-self.k2, -self.alpha, 1], [0, 0, 0]])
-        self.swings = [
-            arb_mat([[0, 1, 0, 0], [-self.k2, -self.alpha, 1, 0], [0, 0, 0, W], [0, 0, -W, 0]]) for W in rates
-        ]
-        self.work = 0
+        nothing = rational(0.0)
+        waves = []
+        for i in range(max(len(force), len(moved))):
+            (c, s), (a, b) = ((one[i] if i < len(one) else (nothing, nothing)) for one in (force, moved))
+            W = (i + 1) * omega
+            lift, drag = W * W - k2, alpha * W
+            waves.append((self.side * (c + lift * a - drag * b), self.side * (s + lift * b + drag * a)))
+        level = self.side * (rational(model.forcing.offset) - k2 * rational(self.sigma))
+        self.motion = Motion(model.alpha, k2, model.forcing, level, waves, phase)
+        self.wave = [(i * self.motion.omega, i, arb(a), arb(b)) for i, (a, b) in enumerate(moved, start=1) if a or b]
+        self.windows = windows_of(self.motion)
+        self.rule = Rule(self.motion, self.windows, seen.reset, {**seen.params, "phase": phase})
 
-    def count(self, work: int) -> None:
-        """Count evaluations."""
-        self.work += work
-        if self.work > BUDGET:
-            raise Beyond
-
-    def forces(self, t: arb) -> list[tuple[arb, arb]]:
-        """Return the force (a, b) of every harmonic at local time t: a acts, a' = W b, b' = -W a."""
-        self.count(1)
-        phase = self.omega * t + self.theta
-        turns = [(j * phase).sin_cos() for j, _c, _s in self.waves]
-        return [(c * x + s * y, s * x - c * y) for (_j, c, s), (y, x) in zip(self.waves, turns, strict=True)]
-
-    def taylor(self, t: arb, terms: int) -> list[arb]:
-        """Return the Taylor coefficients of F = f - k^2 sigma at local time t, the last one good for any later time."""
+    def place(self, t: arb) -> tuple[arb, arb]:
+        """Return where the wall is at local time t, and how fast it moves."""
         from flint import arb
 
-        total = [self.level, *([0 * self.level] * terms)]
-        for (j, c, s), (a, b) in zip(self.waves, self.forces(t), strict=True):
-            for n in range(terms):
-                total[n] += a
-                a, b = b * j * self.omega / (n + 1), -a * j * self.omega / (n + 1)
-            total[terms] += arb(0, 1) * (c * c + s * s).sqrt() * (j * self.omega) ** terms / arb(terms + 1).gamma()
-        return total
+        z, w, phase = arb(self.sigma), arb(0), self.motion.omega * t + self.motion.theta
+        for W, i, a, b in self.wave:
+            sine, cosine = (i * phase).sin_cos()
+            z, w = z + a * cosine + b * sine, w + W * (b * cosine - a * sine)
+        return z, w
 
-    def steady(self, t: arb) -> tuple[arb, arb]:
-        """Return the steady response and its slope at local time t; balls without end where there is none."""
-        Y, dY, phase = self.level / self.k2, 0 * t, self.omega * t + self.theta
-        for j, c, s in self.waves:
-            W = j * self.omega
-            a, b = self.k2 - W * W, self.alpha * W
-            size, (sine, cosine) = a * a + b * b, (j * phase).sin_cos()
-            hc, hs = (a * c - b * s) / size, (b * c + a * s) / size
-            Y, dY = Y + hc * cosine + hs * sine, dY + W * (hs * cosine - hc * sine)
-        return Y, dY
+    def seen(self, t: arb, u: arb, v: arb) -> tuple[arb, arb]:
+        """Return distance and velocity of a ball at local time t."""
+        z, w = self.place(t)
+        return self.side * (u - z), self.side * (v - w)
 
-    def force(self, t: arb) -> tuple[arb, arb]:
-        """Return F and dF/dt at local time t."""
-        F, dF, _rest = self.taylor(t, 2)
-        return F, dF
+    def shown(self, t: arb, y: arb, v: arb) -> tuple[float, float]:
+        """Return the state, in doubles, of a ball at a distance and with a velocity relative to the wall."""
+        if not self.wave:
+            u = rounded(self.side * y, self.sigma)
+            return (max(u, self.sigma) if self.side > 0 else min(u, self.sigma)), rounded(self.side * v, 0.0)
+        z, w = self.place(t)
+        return rounded(z + self.side * y, 0.0), rounded(w + self.side * v, 0.0)
 
-
-class Flight:
-    """A free flight from (y, v) at local time t: the ball under a constant force, and at rest under each harmonic."""
-
-    def __init__(self, motion: Motion, t: arb, y: arb, v: arb) -> None:
-        from flint import arb_mat
-
-        self.motion, self.t, self.y, self.v = motion, t, y, v
-        self.near = inf  # height of the lowest point that was no impact
-        self.parts = [(motion.still, arb_mat([[y], [v], [motion.level]]))]
-        for swing, (a, b) in zip(motion.swings, motion.forces(t), strict=True):
-            self.parts.append((swing, arb_mat([[0], [0], [a], [b]])))
-
-    def at(self, s: arb) -> tuple[arb, arb]:
-        """Return (y, v) after time s."""
-        self.motion.count(len(self.parts))
-        y, v = 0 * s, 0 * s
-        for system, start in self.parts:
-            state = (system * s).exp() * start
-            y, v = y + state[0, 0], v + state[1, 0]
-        return y, v
-
-    def aloft(self, lo: arb, hi: arb) -> bool:
-        """Return whether a swinging ball surely stays off the wall: the steady response less the swing around it."""
-        motion = self.motion
-        motion.count(1)
-        (Y, dY), (low, _slope) = motion.steady(self.t), motion.steady(self.t + lo.union(hi))
-        h, dh = self.y - Y, self.v - dY
-        widest = hi if motion.alpha < 0 else lo
-        swing = (h * h + (dh + motion.alpha * h / 2) ** 2 / -motion.q2).sqrt() * (-motion.alpha * widest / 2).exp()
-        clear = low - swing
-        if not clear > 0:
-            return False
-        self.near = min(self.near, float(clear.lower()))
-        return True
-
-
-def crossing(curve: Curve, lo: arb, hi: arb, x: arb) -> arb:
-    """Return a ball around the only point in (lo, hi) where a curve passes from above 0 to below.
-
-    ``curve`` returns value and slope, ``x`` is a first guess. Newton's method kept inside a bracket only guesses;
-    the signs on both sides of the guess prove.
-    """
-    from flint import arb, ctx
-
-    left, right, x = lo.mid(), hi.mid(), x.mid()
-    step = arb(2) ** (16 - ctx.prec)
-    for _ in range(4 * ctx.prec):
-        value, slope = curve(x)
-        if value > 0:
-            left = x
-        elif value < 0:
-            right = x
-        else:
-            break
-        new = (x - value / slope).mid() if slope < 0 else left
-        if not (left < new and new < right):
-            new = ((left + right) / 2).mid()
-        done = abs(new - x) <= step * abs(x)
-        x = new
-        if done:
-            break
-    width = (step * abs(x)).mid()
-    for _ in range(ctx.prec // 4):
-        below, above = x - width, x + width
-        if not (below > lo and above < hi):
-            break
-        if curve(below)[0] > 0 and curve(above)[0] < 0:
-            return below.union(above)
-        width *= 16
-    raise Undecided
-
-
-def turning_phases(forcing: Forcing, level: fmpq) -> list[arb]:
-    """Return the phases phi = omega t + theta in (-pi, pi] at which the force turns round, ``level`` its mean.
-
-    With x = tan(phi/2) the force is a polynomial over a power of 1 + x^2, and all its numbers are rational: its
-    real roots are isolated with their multiplicities. At one of even multiplicity the sign stays. A degree below the
-    full one is a root at phi = pi, where x is infinite.
-    """
-    from flint import arb, fmpq_poly
-
-    full = 2 * len(forcing.cos)
-    circle, turn = fmpq_poly([1, 0, 1]), (fmpq_poly([1, 0, -1]), fmpq_poly([0, 2]))  # (1 + ix)^2 = turn
-    total, cosine, sine = fmpq_poly([level]), fmpq_poly([1]), fmpq_poly([0])
-    for c, s in zip(forcing.cos, forcing.sin, strict=True):
-        cosine, sine = cosine * turn[0] - sine * turn[1], sine * turn[0] + cosine * turn[1]
-        total = total * circle + rational(c) * cosine + rational(s) * sine
-    roots: Any = total.numer().complex_roots()
-    found = [2 * x.real.atan() for x, times in roots if x.imag.is_zero() and times % 2 == 1]
-    return [*found, arb.pi()] if (full - total.degree()) % 2 == 1 else found
-
-
-def windows_of(motion: Motion) -> list[Window]:
-    """Return the windows of the period, F having one sign on each and opposite ones on neighbours.
-
-    A zero at the strobe itself, as of sin t, separates nothing. It is there for theta = 0 only: the tangent of half of
-    any other rational theta is transcendental (Lindemann), and x is not.
-    """
-    if not motion.waves:
-        return [Window(motion.T, sign(motion.level))]
-    ends = []
-    for phase in motion.turns:
-        if phase.is_zero() and motion.theta.is_zero():
-            continue
-        end = (phase - motion.theta) / motion.omega
-        periods = (end / motion.T).floor().unique_fmpz()
-        if periods is None:
-            raise Undecided
-        ends.append(end - periods * motion.T)
-    ends.sort(key=lambda end: end.mid())
-    ends = [0 * motion.T, *ends, motion.T]
-    if not all(lo < hi for lo, hi in pairwise(ends)):
+    def window_at(self, t: arb) -> int:
+        """Return the number of the window in which a local time lies."""
+        for n, window in enumerate(self.windows):
+            if sign(window.end - t) > 0:
+                return n
         raise Undecided
-    i = max(range(len(ends) - 1), key=lambda i: (ends[i + 1] - ends[i]).mid())
-    # double zeros like simple fractions of a window
-    inside = sign(motion.force(ends[i] + ODD * (ends[i + 1] - ends[i]))[0])
-    return [Window(end, inside if (n - i) % 2 == 0 else -inside) for n, end in enumerate(ends[1:])]
 
 
-def pieces(flight: Flight, lo: arb, hi: arb) -> Iterator[tuple[arb, arb]]:
-    """Cut a stretch of flight into pieces on which the lemma holds: under half a turn of the free ball.
+def _pairs(cos: Sequence[float], sin: Sequence[float]) -> list[tuple[fmpq, fmpq]]:
+    return [(rational(c), rational(s)) for c, s in zip(cos, sin, strict=True)]
 
-    What surely stays off the wall is left out.
+
+def first_of(
+    frames: list[Frame], j: int, i: int, t: arb, y: arb, v: arb
+) -> tuple[tuple[arb, arb, int] | None, int, float, Flight]:
+    """Fly from (y, v) at t, as wall j sees it in its window i, to the first impact with any wall.
+
+    Returns time, velocity and window of it, or None; the wall; the height of the narrowest miss; the flight.
+    """
+    frame = frames[j]
+    flight = Flight(frame.motion, t, y, v)
+    found = next_impact(flight, i, frame.windows)
+    if len(frames) == 1 or i == len(frame.windows):
+        return found, j, flight.near, flight
+    other, k = frames[1 - j], 1 - j
+    (z, w), (z_other, w_other) = frame.place(t), other.place(t)
+    across = Flight(other.motion, t, other.side * (z - z_other) - y, other.side * (w - w_other) - v)
+    n = i if frame.motion.k2.is_zero() and not (frame.wave or other.wave) else other.window_at(t)  # the same windows
+    earlier = next_impact(across, n, other.windows, None if found is None else found[0])
+    if earlier is None:
+        return found, j, min(flight.near, across.near), flight
+    again = Flight(frame.motion, t, y, v)  # what was found beyond never comes
+    if next_impact(again, i, frame.windows, earlier[0]) is not None:
+        raise Undecided
+    return earlier, k, min(again.near, across.near), across
+
+
+def started(model: Oscillator | Walled, frames: list[Frame], u: float, v: float) -> tuple[int, arb, arb]:
+    """Return the wall that sees a state at the strobe, and distance and velocity as it sees them.
+
+    That is the first one, but for a ball on the second. Where a wall moves its place is no double: a ball so near to it
+    may lie on it, which is not decided.
     """
     from flint import arb
 
-    motion = flight.motion
-    if sign(motion.q2) >= 0:
-        yield lo, hi
-        return
-    longest = 0.95 * arb.pi() / (-motion.q2).sqrt()
-    todo = [(lo, hi)]
-    while todo:
-        a, b = todo.pop()
-        if b - a < longest:
-            yield a, b
-        elif not flight.aloft(a, b):
-            middle = (a + b) / 2
-            todo += [(middle, b), (a, middle)]
+    zero = arb(0)
+    seen = [frame.seen(zero, arb(u), arb(v)) for frame in frames]
+    for frame, (y, _v) in zip(frames, seen, strict=True):
+        if frame.wave:
+            size = abs(u) + abs(frame.sigma) + sum(abs(float(a)) + abs(float(b)) for _W, _i, a, b in frame.wave)
+            if not y > NEAR * size:
+                raise Beyond
+    j = len(frames) - 1 if seen[-1][0].is_zero() else 0
+    return j, *seen[j]
 
 
-def pressed_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
-    """Return the time of the impact in a piece with F < 0: there is one exactly if the ball would end below."""
-    if sign(flight.at(hi)[0]) > 0:
-        return None
-    guess = (lo + hi) / 2
-    if lo.is_zero() and flight.y.is_zero():  # a hop from the wall: first as long as under a constant force
-        hop = 2 * flight.v / (flight.motion.alpha * flight.v - flight.motion.force(flight.t)[0])
-        guess = hop if hop > lo and hop < hi else guess
-    return crossing(flight.at, lo, hi, guess)
-
-
-def lifted_hit(flight: Flight, lo: arb, hi: arb) -> arb | None:
-    """Return the time of the impact in a piece with F >= 0: there is one exactly if the lowest point is below."""
-    motion = flight.motion
-    swings = sign(motion.q2) < 0
-    spread = abs(motion.q2).sqrt()
-
-    def descent(s: arb) -> tuple[arb, arb]:
-        """Return phi' y/phi - v and its slope; y/phi falls where it is positive."""
-        slope = -motion.alpha / 2 - spread * ((spread * (s - (lo + hi) / 2)).tan() if swings else 1)
-        y, v = flight.at(s)
-        g = v - slope * y
-        return -g, (motion.alpha + slope) * g - motion.force(flight.t + s)[0]
-
-    if descent(lo)[0] <= 0:
-        return None
-    if sign(flight.at(hi)[0]) < 0:
-        return crossing(flight.at, lo, hi, (lo + hi) / 2)
-    if descent(hi)[0] >= 0:
-        return None
-    low = crossing(descent, lo, hi, (lo + hi) / 2)
-    height = flight.at(low)[0]
-    if sign(height) < 0:
-        return crossing(flight.at, lo, low, (lo + low) / 2)
-    flight.near = min(flight.near, float(height))
-    return None
-
-
-def hit(flight: Flight, lo: arb, hi: arb, window: int) -> arb | None:
-    """Return the time of the first impact in a piece of a window, None if there is none."""
-    return pressed_hit(flight, lo, hi) if window < 0 else lifted_hit(flight, lo, hi)
-
-
-def next_impact(flight: Flight, i: int, windows: list[Window]) -> tuple[arb, arb, int] | None:
-    """Return time, velocity and window of the next impact of a flight that starts in window i; None up to T."""
-    lo = 0 * flight.t
-    for n in range(i, len(windows)):
-        hi = windows[n].end - flight.t
-        for a, b in pieces(flight, lo, hi):
-            s = hit(flight, a, b, windows[n].sign)
-            if s is not None:
-                v = flight.at(s)[1]
-                if not v < 0:
-                    raise Undecided
-                return flight.t + s, v, n
-        lo = hi
-    return None
-
-
-def hop_bounds(m: arb, M: arb, w: arb, motion: Motion) -> tuple[arb, arb]:
-    """Return the bounds of :func:`grazing.oscillator.contact.hop_bounds` in balls."""
-    if not (motion.alpha < 0 or motion.k2 < 0):
-        return m, (M / m).sqrt()
-    a, b = (-motion.alpha).max(0 * w), (-motion.k2).max(0 * w)
-    rest = m - a * w
-    room = rest * rest - 2 * b * w * w
-    if not (rest > 0 and room >= 0):
-        return 0 * m, 0 * m
-    n = (rest + room.sqrt()) / 2
-    lift = a * w / n / 2
-    return n, lift + (lift * lift + M / n).sqrt()
-
-
-def chatter_completes(t: arb, w: arb, end: arb, ratio: float, speed: float, motion: Motion) -> bool:
-    """Return whether a ball that leaves the wall at t with w > 0 surely rests before ``end``, F < 0 up to there.
-
-    The bound of :func:`grazing.oscillator.contact.chatter_completes`, in balls.
-    """
-    F, _dF = motion.force(t)
-    if not (0.0 < ratio < 1.0 and F < 0):
-        return False
-    bend = 2 * abs(motion.taylor(t, 2)[2])
-    e = 4 * w / (-F * (1 - ratio))
-    while t + e < end:
-        Fe, _dFe = motion.force(t + e)
-        slack = bend * e * e / 8
-        m, M = (-F).min(-Fe) - slack, (-F).max(-Fe) + slack
-        if m > 0:
-            m, grown = hop_bounds(m, M, w, motion)
-            if m > 0 and ratio * grown < 1 and grown * w <= speed and 2 * w <= e * m * (1 - ratio * grown):
-                return True
-        e = (2 * e).mid()
-    return False
-
-
-class Wall:
-    """The contact rule of one model at the working precision."""
-
-    def __init__(self, motion: Motion, windows: list[Window], reset: Reset, params: dict[str, float]) -> None:
-        kind = parameter_tuple(tuple(params))
-        self.motion, self.windows, self.reset = motion, windows, reset
-        self.p = kind(*(Sure(x) for x in params.values()))
-        self.constants = kind(*(Slope(x, 0) for x in params.values()))
-        self.ratio, self.speed = contraction_at(reset, kind(*params.values()))
-
-    def answer(self, v: arb) -> arb | None:
-        """Return the velocity after an impact, None if the law breaks its promise."""
-        try:
-            w = self.reset.law(Sure(v), self.p)
-            if isinstance(w, float) and not isfinite(w):
-                return None
-            ball = Sure(w).ball
-        except Undecided:
-            raise
-        except Exception as error:  # the law is not ours: whatever it raises, it does not take balls
-            raise Beyond from error
-        return ball if sign(ball) >= 0 else None
-
-    def contraction(self, w: arb) -> tuple[float, float]:
-        """Return (ratio, speed) of the law near zero speed: as it is declared, else as it is proven for speeds up to w.
-
-        With g(0) = 0 and |g'| <= ratio on [-speed, 0] the law gives at most ratio |v| there. (1, 0) if that is not so.
-        """
-        if self.speed > 0.0:
-            return self.ratio, self.speed
-        top = float(w.upper())
-        if not top < FASTEST:
-            raise Beyond
-        speed = 2.0 ** (floor(log2(top)) + 2) if top > 0.0 else 0.0
-        try:
-            still = Sure(self.reset.law(Sure(0), self.p)).ball
-            steep = Slope.of(self.reset.law(Slope(arb_between(-speed, 0.0), 1), self.constants)).slope
-        except Exception:  # it takes no slopes, or has none there: nothing is known
-            return 1.0, 0.0
-        ratio = nextafter(float(abs(steep).upper()), inf)
-        return (ratio, speed) if still.is_zero() and ratio < 1.0 else (1.0, 0.0)
-
-    def leave(self, t: arb, v: arb, i: int) -> tuple[arb, arb, int, int]:
-        """Return time, velocity and window after a contact with v <= 0 in window i, and the bits of the outcome.
-
-        A ball that lies up to T leaves in the window after the last.
-        """
-        window = self.windows[i]
-        pressed = window.sign < 0
-        if v.is_zero() and not pressed:
-            return t, v, i, OK
-        w = self.answer(v)
-        if w is not None and w.is_zero() and pressed:
-            w = self.answer(0 * t)
-        if w is None:
-            return t, v, i, BAD_LAW
-        if not pressed:
-            return t, w, i, OK
-        flags = STUCK
-        if not w.is_zero():
-            ratio, speed = self.contraction(w)
-            if not chatter_completes(t, w, window.end, ratio, speed, self.motion):
-                if self.speed <= 0.0 and w < SHORT * self.motion.T * abs(self.motion.force(t)[0]):
-                    raise Beyond  # hops without an end in sight
-                return t, w, i, OK
-            flags |= CHATTER
-        return window.end, 0 * t, i + 1, flags
-
-
-def rounded(x: arb, origin: float) -> float:
-    """Return origin + x as a float, or raise Undecided if x is not known well enough to be rounded."""
-    from flint import arb
-
-    if x.rel_accuracy_bits() < GOOD and not x.is_zero():
-        if not abs(x) < arb(2) ** -TINY:
-            raise Undecided
-        return origin
-    total = float(x + arb(origin))
-    if not isfinite(total):
-        raise Beyond
-    return total
-
-
-def followed(model: Oscillator, phase: float, u: float, v: float) -> Period:
+def followed(model: Oscillator | Walled, phase: float, u: float, v: float) -> Period:
     """Return the period at the working precision, or raise Undecided or Beyond."""
     from flint import arb
 
-    motion = Motion(model, phase)
-    windows = windows_of(motion)
-    wall = Wall(motion, windows, model.reset, {**model.params, "phase": phase})
-    t, height, speed, i = arb(0), arb(u) - arb(model.sigma), arb(v), 0
-    impacts, outcome, near, slow = 0, OK, inf, inf
-    contact = u == model.sigma and v <= 0.0
+    frames = [Frame(model, j, phase) for j in range(1 if isinstance(model, Oscillator) else len(model.walls))]
+    j, y, speed = started(model, frames, u, v)
+    t, i, T = arb(0), 0, frames[0].motion.T
+    patience: arb | float = inf
+    if (
+        isinstance(model, Walled) and len(frames) > 1
+    ):  # a hop that begins no faster rises to less than half the room in a period
+        patience = arb(0.4999 * float(model.rooms(np.array([list(model.params.values())]))[0])) / T
+    walls: list[int] = []
+    outcome, near, slow, rest = OK, inf, inf, 0
+    contact = y.is_zero() and speed <= 0
     while True:
         if contact:
             arrived = speed
-            t, speed, i, flags = wall.leave(t, speed, i)
+            t, speed, i, flags = frames[j].rule.leave(t, speed, i, patience)
             outcome |= flags
             if flags & BAD_LAW:
-                return Period((nan, nan), impacts, False, outcome, near, slow)
+                return Period((nan, nan), tuple(walls), False, outcome, near, slow, rest)
             if arrived < 0 or speed > 0:
-                impacts, slow = impacts + 1, min(slow, float(-arrived))
-            if i == len(windows):
-                return Period((model.sigma, 0.0), impacts, impacts == 0, outcome, near, slow)
-        flight = Flight(motion, t, height, speed)
-        found = next_impact(flight, i, windows)
-        near = min(near, flight.near)
+                walls.append(j)
+                slow = min(slow, float(-arrived))
+            rest = j if flags & CHATTER else rest
+            if i == len(frames[j].windows):
+                lay = not walls
+                state = frames[j].shown(T, 0 * t, 0 * t)
+                return Period(state, tuple(walls), lay, outcome, near, slow, j if lay else rest)
+        found, j, low, flight = first_of(frames, j, i, t, y, speed)
+        near = min(near, low)
         if found is None:
-            y, w = (rounded(x, origin) for x, origin in zip(flight.at(motion.T - t), (model.sigma, 0.0), strict=True))
-            return Period((max(y, model.sigma), w), impacts, False, outcome, near, slow)
+            state = frames[j].shown(T, *flight.at(T - t))
+            return Period(state, tuple(walls), False, outcome, near, slow, rest)
         t, speed, i = found
-        height, contact = arb(0), True
+        y, contact = arb(0), True
 
 
-def exact_period(model: Oscillator, state: tuple[float, float], phase: float = 0.0) -> Period | None:
+def exact_period(model: Oscillator | Walled, state: tuple[float, float], phase: float = 0.0) -> Period | None:
     """Advance the oscillator by one period of its forcing, with every decision proved in ball arithmetic.
 
     Parameters
     ----------
     model : Oscillator
-        Its parameters are taken as exact.
+        Over one wall or between several. Its parameters are taken as exact.
     state : tuple of float
-        (u, v) at time ``phase``, u >= sigma; taken as exact.
+        (u, v) at time ``phase``, not inside a wall; taken as exact.
     phase : float
         Time of the section, as in :func:`grazing.stroboscopic_map`.
 
@@ -685,8 +218,9 @@ def exact_period(model: Oscillator, state: tuple[float, float], phase: float = 0
     -------
     Period or None
         What double precision would return if it could decide; the state is the true one, rounded. Never *graze*
-        or *ambiguous*. None if 1024 bits do not decide, as in an exact tie; if the work exceeds a fixed budget; if the
-        reset law is not arithmetic, comparisons and ``abs`` on its arguments; or if the state is not allowed.
+        or *ambiguous*. None if 1024 bits do not decide, as in an exact tie; if the work exceeds a fixed budget; if a
+        reset law is not arithmetic, comparisons and ``abs`` on its arguments; if the ball lies on a moving wall at the
+        beginning, whose place no double is; or if the state is not allowed.
 
     Examples
     --------
@@ -697,7 +231,7 @@ def exact_period(model: Oscillator, state: tuple[float, float], phase: float = 0
     from flint import ctx
 
     u, v = (float(x) for x in state)
-    if not (isfinite(u) and isfinite(v) and u >= model.sigma):
+    if not (isfinite(u) and isfinite(v)) or _inside(model, u):
         return None
     for bits in PRECISIONS:
         try:
@@ -708,3 +242,10 @@ def exact_period(model: Oscillator, state: tuple[float, float], phase: float = 0
         except Beyond:
             return None
     return None
+
+
+def _inside(model: Oscillator | Walled, u: float) -> bool:
+    """Say whether a state is inside a wall at rest; those that move are asked in balls."""
+    if isinstance(model, Oscillator):
+        return not u >= model.sigma
+    return any(one.motion is None and one.sign * (u - one.position) < 0.0 for one in model.walls)

@@ -144,13 +144,14 @@ def chosen_groups(names: tuple[str, ...]) -> Iterator[tuple[str, Callable[[Run],
 
 def drawn(place: Path, name: str, data: Future[Any], size: str) -> list[str]:
     """Draw a figure and write it as PNG and PDF."""
-    from grazing.plot.style import rendered
+    from grazing.plot.style import rendered, styled
 
     module = module_of(name)
     parameters = getattr(module, "PARAMETERS", {})
     fig = module.draw(data.result())
-    fig.draw_without_rendering()
-    fig.set_layout_engine("none")  # laid out once: both files look the same
+    fig.get_layout_engine().execute(fig)
+    with styled():
+        fig.set_layout_engine(None)  # laid out once: both files look the same, and are drawn once each
     origin = {"figure": name, "parameters": parameters, "size": size, "seed": 0}
     return [
         write(place / f"figure-{name}.{kind}", rendered(fig, kind, f"Figure {name}: {module.TITLE}", origin)).name

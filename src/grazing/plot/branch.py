@@ -197,11 +197,13 @@ def marked(
     span = float(np.ptp(places)) if places.size else 0.0
     span = span or 1.0
     seen: set[tuple[str, int]] = set()
+    walls = table["special_wall"].values.astype(str) if "special_wall" in table else np.full(places.size, "")
     for i, kind in enumerate(table["special_type"].values.astype(str).tolist()):
         if not virtual and not table["special_admissible"].values[i]:
             continue
         x, y = float(table["special_value"].values[i]), float(table[f"special_{coordinate}"].values[i])
-        place = kind, round(1e4 * x / span)
+        name = f"{kind} {walls[i]}".strip()  # a graze of wall A is no graze of wall B
+        place = name, round(1e4 * x / span)
         shape, filled = MARKERS[kind]
         colour = shade_of(word_at(table, i), int(table["special_period"].values[i]), shades)
         (artist,) = ax.plot(
@@ -211,7 +213,7 @@ def marked(
         if names and place not in seen:  # where several branches meet one name is enough
             seen.add(place)
             text = ax.annotate(
-                kind, (x, y), xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=6
+                name, (x, y), xytext=(3.0, 3.0), textcoords="offset points", fontsize=6.5, color=INK, zorder=6
             )
         artists.append((artist, text))
     return artists

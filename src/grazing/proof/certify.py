@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grazing.copies import ByValue
+from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import model_of, numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.pool import LOCK
 from grazing.proof.clearance import check_impacts, cleared_flight
@@ -38,10 +39,12 @@ from grazing.proof.report import (
     stability_rows,
 )
 from grazing.proof.seen import Dual, Seen, alone
+from grazing.proof.table import prove_bounces
 from grazing.proof.text import below, enclosed, exact_text, short, write_certificate
 from grazing_checker.check import trusted_base
 from grazing_checker.envelope import seal
 from grazing_checker.sentence import active_harmonics, orbit_sentence, signature
+from grazing_checker.table import table_sentence
 
 if TYPE_CHECKING:
     from flint import arb
@@ -50,6 +53,9 @@ if TYPE_CHECKING:
 PRECISIONS = (256, 512, 1024)
 #: Half-widths of the box of uniqueness, as powers of two of the natural scales, and the contraction rate asked for.
 WIDEST, NARROWEST, RATE = -3, -90, 0.5
+UNDECIDED = (
+    "stability is not decided: a multiplier is on the unit circle or too close to it, as where energy is conserved"
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,14 +119,15 @@ class Certificate(ByValue):
 
 
 def certify(orbit: Orbit) -> Certificate | GapProof:
-    """Prove that a periodic orbit of the oscillator or the gap map exists, is admissible, and is stable or unstable.
+    """Prove that a periodic orbit exists, is admissible, and is stable or unstable.
 
     Parameters
     ----------
     orbit : Orbit
         Of the oscillator, over one wall or between walls, which may move: any number of impacts, none included, in any
         number of periods. Its times and velocities are a guess only. An orbit of the gap map is proven by
-        :func:`grazing.proof.gap.certify_gap_orbit`.
+        :func:`grazing.proof.gap.certify_gap_orbit`. An orbit of a ball on a table is proven in the places of its
+        impacts and the times between them.
 
     Returns
     -------
@@ -132,7 +139,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     Raises
     ------
     InputError
-        For anything but an orbit of the oscillator or the gap map.
+        For anything but an orbit of the oscillator, the gap map or a table.
 
     Notes
     -----
@@ -156,6 +163,8 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     """
     if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return certify_gap_orbit(orbit)
+    if isinstance(orbit, BounceOrbit):
+        return _on_table(orbit)
     orbit = with_impacts(orbit)
     n, N = orbit.impacts, orbit.period
     name = f"periodic orbit {signature(n, N)}"
@@ -171,6 +180,20 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     statement = orbit_sentence(data)
     document = seal(kind, statement, trusted_base(kind), data, inequalities)
     missing = "" if stability != "undecided" else _undecided_stability(data)
+    said = "proven, stability undecided" if missing else f"proven {stability}"
+    return Certificate(True, statement, missing, document, f"{name}, {said}")
+
+
+def _on_table(orbit: BounceOrbit) -> Certificate:
+    """Return the certificate of an orbit on a table."""
+    kind, name = "periodic orbit on a table", f"periodic orbit {orbit.word} on a table"
+    try:
+        data, inequalities = prove_bounces(orbit)
+    except NotProven as error:
+        return not_proven(name, error)
+    statement, stability = table_sentence(data), data["claims"]["stability"]
+    document = seal(kind, statement, trusted_base(kind), data, inequalities)
+    missing = "" if stability != "undecided" else UNDECIDED
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")
 

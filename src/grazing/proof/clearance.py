@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import Flow
 from grazing.proof.reasons import NotProven, Stage, Virtual

@@ -11,8 +11,8 @@ from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import impact_equations
-from grazing.oscillator.exact import Undecided
 from grazing.oscillator.model import Oscillator
+from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
 from grazing.proof.certify import (

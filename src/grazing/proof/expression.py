@@ -187,7 +187,7 @@ def expression(
             raise NotAnExpression(f"it has more than {PATHS} paths")
         run = Run(decisions)
         try:
-            after = law(run.symbol("v"), parameter_tuple(names)(*(run.symbol(name) for name in names)))
+            after = law(run.symbol("v"), parameter_tuple(names)(*(tuple(run.symbol(name) for name in names) or (0.0,))))
         except _Fork as fork:
             yes, no = (followed((*decisions, (fork.condition, held))) for held in (True, False))
             return ["if", fork.condition, yes, no]
@@ -253,7 +253,7 @@ def _compare(
     sizes += [abs(v) * (1.0 + late) for v in speeds for late in near]
     changed = [dict(params), *({**params, name: x * 1.0009765625} for name, x in params.items())]
     for at in changed:
-        p = parameter_tuple(names)(*(at.get(name, 0.5) for name in names))
+        p = parameter_tuple(names)(*(tuple(at.get(name, 0.5) for name in names) or (0.0,)))
         for v in (-size for size in sizes if size > 0.0):
             one, two = (_outcome(call) for call in (lambda: law(v, p), lambda: in_doubles(tree, {**at, "v": v})))  # noqa: B023
             if one != two:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.flow import TooLong
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 from grazing_checker.law import Jet, evaluate
 from grazing_checker.reading import Rejected
 

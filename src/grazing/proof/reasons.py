@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grazing.oscillator.exact import Undecided
+from grazing.oscillator.sure import Undecided
 
 
 class NotProven(Exception):

@@ -30,14 +30,34 @@ def _refuse_system(model: Any, what: str) -> None:
         )
 
 
+def _since(record: xr.Dataset, start: float, until: float, since: float | None) -> xr.Dataset:
+    """Return a motion, what was before ``since`` left out."""
+    if since is None:
+        return record
+    first = real(since, "since", "any time of the motion is allowed")
+    if not start <= first < until:
+        raise InputError(f"since = {first:g}; allowed is start = {start:g} <= since < until = {until:g}")
+    kept: dict[str, Any] = {"t": record["t"].values >= first, "impact": record["impact_time"].values >= first}
+    if "rest_time" in record:
+        kept["rest"] = record["rest_time"].values[:, 1] >= first
+    return record.isel(kept)
+
+
 def history(
-    model: Oscillator, state: ArrayLike, start: float = 0.0, until: float = 50.0, samples: int = 200, of: str = "u"
+    model: Oscillator,
+    state: ArrayLike,
+    start: float = 0.0,
+    until: float = 50.0,
+    since: float | None = None,
+    samples: int = 200,
+    of: str = "u",
 ) -> xr.Dataset:
-    """Return a trajectory whose figure is its history: position or velocity over time."""
+    """Return a trajectory, what was before ``since`` left out, whose figure is position or velocity over time."""
     _refuse_system(model, "there is a history")
     if of not in OF:
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
-    return trajectory(model, state, start, until, samples).assign_attrs(history_of=of)
+    motion = trajectory(model, state, start, until, samples).assign_attrs(history_of=of)
+    return _since(motion, start, until, since)
 
 
 def sampled(
@@ -51,13 +71,7 @@ def sampled(
     """Return a motion at equal times, what was before ``since`` left out."""
     _refuse_system(model, "there are samples and spectra")
     recorded = sample(trajectory(model, state, start, until), USUAL / model.period if rate is None else rate)
-    if since is None:
-        return recorded
-    first = real(since, "since", "any time of the motion is allowed")
-    if not start <= first < until:
-        raise InputError(f"since = {first:g}; allowed is start = {start:g} <= since < until = {until:g}")
-    kept: dict[str, Any] = {"t": recorded["t"].values >= first, "impact": recorded["impact_time"].values >= first}
-    return recorded.isel(kept)
+    return _since(recorded, start, until, since)
 
 
 def spectrum_of(

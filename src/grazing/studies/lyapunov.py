@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,9 +28,14 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions of the result, which a parameter must not have.
-TAKEN = ("start", "index", "exponent", "exponent_per_time", "return_time", "period", "word", "outcome", "trust")
+TAKEN = (
+    "start", "index", "exponent", "exponent_error", "exponent_per_time", "return_time", "period", "word", "outcome",
+    "trust",
+)  # fmt: skip
 #: Steps in which the frame of deviations turns into place before anything is summed.
 WARM = 64
+#: Batches whose means tell the statistical error of an exponent.
+BATCHES = 20
 #: Eigenvalues that are equal but for so many units of rounding are equal.
 ROUNDING = 32 * np.finfo(float).eps
 #: A step with its derivative takes about so many times as long as one without.
@@ -73,13 +79,16 @@ def lyapunov(
     -------
     xarray.Dataset
         ``exponent`` on (name, "start", "index"), per step of the map, the greatest first: minus infinity through
-        completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze). For a map of a
-        model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name, "start"): ``period``,
-        ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
+        completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze).
+        ``exponent_error``, its standard error: 0 for an orbit with a period; else that of the mean of 20 batches of
+        the steps, which holds as far as an orbit forgets within a batch, and not a number beside what is not finite.
+        For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
+        "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
 
     References
     ----------
-    Saltation: Mueller, Chaos, Solitons and Fractals 5 (1995) 1671-1681.
+    Saltation: Mueller, Chaos, Solitons and Fractals 5 (1995) 1671-1681. Batch means: Fishman, Management Science 24
+    (1978) 510-521.
 
     Examples
     --------
@@ -132,7 +141,7 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
     settled = settled_columns(P, rows, found)
     arrays["period"][...], arrays["word"][...] = settled.period, settled.words
     arrays["trust"][...], arrays["outcome"][...] = settled.trust, found.outcomes[:, 0]
-    arrays["exponent"][...] = np.nan
+    arrays["exponent"][...], arrays["exponent_error"][...] = np.nan, np.nan
     if P.origin.clock is not None:
         arrays["return_time"][...] = np.nan
     for part in (settled.period > 0, (settled.period <= 0) & (settled.period != ENDED)):
@@ -147,7 +156,11 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
     both = ("start", "index")
-    found = {"exponent": Variable(both, "float64", {"long_name": "Lyapunov exponent per step", "units": "1"})}
+    per_step = "Lyapunov exponent per step"
+    found = {
+        "exponent": Variable(both, "float64", {"long_name": per_step, "units": "1"}),
+        "exponent_error": Variable(both, "float64", {"long_name": f"standard error of the {per_step}", "units": "1"}),
+    }
     if P.origin.clock is not None:
         time = labels.units(P, "t")
         found["exponent_per_time"] = Variable(
@@ -171,13 +184,14 @@ def _measure(
     """Measure the exponents of single orbits, of given periods or none, and write them to their part of the arrays."""
     if periods is not None:
         exponent, first, last, letters = of_cycles(P, rows, states, seen, periods)
+        error = np.where(np.isnan(exponent), np.nan, 0.0)
         many = periods.astype(np.float64)
         yield
     else:
-        exponent, first, last, letters, outcomes = yield from of_orbits(P, rows, states, steps)
+        exponent, error, first, last, letters, outcomes = yield from of_orbits(P, rows, states, steps)
         arrays["outcome"][part] |= outcomes
         many = np.full(len(states), float(steps))
-    arrays["exponent"][part] = exponent
+    arrays["exponent"][part], arrays["exponent_error"][part] = exponent, error
     if P.origin.clock is not None:
         for n in np.unique(many):
             here = many == n
@@ -236,7 +250,10 @@ def completed(exponents: Floats, total: Floats) -> Floats:
 
 
 def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
-    """Measure the exponents of orbits; an iterator that returns exponents, first and last states, letters, outcomes."""
+    """Measure the exponents of orbits.
+
+    An iterator that returns exponents, their errors, first and last states, letters, outcomes.
+    """
     n, d = states.shape
     derived, who = P.derivative(rows), f"the step of {P.name}"
     entry = stretcher(derived.tangent, derived.prepare, derived.kind, d)
@@ -248,8 +265,37 @@ def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     call(entry, rows, unit, lanes, WARM, *found, who=who)
     first, tile = lanes[:, :, 0].copy(), max(1, TILE // n)
     sums[np.isfinite(sums)], sides[...], areas[np.isfinite(areas)], letters[...] = 0.0, 1.0, 0.0, 0
-    for done in range(0, steps, tile):
-        call(entry, rows, unit, lanes, min(tile, steps - done), *found, who=who)
-        yield
-    exponents = completed((sums + np.log(sides))[:, 0], areas[:, 0]) / steps
-    return exponents, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]
+    ends = np.unique(np.linspace(0, steps, BATCHES + 1).astype(np.int64))
+    grown, total = np.zeros((len(ends), n, d)), np.zeros((len(ends), n))
+    for i, (begin, end) in enumerate(pairwise(ends.tolist()), start=1):
+        for done in range(begin, end, tile):
+            call(entry, rows, unit, lanes, min(tile, end - done), *found, who=who)
+            yield
+        grown[i], total[i] = (sums + np.log(sides))[:, 0], areas[:, 0]
+    exponents, errors = completed(grown[-1], total[-1]) / steps, errors_of(grown, total, ends)
+    return exponents, errors, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]
+
+
+def errors_of(grown: Floats, total: Floats, ends: Ints) -> Floats:
+    """Return the standard errors (n, dim) of exponents, the greatest first, from the means of batches of steps.
+
+    Parameters
+    ----------
+    grown : ndarray, shape (batches + 1, n, dim)
+        Sums of logarithms after so many batches.
+    total : ndarray, shape (batches + 1, n)
+        Logarithms of determinants, not a number where they are not known.
+    ends : ndarray of int, shape (batches + 1,)
+        Steps until then.
+    """
+    order = np.argsort(-grown[-1], axis=1, kind="stable")
+    with np.errstate(invalid="ignore"):  # of what is infinite
+        growth, area = np.take_along_axis(np.diff(grown, axis=0), order[None], axis=2), np.diff(total, axis=0)
+        growth[..., -1] = np.where(np.isnan(area), growth[..., -1], area - growth[..., :-1].sum(axis=2))
+        means, many = growth / np.diff(ends)[:, None, None], len(ends) - 1
+        if many < 2:
+            return np.full(means.shape[1:], np.nan)
+        middle = (
+            sum(means) / many
+        )  # one after the other: NumPy sums in an order that depends on how many orbits there are
+        return np.asarray(np.sqrt(sum((one - middle) ** 2 for one in means) / (many * (many - 1))))

@@ -26,7 +26,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 #: Names of variables and dimensions, which neither the parameter nor a coordinate may have.
-TAKEN = ("start", "n", "letter", "period", "word", "outcome", "trust", "near_miss", "slowest", "undecided", "outside")
+TAKEN = (
+    "start", "n", "letter", "period", "word", "outcome", "trust", "drift", "near_miss", "slowest", "undecided",
+    "outside",
+)  # fmt: skip
 #: How near each orbit came to being another one, see :class:`grazing.maps.columns.Columns`.
 NEARNESS = ("near_miss", "slowest", "undecided")
 #: Ways to begin at a value where the orbits of its neighbour ended.
@@ -85,7 +88,9 @@ def orbit_diagram(
         On the dimensions (name, "start", "n"): one variable per coordinate, and ``letter``, of the step to the
         point. On (name, "start"): ``period`` (0 undecided, -1 aperiodic as far as seen, -2 ended), ``word`` (text),
         ``outcome`` (bits of :class:`grazing.Outcome`, transient included) and ``trust`` (0 certified, 1 numerical,
-        2 ambiguous); ``near_miss``, ``slowest`` and ``undecided``, see :class:`grazing.maps.columns.Columns`. Periods
+        2 ambiguous); ``drift``, by how much an orbit with a period moves in one, in sides of the map's box: beside a
+        bifurcation it is still on its way to the cycle that its period and word tell of, and a longer ``transient``
+        takes it there; ``near_miss``, ``slowest`` and ``undecided``, see :class:`grazing.maps.columns.Columns`. Periods
         up to keep/2 can be seen; the rule is in :mod:`grazing.studies.classify`.
 
     Raises
@@ -164,6 +169,7 @@ def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
     both, nearness = ("start", "n"), labels.nearness_attributes(P)
+    drift = {"long_name": "change of the last point in the last period, in sides of the box", "units": "1"}
     points = {name: Variable(both, "float64", labels.quantity(P, name)) for name in P.coordinates}
     return points | {
         "letter": Variable(both, "int32", labels.letter_attributes(P)),
@@ -171,6 +177,7 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
         "word": Variable(("start",), "text", labels.word_attributes(), labels.longest_word(keep // 2, P.letters)),
         "outcome": Variable(("start",), "int32", labels.outcome_attributes()),
         "trust": Variable(("start",), "int8", labels.trust_attributes()),
+        "drift": Variable(("start",), "float64", drift),
         "near_miss": Variable(("start",), "float64", nearness["near_miss"]),
         "slowest": Variable(("start",), "float64", nearness["slowest"]),
         "undecided": Variable(("start",), "int32", nearness["undecided"]),
@@ -192,8 +199,22 @@ def _fill(runs: Runs, cells: Ints, arrays: Arrays, part: slice, states: Floats |
     settled = settled_columns(runs.P, runs.rows(cells), found)
     arrays["period"][part], arrays["trust"][part] = settled.period, settled.trust
     arrays["word"][part] = settled.words
+    arrays["drift"][part] = drift_of(found.points, settled.period, runs.boxes(cells))
     for name in NEARNESS:
         arrays[name][part] = getattr(found, name)
+
+
+def drift_of(points: Floats, period: NDArray[np.int32], boxes: Floats) -> Floats:
+    """Return how far last points are from those a period earlier, in sides of the box; not a number without a period.
+
+    ``points`` (columns, keep, dim, starts), ``period`` (columns, starts), ``boxes`` (columns, dim, 2) where starts lie:
+    that of the map depends on values that vary, which a recipe does not keep.
+    """
+    known = period > 0
+    before = points.shape[1] - 1 - np.where(known, period, 0)
+    change = points[:, -1] - np.take_along_axis(points, before[:, None, None], axis=1)[:, 0]
+    sides = boxes[:, :, 1] - boxes[:, :, 0]
+    return np.where(known, np.abs(change / sides[:, :, None]).max(axis=1), np.nan)
 
 
 def turned(values: Any, i: int, out: Any) -> None:

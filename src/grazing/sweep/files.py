@@ -20,6 +20,8 @@ Print = tuple[int, str]
 PARTIAL = re.compile(r"(?P<name>.+)\.[0-9a-f]{32}\.partial")
 #: What documents of any form raise when they are read as those of a store.
 MISFIT = (ValueError, TypeError, KeyError, AttributeError, IndexError, RecursionError, OverflowError)
+#: How often a folder is removed in which names go away in the meantime.
+TRIES = 100
 #: Bytes of a file of metadata beyond which it is none: JSON takes twenty times as much in memory.
 LONGEST = 2**24
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
@@ -188,13 +190,15 @@ class Place:
             return None
 
     def remove(self, name: str) -> None:
-        """Remove whatever has a name; nothing behind a link."""
-        known = self.look(name)
-        if known is not None and stat.S_ISDIR(known.st_mode):
-            shutil.rmtree(self.called(name), dir_fd=self.handle)
-        elif known is not None:
+        """Remove whatever has a name; nothing behind a link. Another process may be removing it, or what is in it."""
+        for _again in range(TRIES):
+            known = self.look(name)
             with suppress(FileNotFoundError):
-                os.unlink(self.called(name), dir_fd=self.handle)
+                if known is not None and stat.S_ISDIR(known.st_mode):
+                    shutil.rmtree(self.called(name), dir_fd=self.handle)
+                elif known is not None:
+                    os.unlink(self.called(name), dir_fd=self.handle)
+                return
 
 
 @contextmanager
@@ -229,10 +233,7 @@ def remove_file(root: Path, key: str) -> None:
         If it cannot be removed, or if there is a link in the way.
     """
     with suppress(FileNotFoundError), _opened(root, key) as (where, name):
-        if stat.S_ISDIR(os.lstat(name, dir_fd=where).st_mode):
-            shutil.rmtree(name, dir_fd=where)
-        else:
-            os.unlink(name, dir_fd=where)
+        Place((root / key).parent, where).remove(name)
 
 
 @contextmanager

@@ -242,7 +242,8 @@ def _complete(
 
         if executor is not None:
             run_on_executor(plan, store, numbers, executor, finished, other_code)
-            store.remove_partials(numbers)  # of workers that were killed, whose chunks others have written
+            with said(store.path):
+                store.remove_partials(numbers)  # of workers that were killed, whose chunks others have written
         else:
             run_tasks([partial(chunk_task, plan, store, number) for number in numbers], workers, finished)
         store.seal_if_complete()

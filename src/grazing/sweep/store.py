@@ -417,8 +417,6 @@ def _json(path: Path, file: str) -> tuple[dict[str, Any], bytes]:
         record = json.loads(raw)
         if not isinstance(record, dict):
             raise ValueError("it is no metadata of Zarr")
-    except PermissionError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
     except (OSError, ValueError, RecursionError) as error:
         raise damaged(path, file, error) from error
     return record, raw
@@ -485,6 +483,8 @@ def _refuse_misfit(spec: Spec, name: str, layout: Layout) -> None:
 
 def damaged(path: Path, file: str, error: object) -> InputError:
     """Return what to say of a store with a file that cannot be used."""
+    if isinstance(error, PermissionError):
+        return InputError(f"{path} cannot be read: {error.strerror or error} ({file})")
     return InputError(
         f"{path} is damaged: {file} cannot be used ({in_one_line(error)}). "
         f"Put that file back from a copy, or let sweep.verify(..., repair=True) (grazing sweep verify --repair) do it"

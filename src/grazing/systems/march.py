@@ -157,8 +157,8 @@ def march_of(*parts: Any) -> Callable[..., Any]:
     """Return ``march(t0, state, end, left, p) -> (surface, t, flags, broken)``: the first contact after t0, up to end.
 
     ``left`` is the surface that was just left, which it touches at t0, -1 for none, or :data:`WHICHEVER`, as a float: a
-    literal would be a type of its own. ``surface`` is -1 for no contact up to and with ``end``, ``flags`` are bits of an
-    outcome, ``broken`` says what is wrong with a user's functions, or is 0.
+    literal would be a type of its own. ``surface`` is -1 for no contact up to and with ``end``, ``flags`` are bits of
+    an outcome, ``broken`` says what is wrong with a user's functions, or is 0.
     """
     flight, gap, bound, _law, rounding = kernels_of(*parts)
     n = (len(parts) - 3) // 4

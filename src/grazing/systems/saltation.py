@@ -5,8 +5,8 @@ state just before an impact becomes, just after it and at the same time,
 
     S = L_x + (f_plus - L_x f_minus - L_t) h_x / h'
 
-with the flows f before and after, and the impact comes later by -h_x / h' times the change. All are derivatives of closed
-forms, taken by five-point differences: good to about eleven digits, in any unit.
+with the flows f before and after, and the impact comes later by -h_x / h' times the change. All are derivatives of
+closed forms, taken by five-point differences: good to about eleven digits, in any unit.
 """
 
 from __future__ import annotations

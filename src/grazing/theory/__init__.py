@@ -7,11 +7,13 @@ lam and l other than 0 < lam < 1 and l >= 0, are solved exactly by the ``word_``
 
 from grazing.theory.asymptotics import mu_bc_leading, mu_pd_leading, width_ratio
 from grazing.theory.changes import WordEdges, WordWindow, word_edges, word_windows
+from grazing.theory.cycles import Cycle, CycleExpansion, cycle_expansion
 from grazing.theory.doubled import doubled_interval, doubled_multiplier, doubled_orbit
 from grazing.theory.edges import geometric_sum, mu_bc, mu_gr, mu_pd
 from grazing.theory.interval import Interval
 from grazing.theory.maximal import maximal_orbit, multiplier
 from grazing.theory.regimes import Regime, lam_exist, lam_overlap, last_window, regime, robust_chaos
+from grazing.theory.three_discs import three_disc_cycles
 from grazing.theory.thresholds import WorstWindow, l_all, l_coexist, l_exist
 from grazing.theory.trapping import trapping_interval
 from grazing.theory.windows import (
@@ -25,6 +27,8 @@ from grazing.theory.windows import (
 from grazing.theory.words import WordOrbit, word_orbits
 
 __all__ = [
+    "Cycle",
+    "CycleExpansion",
     "Interval",
     "Regime",
     "Window",
@@ -32,6 +36,7 @@ __all__ = [
     "WordOrbit",
     "WordWindow",
     "WorstWindow",
+    "cycle_expansion",
     "doubled_interval",
     "doubled_multiplier",
     "doubled_orbit",
@@ -54,6 +59,7 @@ __all__ = [
     "regime",
     "robust_chaos",
     "stability_interval",
+    "three_disc_cycles",
     "trapping_interval",
     "width_ratio",
     "window",

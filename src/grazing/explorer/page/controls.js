@@ -1,11 +1,11 @@
 // @ts-check
 /** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
-import { refusal } from "./state.js";
+import { refusal, tidy } from "./state.js";
 
 /** @typedef {import("./machine.js").Field} Field */
 /** @typedef {[number, number]} Pair */
 /** @typedef {(text: string) => void} Say */
-/** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void, offer?: (values: string[]) => void}} Control its place on the page; `set` shows a value, `name` its name, `offer` what can be chosen */
+/** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void, offer?: (values: string[]) => void, span?: (ends: Pair | null, band?: string) => void}} Control its place on the page; `set` shows a value, `name` its name, `offer` what can be chosen, `span` where a slider ends, with a picture of what lies between */
 
 /** @type {Record<string, string>} */
 const GREEK = { alpha: "α", lambda: "λ", mu: "μ", omega: "ω", sigma: "σ", varphi: "φ" };
@@ -32,6 +32,7 @@ const FAR = 10;
 export function slider(field, [low, high], change, problem) {
   const box = document.createElement("div");
   box.className = "control";
+  box.dataset.name = field.name;
   const id = `control-${count++}`;
   const label = document.createElement("label");
   label.htmlFor = id;
@@ -53,12 +54,13 @@ export function slider(field, [low, high], change, problem) {
   if (typeof field.high === "number") number.max = String(field.high);
   const range = document.createElement("input");
   range.type = "range";
-  range.min = String(low);
-  range.max = String(high);
-  range.step = String(10 ** Math.floor(Math.log10((high - low) / 500)));
+  /** @type {Pair} */
+  let [from, to] = [low, high];
+  const scale = () => Object.assign(range, { min: String(from), max: String(to), step: String(10 ** Math.floor(Math.log10((to - from) / 500))) });
+  scale();
   range.setAttribute("aria-label", `${field.name}: ${field.meaning}`);
   range.addEventListener("input", () => {
-    const value = Number(Number(range.value).toFixed(4));
+    const value = tidy(Number(range.value), to - from);
     number.value = String(value);
     number.removeAttribute("aria-invalid");
     change(value);
@@ -93,6 +95,14 @@ export function slider(field, [low, high], change, problem) {
       }
       seen = value;
       range.value = String(value);
+    },
+    span(ends, band = "") {
+      [from, to] = ends && seen >= ends[0] && seen <= ends[1] ? ends : [low, high];
+      scale();
+      range.value = String(seen);
+      const painted = ends && from === ends[0] ? band : "";
+      range.classList.toggle("painted", painted !== "");
+      range.style.backgroundImage = painted && `url(${painted})`;
     },
   };
 }

@@ -304,6 +304,24 @@ export class Diagram {
     }
   }
 
+  /** The periods over the parameter as a strip, of two rows where two orbits are found; empty until they are known. */
+  band() {
+    const raster = this.#shown, strip = document.createElement("canvas");
+    const c = raster?.coloured && this.stage === "done" && !this.axes.canvas.hidden ? strip.getContext("2d") : null;
+    if (!raster || !c) return "";
+    const { columns, bins, codes } = raster;
+    strip.width = columns;
+    strip.height = 2;
+    for (let q = 0; q < columns; q++) {
+      const found = [...new Set(codes.subarray(q * bins, (q + 1) * bins))].filter((N) => N > 0).sort((a, b) => a - b);
+      [found[0], found[1] ?? found[0]].forEach((N, i) => {
+        c.fillStyle = periodColour(N ?? 0);
+        c.fillRect(q, i, 1, 1);
+      });
+    }
+    return strip.toDataURL();
+  }
+
   /** Draw the picture with its axes again, without painting the raster. */
   draw() {
     if (this.#shown) this.#draw(this.axes.begin());

@@ -30,6 +30,46 @@ export function rowOf(machine, state) {
   });
 }
 
+/**
+ * The diagram of the oscillator that a state asks for: the key of all that it depends on, and what it shows, for which a few orbits
+ * may have to be followed.
+ * @param {Machine} machine @param {State} state @param {number} tolerance
+ */
+export function diagramOf(machine, state, tolerance) {
+  const row = rowOf(machine, state), which = machine.fields.indexOf(state.vary);
+  const coordinate = state.coordinate === "v" ? 1 : 0;
+  const common = { span: state.reach, columns: state.columns, starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, seed: state.seed, tolerance, colour: state.colour };
+  const others = Array.from(row);
+  others[which] = 0;
+  const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
+  const longest = (2 * Math.PI) / (state.vary === "omega" ? state.reach[0] : state.omega);
+  /** @returns {import("./diagram.js").Spec} */
+  const spec = () => {
+    let [low, high] = state.window ?? [0, 0];
+    if (!state.window) {
+      const slow = longest > SLOW;
+      const trial = extent(machine, { row, which, values: linspace(...state.reach, slow ? 6 : 24), coordinate, seed: state.seed, slow });
+      [low, high] = outwards(trial.low, trial.high);
+    }
+    const symbol = plainSymbol(machine.described.fields[which]);
+    return { ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 12, starts: 4, transient: 50, keep: 40 } };
+  };
+  return { row, which, common, key, spec, slow: longest > SLOW };
+}
+
+/** What a diagram of the oscillator answers to. @param {{state: State}} view @param {Machine} machine @param {Pick<import("./state.js").Events, "change" | "problem" | "done">} told */
+export function events(view, machine, { change, problem, done }) {
+  const field = () => machine.described.fields[machine.fields.indexOf(view.state.vary)];
+  return {
+    pick: (/** @type {number} */ value) => change({ [view.state.vary]: value }),
+    zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: allowed(field(), /** @type {import("./state.js").Pair} */ (span)), window }),
+    zoomOut: () => change({ reach: null, window: null }),
+    chosen: () => valueOf(view.state, view.state.vary),
+    problem,
+    done,
+  };
+}
+
 export class FlowView {
   /** @type {State} */ state = later();
   /** @type {import("./gap.js").Window[]} */ windows = [];
@@ -51,16 +91,10 @@ export class FlowView {
     this.machine = machine;
     this.gap = gap;
     this.tolerance = described.tolerance;
-    const events = {
-      pick: (/** @type {number} */ value) => change({ [this.state.vary]: value }),
-      zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: allowed(this.#field(), /** @type {import("./state.js").Pair} */ (span)), window }),
-      zoomOut: () => change({ reach: null, window: null }),
-      chosen: () => valueOf(this.state, this.state.vary),
-      problem,
-    };
-    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...events, done, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
+    const answers = events(this, machine, { change, problem, done });
+    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...answers, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
     this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
-      ...events, zoom: (span) => events.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
+      ...answers, done: undefined, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
     });
     this.search = new Search(pool, "flow-words", { found: done, problem });
     this.figure = /** @type {HTMLElement} */ (document.getElementById("reduced-figure"));
@@ -79,38 +113,19 @@ export class FlowView {
   show(state) {
     this.state = state;
     const { machine } = this;
-    const row = rowOf(machine, state);
-    const which = machine.fields.indexOf(state.vary);
-    const field = machine.described.fields[which];
-    const coordinate = state.coordinate === "v" ? 1 : 0;
-    const common = { span: state.reach, columns: state.columns, starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, seed: state.seed, tolerance: this.tolerance, colour: state.colour };
-    const others = Array.from(row);
-    others[which] = 0;
-    const key = JSON.stringify({ ...common, gap: [state.starts, state.transient, state.keep], reduced: state.reduced, others, which, coordinate, window: state.window, bins: state.bins });
+    const { row, which, common, key: whole, spec } = diagramOf(machine, state, this.tolerance);
+    const key = JSON.stringify([whole, state.starts, state.transient, state.keep, state.reduced]);
     if (this.key === undefined) this.search.forget();
-    const longest = (2 * Math.PI) / (state.vary === "omega" ? state.reach[0] : state.omega);
     if (key !== this.key) {
       this.key = key;
-      let [low, high] = state.window ?? [0, 0];
-      if (!state.window) {
-        const slow = longest > SLOW;
-        const trial = extent(machine, { row, which, values: linspace(...state.reach, slow ? 6 : 24), coordinate, seed: state.seed, slow });
-        [low, high] = outwards(trial.low, trial.high);
-      }
-      const symbol = plainSymbol(field);
-      this.diagram.show({ ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 12, starts: 4, transient: 50, keep: 40 } });
-      this.#reduce(state, row, which, field, common);
+      this.diagram.show(spec());
+      this.#reduce(state, row, which, machine.described.fields[which], common);
     } else {
       this.diagram.draw();
       this.reduced.draw();
     }
     const T = (2 * Math.PI) / state.omega, transient = Math.max(within(300, T), state.flow_transient);
     this.search.ask("oscillator", machine, { row, which, value: valueOf(state, state.vary), transient, keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
-  }
-
-  /** The parameter that varies. */
-  #field() {
-    return this.machine.described.fields[this.machine.fields.indexOf(this.state.vary)];
   }
 
   get classes() {

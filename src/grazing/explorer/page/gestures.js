@@ -1,5 +1,5 @@
 // @ts-check
-/** What a picture with axes answers to: a click picks, dragging zooms, double click and 0 zoom out; arrows move, + and - zoom. */
+/** What a picture with axes answers to: a click picks, dragging zooms, or moves the line of the parameter; double click and 0 zoom out; arrows move, + and - zoom. */
 import { theme } from "./colours.js";
 
 /** @typedef {import("./plot.js").Axes} Axes */
@@ -19,6 +19,7 @@ const kept = (value, low, high) => Math.min(Math.max(value, low), high);
 export class Gestures {
   /** @type {[number, number, number, number] | null} corners in CSS pixels */ selection = null;
   /** @type {Pair | null} where a drag began */ #from = null;
+  /** Whether the line of the parameter is dragged. */ #held = false;
 
   /** @param {Axes} axes @param {Answers} answers */
   constructor(axes, answers) {
@@ -28,9 +29,12 @@ export class Gestures {
     canvas.addEventListener("pointerdown", (event) => {
       if (event.button || !answers.ready()) return;
       this.#from = this.#place(event);
+      this.#held = this.#near(event);
       canvas.setPointerCapture(event.pointerId);
     });
     canvas.addEventListener("pointermove", (event) => {
+      if (!event.buttons) canvas.style.cursor = answers.ready() && this.#near(event) ? "ew-resize" : "";
+      if (this.#held && this.#from) return this.#pick(event);
       if (!this.#from || !answers.zoom) return;
       const to = this.#place(event), from = this.#from;
       this.selection = Math.hypot(to[0] - from[0], to[1] - from[1]) > CLICK ? [...from, ...to] : null;
@@ -39,6 +43,7 @@ export class Gestures {
     canvas.addEventListener("pointerup", (event) => this.#end(event));
     canvas.addEventListener("pointercancel", () => {
       this.#from = this.selection = null;
+      this.#held = false;
       if (answers.ready()) answers.redraw();
     });
     canvas.addEventListener("dblclick", () => answers.zoomOut?.());
@@ -62,10 +67,27 @@ export class Gestures {
     return [event.clientX - left, event.clientY - top];
   }
 
+  /** Whether a pointer is at the line of the parameter, which stands where one is chosen across and nothing upwards. @param {PointerEvent} event */
+  #near(event) {
+    const [across, upwards] = this.answers.chosen?.() ?? [NaN, NaN];
+    return Number.isNaN(upwards) && Math.abs(this.axes.x(across) - this.#place(event)[0]) <= (event.pointerType === "touch" ? 22 : 9);
+  }
+
+  /** @param {PointerEvent} event */
+  #pick(event) {
+    const { axes, answers } = this, [x, y] = this.#place(event);
+    answers.pick?.(kept(axes.atX(x), axes.x0, axes.x1), kept(axes.atY(y), axes.y0, axes.y1));
+  }
+
   /** @param {PointerEvent} event */
   #end(event) {
     if (!this.#from) return;
     const { axes, answers } = this;
+    if (this.#held) {
+      this.#held = false;
+      this.#from = null;
+      return this.#pick(event);
+    }
     const [x, y] = this.#place(event), [fromX, fromY] = this.#from;
     const atX = (/** @type {number} */ place) => kept(axes.atX(place), axes.x0, axes.x1);
     const atY = (/** @type {number} */ place) => kept(axes.atY(place), axes.y0, axes.y1);

@@ -2,17 +2,17 @@
 /** The page: loads the kernels, keeps the state, and shows the view that the state names. */
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
-import { dark, theme } from "./colours.js";
+import { dark } from "./colours.js";
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
 import { load } from "./load.js";
 import { PRESETS } from "./presets.js";
+import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
 import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
 import { StrobeView } from "./strobe.js";
-import { canvasOf, svgOf } from "./svg.js";
 import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
 
@@ -21,7 +21,7 @@ import { TOUR } from "./tour.js";
 /** @typedef {import("./controls.js").Control} Control */
 /**
  * What the page asks of a view; `record` puts what has moved since into the state.
- * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
+ * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, lead?: () => string[], summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
  */
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -44,6 +44,8 @@ const REST = 150;
 const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
 /** @returns {View | undefined} */
 const current = () => views[state.view];
+/** What `share.js` asks of the page. */
+const page = { view: current, state: () => state, drawn: () => !problems.has("picture"), address: () => address() };
 /** @param {unknown} error */
 const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
 /** @param {string} selector @returns {HTMLElement[]} */
@@ -56,12 +58,6 @@ function problem(text, about = "input") {
   $("problem").hidden = problems.size === 0;
   const shown = [...problems.values()].join("\n");
   if ($("problem").firstElementChild.textContent !== shown) $("problem").firstElementChild.textContent = shown;
-}
-
-/** @param {string} text */
-function say(text) {
-  $("said").textContent = text;
-  setTimeout(() => $("said").textContent === text && ($("said").textContent = ""), 4000);
 }
 
 /** What is on screen: the view, and in charts what is charted. */
@@ -134,6 +130,7 @@ function render() {
   const shown = scene();
   const isIn = (/** @type {string | undefined} */ scenes) => (scenes ?? "").split(" ").includes(shown);
   for (const section of all("[data-for]")) section.hidden = !isIn(section.dataset.for);
+  $("main").dataset.shown = state.view;
   for (const button of all("[data-view]")) button.setAttribute("aria-pressed", String(button.dataset.view === state.view));
   for (const [name, control] of Object.entries(controls)) {
     control.set(part(state, name));
@@ -187,12 +184,26 @@ function address() {
 
 const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
 
+/** The slider of the diagram's parameter reaches as far as the diagram, whose colours are its track. @param {import("./diagram.js").Diagram | undefined} diagram */
+function spanSliders(diagram) {
+  const turned = state.view === "gap" ? "mu" : state.vary;
+  for (const name of ["mu", ...VARIED]) {
+    controls[name].box.classList.toggle("turned", name === turned);
+    if (name !== turned) controls[name].span?.(null);
+  }
+  controls[turned].span?.(!diagram ? null : state.view === "gap" ? state.span : state.reach, diagram?.band());
+}
+
 /** Say in words what is shown. */
 function tell() {
   const view = current();
   if (!view || failed) return;
   const made = view.summary();
   const diagram = view.diagram;
+  const [headline, lead] = view.lead?.() ?? ["", ""];
+  if (headline) $("headline").textContent = headline;
+  $("lead").textContent = lead;
+  spanSliders(diagram);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
   if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
   $("summary").replaceChildren(
@@ -214,8 +225,12 @@ function tell() {
 function present(shown) {
   state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
   home = structuredClone(state);
+  anew();
   refresh();
 }
+
+/** What is shown is another thing: the ball does not go on in it. */
+const anew = () => ball && (ball.key = undefined);
 
 /** Show all of every axis. */
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
@@ -294,10 +309,14 @@ function build() {
     problem("");
   });
   $("all").addEventListener("click", showAll);
-  for (const button of all("[data-copy]")) button.addEventListener("click", () => copy(button.dataset.copy ?? ""));
-  for (const button of all("[data-save]")) button.addEventListener("click", () => save(button.dataset.save ?? ""));
+  for (const button of all("[data-copy]")) button.addEventListener("click", () => copy(page, button.dataset.copy ?? ""));
+  for (const button of all("[data-save]")) button.addEventListener("click", () => save(page, button.dataset.save ?? ""));
   $("play").addEventListener("click", () => ball?.play(!ball.playing));
   $("step").addEventListener("click", () => ball?.step());
+  $("sound").addEventListener("click", () => {
+    problem(ball?.sound.turn(!ball.sound.on) ?? "", "sound");
+    $("sound").setAttribute("aria-pressed", String(Boolean(ball?.sound.on)));
+  });
   $("settle").addEventListener("click", () => ball?.settle());
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
@@ -338,56 +357,9 @@ function read(hash) {
   const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);
+  anew();
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
-}
-
-/** @param {string} kind link, python or command */
-async function copy(kind) {
-  const view = current();
-  view?.record?.(); // the ball's place goes into the link
-  if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
-  if (kind !== "link" && problems.has("picture")) return say("there is no picture to copy: see the message above");
-  address();
-  const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(state, view.raster());
-  try {
-    await navigator.clipboard.writeText(text);
-    say(`${kind} copied`);
-  } catch {
-    // no leave to use the clipboard: show the text, selected
-    const field = document.createElement("textarea");
-    field.value = text;
-    field.setAttribute("aria-label", `${kind}, to be copied`);
-    $("said").replaceChildren(field);
-    field.select();
-  }
-}
-
-/** The sheets of a view that are seen. @param {View} view */
-const panels = (view) => view.panels().filter(({ sheet }) => sheet.canvas.offsetParent);
-
-/** The picture on screen as an SVG file. @param {View} view */
-function vectors(view) {
-  const about = `${view.summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
-  return svgOf(panels(view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
-}
-
-/** Save the picture on screen, all of its sheets. @param {string} kind png or svg */
-function save(kind) {
-  const view = current();
-  if (!view || problems.has("picture")) return say("there is no picture to save");
-  const keep = (/** @type {Blob | null} */ blob) => {
-    if (!blob) return say("this browser gives the page no canvas: save the SVG");
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(blob);
-    link.download = `grazing-${state.view}.${kind}`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  };
-  if (kind === "svg") return keep(new Blob([vectors(view)], { type: "image/svg+xml" }));
-  const canvas = canvasOf(panels(view), theme().paper);
-  if (canvas) canvas.toBlob(keep);
-  else keep(null);
 }
 
 async function begin() {

@@ -7,7 +7,7 @@ export const HINTS = {
   gap: `Click in the diagram to choose μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
   edges: `Click to choose l and μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; between them the orbit is stable.`,
   oscillator: `Click to choose the parameter, ${ZOOM} Shaded windows are those that the normal form predicts; dotted: the graze.`,
-  ball: "Click in the portrait to throw the ball from there. Space pauses, S steps. The faint curve is what most random starts settle on.",
+  ball: "Click in the portrait to throw the ball from there; drag the line in the diagram, or the slider whose track has its colours. Space pauses, S steps. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
   "chart-gap": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
   "chart-oscillator": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
   "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
@@ -26,7 +26,7 @@ export const SHOWN = {
 };
 /** Axes that a picture zooms, by scene. @type {Record<string, string[]>} */
 export const ZOOMED = {
-  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: [], "chart-gap": ["span", "gaps"],
+  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: ["reach"], "chart-gap": ["span", "gaps"],
   "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
 };
 /** The module that each view cannot do without. @type {Record<string, string>} */

@@ -4,7 +4,7 @@
 import { TOUR } from "./tour.js";
 
 export const VERSION = "1";
-export const VIEWS = ["gap", "edges", "oscillator", "ball", "chart", "strobe"];
+export const VIEWS = ["ball", "oscillator", "gap", "edges", "chart", "strobe"];
 
 /** @typedef {[number, number]} Pair */
 /** @typedef {import("./machine.js").Field} Field */
@@ -36,7 +36,7 @@ export const VARIED = Object.keys(OSCILLATOR_EXTENTS).filter((name) => name !== 
  * (u, v and the time at which it is thrown) while the ball begins on the orbit that most starts settle on.
  */
 export const DEFAULTS = {
-  view: "gap",
+  view: "ball",
   lam: 0.8, l: 0.2, mu: 0.3,
   span: pair(-0.1, 0.6), range: /** @type {Pair | null} */ (null), periods: pair(3, 5),
   alpha: 3, k: 1, omega: 2.2, t0: 0, offset: 0.12, cos1: 1, sin1: 0, cos2: 0, sin2: 0, cos3: 0, sin3: 0,

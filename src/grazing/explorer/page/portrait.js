@@ -1,0 +1,97 @@
+// @ts-check
+/** The phase portrait: the orbit that most starts settle on, the ball with what is just past, and the wall. */
+import { theme } from "./colours.js";
+import { SAMPLES } from "./flight.js";
+
+/** Points in one stroke: longer ones take long. */
+const STROKE = 400;
+
+/**
+ * Draw a portrait.
+ * @param {import("./plot.js").Axes} axes
+ * @param {{sigma: number, attractor: ReturnType<typeof import("./flight.js").flown>, colour: string, thin: boolean, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, said: string}} scene
+ */
+export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [u, v], flash, playing, said }) {
+  const c = axes.begin();
+  const shown = theme();
+  const wall = axes.x(sigma);
+  c.fillStyle = shown.wall;
+  c.fillRect(axes.box.x, axes.box.y, wall - axes.box.x, axes.box.h);
+  axes.inside(() => {
+    c.strokeStyle = shown.line;
+    c.beginPath();
+    c.moveTo(axes.box.x, axes.y(0));
+    c.lineTo(axes.box.x + axes.box.w, axes.y(0));
+    c.stroke();
+    c.globalAlpha = 0.4;
+    c.lineWidth = thin ? 0.7 : 1.6;
+    c.strokeStyle = colour;
+    c.beginPath();
+    let hit = 0, open = false;
+    const { times, hits } = attractor;
+    for (let i = 0; i < times.length; i++) {
+      while (hit < hits.length && hits[hit].t <= times[i]) {
+        if (open) c.lineTo(wall, axes.y(hits[hit].before));
+        c.moveTo(wall, axes.y(hits[hit].after));
+        hit++;
+      }
+      const place = [axes.x(attractor.u[i]), axes.y(attractor.v[i])];
+      if (open && i % STROKE === 0) {
+        c.lineTo(place[0], place[1]);
+        c.stroke();
+        c.beginPath();
+        open = false;
+      }
+      open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
+      open = true;
+    }
+    c.stroke();
+    c.globalAlpha = 1;
+    c.lineWidth = 2;
+    c.strokeStyle = shown.accent;
+    const tail = trail.slice(-1.2 * SAMPLES);
+    for (let i = 1; i < tail.length; i++) {
+      const from = tail[i - 1], to = tail[i];
+      if (!from || !to) continue;
+      c.globalAlpha = i / tail.length;
+      c.beginPath();
+      c.moveTo(axes.x(from[0]), axes.y(from[1]));
+      c.lineTo(axes.x(to[0]), axes.y(to[1]));
+      c.stroke();
+    }
+    c.globalAlpha = 1;
+  });
+  // the bumper, and the impacts of the last moment
+  c.fillStyle = shown.faint;
+  c.fillRect(wall - 3, axes.box.y, 3, axes.box.h);
+  const now = performance.now();
+  for (const each of flash) {
+    const age = (now - each.at) / 600;
+    if (age > 1 && playing) continue;
+    c.globalAlpha = playing ? 1 - age : 0.8;
+    c.strokeStyle = c.fillStyle = shown.graze;
+    c.lineWidth = 2;
+    for (const velocity of [each.before, each.after]) {
+      c.beginPath();
+      c.arc(wall, axes.y(velocity), 4 + (playing ? 10 * age : 0), 0, 7);
+      c.stroke();
+    }
+    c.setLineDash([3, 3]);
+    c.beginPath();
+    c.moveTo(wall, axes.y(each.before));
+    c.lineTo(wall, axes.y(each.after));
+    c.stroke();
+    c.setLineDash([]);
+    if (age < 0.4 && playing) c.fillRect(wall - 5, axes.box.y, 5, axes.box.h);
+    c.globalAlpha = 1;
+  }
+  c.fillStyle = shown.accent;
+  c.beginPath();
+  c.arc(axes.x(u), axes.y(v), 5, 0, 7);
+  c.fill();
+  c.fillStyle = shown.faint;
+  c.textAlign = "right";
+  c.textBaseline = "top";
+  c.fillText(said, axes.box.x + axes.box.w, 4);
+  axes.frame("u", "v");
+}

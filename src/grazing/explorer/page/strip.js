@@ -1,0 +1,166 @@
+// @ts-check
+/** The ball above its bumper, as the pen of a chart recorder: u over time, the word of impacts, and the force. */
+import { faded, theme } from "./colours.js";
+import { Axes } from "./plot.js";
+
+/** @typedef {import("./past.js").Past} Past */
+/**
+ * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn.
+ * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean}} Scene
+ */
+
+/** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
+const TURN = 84, RIGHT = 96, BALL = 17, WORD = 46, FORCE = 40;
+/** Milliseconds for which an impact flashes. */
+const FLASH = 700;
+const FONT = "system-ui, sans-serif";
+
+export class Strip {
+  /** @param {HTMLElement | null} canvas */
+  constructor(canvas) {
+    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30, bottom: WORD + FORCE + BALL + 22 });
+  }
+
+  /** @param {Scene} scene */
+  draw(scene) {
+    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme();
+    const turns = Math.max(2, Math.min(8, box.w / TURN));
+    axes.span(scene.turn - turns, scene.turn, scene.sigma, Math.max(scene.top, scene.u));
+    const width = box.w + RIGHT, floor = box.y + box.h + BALL;
+    this.#turns(c, scene, floor);
+    this.#bumper(c, scene, width, floor);
+    this.#marks(c, scene);
+    this.#line(c, scene);
+    this.#force(c, scene, floor + WORD);
+    this.#ball(c, scene);
+    c.font = `15px ${FONT}`;
+    c.fillStyle = shown.faint;
+    c.textAlign = "left";
+    c.textBaseline = "top";
+    c.fillText("height u", 14, 9);
+  }
+
+  /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */
+  #turns(c, { past, turn, section }, floor) {
+    const { axes } = this, shown = theme();
+    for (let n = Math.floor(axes.x0 - section); n <= Math.floor(turn - section); n++) {
+      const x = axes.x(n + section), middle = Math.min(axes.x(n + section + 0.5), axes.x(turn)), letter = past.letters.get(n);
+      c.fillStyle = shown.line;
+      if (x >= 0) c.fillRect(x, axes.box.y, 1, floor - axes.box.y);
+      if (letter === undefined || middle < 12) continue;
+      c.fillStyle = letter === 0 ? shown.faint : shown.graze;
+      c.font = `700 ${letter === 0 ? 24 : 28}px ui-monospace, Menlo, Consolas, monospace`;
+      c.textAlign = "center";
+      c.textBaseline = "middle";
+      c.fillText(typeof letter === "number" && letter > 9 ? `(${letter})` : String(letter), middle, floor + 7 + WORD / 2);
+    }
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor */
+  #bumper(c, { past, live }, width, floor) {
+    const { axes } = this, shown = theme();
+    c.fillStyle = shown.faint;
+    c.fillRect(0, floor, width, 7);
+    const last = past.marks.at(-1), age = last ? (performance.now() - last.at) / FLASH : 2;
+    c.fillStyle = faded(shown.graze, live ? Math.max(0.35, 1 - age) : 0.35);
+    c.fillRect(axes.x(axes.x1) - 52, floor, 104, 7);
+    c.fillStyle = shown.graze;
+    c.font = `15px ${FONT}`;
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    c.fillText("bumper", width - 12, floor + 7 + WORD / 2);
+  }
+
+  /** The curve, fainter the longer ago. @param {import("./svg.js").Pen} c @param {Scene} scene */
+  #line(c, { past, turn, colour }) {
+    const { axes } = this;
+    c.lineWidth = 3;
+    const { line } = past, span = axes.x1 - axes.x0, first = line.findIndex((point) => point && point.turn >= axes.x0);
+    if (first < 0) return;
+    /** @type {typeof line[number]} */
+    let before = null;
+    let stroke = -1;
+    for (const point of line.slice(Math.max(0, first - 1))) {
+      const piece = point ? Math.floor(((turn - point.turn) / span) * 12) : -1;
+      if (piece !== stroke || !point) {
+        if (before) c.stroke();
+        c.beginPath();
+        if (before) c.moveTo(axes.x(before.turn), axes.y(before.u));
+        else if (point) c.moveTo(axes.x(point.turn), axes.y(point.u));
+        c.strokeStyle = faded(colour, Math.min(1, Math.max(0.15, 1 - piece / 13)));
+        stroke = piece;
+      }
+      if (point) c.lineTo(axes.x(point.turn), axes.y(point.u));
+      before = point;
+    }
+    if (before) c.stroke();
+  }
+
+  /** Impacts, which flash. @param {import("./svg.js").Pen} c @param {Scene} scene */
+  #marks(c, { past, sigma, live }) {
+    const { axes } = this, now = performance.now();
+    c.fillStyle = c.strokeStyle = theme().graze;
+    let left = -Infinity;
+    for (const mark of past.marks) {
+      const x = axes.x(mark.turn), y = axes.y(sigma) + BALL - 1, age = live ? (now - mark.at) / FLASH : 2;
+      if (x < Math.max(4, left + 2)) continue; // impacts that cannot be told apart are one mark
+      left = x;
+      c.beginPath();
+      c.arc(x, y, 5, 0, 7);
+      c.fill();
+      c.lineWidth = 2;
+      for (const [i, radius] of [12, 21, 30].entries()) {
+        c.strokeStyle = faded(theme().graze, age < 1 ? (1 - age) * (1 - i / 4) : 0.25 - i / 14);
+        c.beginPath();
+        c.arc(x, y, radius + (age < 1 ? 8 * age : 0), -2.4, -0.74);
+        c.stroke();
+      }
+    }
+  }
+
+  /** The force up to now, and its arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
+  #force(c, { turn, force, u }, above) {
+    const { axes } = this, shown = theme(), steps = 160;
+    const values = Array.from({ length: steps + 1 }, (_, i) => force(axes.x0 + (i / steps) * (axes.x1 - axes.x0)));
+    const most = Math.max(...values.map(Math.abs), 1e-300), middle = above + 12 + FORCE / 2;
+    c.strokeStyle = shown.faint;
+    c.lineWidth = 1.6;
+    c.beginPath();
+    values.forEach((value, i) => {
+      const x = axes.box.x + (i / steps) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
+      if (i) c.lineTo(x, y);
+      else c.moveTo(x, y);
+    });
+    c.stroke();
+    c.font = `15px ${FONT}`;
+    c.fillStyle = shown.faint;
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
+    const push = (force(turn) / most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
+    if (Math.abs(push) < 3) return;
+    const side = Math.sign(push);
+    c.strokeStyle = shown.faint;
+    c.lineWidth = 3;
+    c.beginPath();
+    c.moveTo(x, y);
+    c.lineTo(x, y - push);
+    c.moveTo(x - 6, y - push + side * 8);
+    c.lineTo(x, y - push);
+    c.lineTo(x + 6, y - push + side * 8);
+    c.stroke();
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {Scene} scene */
+  #ball(c, { turn, u, colour }) {
+    const { axes } = this, x = axes.x(turn), y = axes.y(u);
+    c.fillStyle = colour;
+    c.beginPath();
+    c.arc(x, y, BALL, 0, 7);
+    c.fill();
+    c.fillStyle = faded(colour, 0.4);
+    c.beginPath();
+    c.arc(x - 6, y - 6, 4, 0, 7);
+    c.fill();
+  }
+}

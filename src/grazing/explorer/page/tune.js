@@ -1,0 +1,28 @@
+// @ts-check
+/** What starts settle on, in a visitor's words. */
+
+/** @typedef {import("./jobs.js").Class} Class */
+
+const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+/** @param {number} n */
+const spelt = (n) => NUMBERS[n] ?? String(n);
+const TIMES = ["never", "once", "twice"];
+
+/** One orbit. @param {Class} each */
+function rhythm({ period, impacts, length, word }) {
+  if (period < 1) return "it hits on and on and no tune repeats";
+  if (/^S+$/.test(word)) return "it lies on the bumper";
+  if (impacts === null) return "its hits come ever faster, without end, until it lies still; then the force lifts it off";
+  if (impacts === 0) return "it swings and never hits";
+  const hits = TIMES[impacts] ?? `${spelt(impacts)} times`;
+  return `it hits ${hits} ${length === 1 ? "in every push" : `in ${spelt(length)} pushes`}: ${word}`;
+}
+
+/** @param {Class[]} classes */
+export function tune(classes) {
+  const known = classes.filter(({ period }) => period !== 0);
+  if (!known.length) return "What becomes of it is not decided.";
+  const said = known.slice(0, 3).map((each) => rhythm(each));
+  const text = said.length > 1 ? `The start decides: ${said.join("; or ")}` : said[0];
+  return `${text[0].toUpperCase()}${text.slice(1)}.`;
+}

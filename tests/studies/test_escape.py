@@ -1,0 +1,105 @@
+"""Escape rates by populations: against cycles, closed forms, and themselves in another unit and on other threads."""
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.outcome import ESCAPED
+from tests.billiard.directions import cycles_of_directions
+from tests.billiard.orbits import active_discs, bowl, pinball
+from tests.billiard.tables import three_discs
+
+#: Rates an impact from cycles: elastic, at r = 0.8 with a kick (tests/theory/test_cycles.py) and without (below).
+ELASTIC, KICKED, PASSIVE = 0.78359404, 0.76935, 0.840742
+
+
+def stretched(x, p):
+    """A map that stretches [0, 1] by a slope; what leaves it has escaped."""
+    y = p.slope * x[0] % (p.slope / p.kept)
+    return (y,), 0, ESCAPED if y > 1.0 else 0
+
+
+def leaky(slope=6.0, kept=2.0):
+    return gz.Map(stretched, params={"slope": slope, "kept": kept}, coordinates=("x",), box=((0.0, 1.0),), name="leaky")
+
+
+def test_a_piecewise_linear_map_lets_go_of_what_its_slopes_say():
+    """Two branches of slope 6 onto [0, 3], of which [0, 1] stays: a third a step."""
+    found = gz.escape_rate(leaky(), orbits=4000, transient=5, steps=20, stir=1e-3)
+    assert abs(found.rate - np.log(3.0)) < 4.0 * found.error < 0.05
+    assert found.lost == 0 and found.rates.shape == (8,) and "a step" in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("table", "known", "transient"), [(three_discs(3.0), ELASTIC, 8), (active_discs(3.0), KICKED, 30)]
+)
+def test_balls_leave_three_discs_as_fast_as_cycles_say(table, known, transient):
+    found = gz.escape_rate(gz.collision_map(table), orbits=10_000, transient=transient, steps=15)
+    assert abs(found.rate - known) < 4.0 * found.error < 0.02
+
+
+def test_without_a_kick_balls_leave_as_fast_as_cycles_of_their_directions_say():
+    """0.840742 an impact at r = 0.8: speed scales out, and tan(angle) grows by 1/r at each impact."""
+    exact = gz.theory.cycle_expansion(cycles_of_directions(3.0, 0.8, 8), per="impact", contracting=False)
+    assert exact.escape_rate == pytest.approx(PASSIVE, abs=1e-5) and exact.error < 2e-5
+    found = gz.escape_rate(gz.collision_map(active_discs(3.0, V=0.0)), orbits=10_000, transient=10, steps=15)
+    assert abs(found.rate - exact.escape_rate) < 4.0 * found.error < 0.02
+
+
+def test_equal_seeds_give_equal_numbers_on_any_threads():
+    P = gz.collision_map(active_discs(3.0))
+    few = {"orbits": 1000, "transient": 3, "steps": 4, "populations": 2}
+    one, two, other = (gz.escape_rate(P, **few, **more) for more in ({"threads": 1}, {"threads": 2}, {"seed": 1}))
+    assert (one.rates == two.rates).all() and (one.rates != other.rates).all()
+
+
+def test_a_table_in_other_units_lets_go_as_fast():
+    few = {"orbits": 5000, "transient": 10, "steps": 10}
+    small, large = (gz.escape_rate(gz.collision_map(pinball(0.8, scale)), **few) for scale in (1.0, 1024.0))
+    assert small.rate == pytest.approx(large.rate, rel=1e-3) and small.lost == large.lost
+
+
+def test_kicks_keep_balls_on_a_table_with_gravity():
+    """The stronger they are the longer a ball stays over the drain."""
+    rates = [
+        gz.escape_rate(gz.collision_map(pinball(V)), orbits=3000, transient=20, steps=20).rate for V in (0.2, 0.4, 0.8)
+    ]
+    assert rates[0] > rates[1] + 0.05 > rates[2] + 0.05
+
+
+def test_where_nothing_or_everything_escapes_it_says_so():
+    closed = gz.collision_map(
+        gz.table([*bowl().objects, gz.arc("lid", (0, 0), 2.0, 0.0, np.pi, gz.newton(0.9))], tilt=0.4)
+    )
+    with pytest.raises(gz.InputError, match="there may be no way out"):
+        gz.escape_rate(closed, orbits=100, transient=1, steps=3)
+    with pytest.raises(gz.InputError, match="all 200 orbits have ended after 1 step"):
+        gz.escape_rate(leaky(slope=1e9, kept=1e-9), orbits=200)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"orbits": 10}, "orbits"), ({"steps": 0}, "steps"), ({"populations": 1}, "populations"),
+        ({"stir": 0.0}, "stir is 0"), ({"stir": "much"}, "stir"), ({"transient": -1}, "transient"),
+    ],
+)  # fmt: skip
+def test_options_out_of_range_are_refused(options, said):
+    with pytest.raises(gz.InputError, match=said):
+        gz.escape_rate(leaky(), **options)
+    with pytest.raises(gz.InputError, match="give a map"):
+        gz.escape_rate(three_discs(3.0))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("table", "transient", "exact"),
+    [
+        (three_discs(3.0), 10, ELASTIC), (active_discs(3.0, V=0.0), 40, PASSIVE),
+        (active_discs(3.0, V=0.25), 40, KICKED), (active_discs(3.0, V=2.0), 40, KICKED),
+    ],
+)  # fmt: skip
+def test_three_discs_with_errors_below_a_thousandth(table, transient, exact):
+    """At r = 0.8 0.845 +- 0.01 without a kick and 0.770 +- 0.004 with any are known; impacts 40 to 80."""
+    found = gz.escape_rate(gz.collision_map(table), orbits=100_000, transient=transient, populations=16)
+    assert abs(found.rate - exact) < 4.0 * found.error < 0.004
