@@ -154,12 +154,14 @@ G, m, v = gz.gap_map(0.8, 0.5, 1.0), gz.pinball(d=0.12, V=0.4), np.linspace(0.4,
 saddle = gz.one_impact_orbits(gz.pinball(d=0.105, V=0.4), 2)[-1]
 one = gz.periodic_orbits(G, 2)[0]
 T = gz.table([gz.drain("out", (0, -1), (9, -1))], tilt=0.5)
+two = gz.table([gz.disc(name, (x, 3.0), 1.0, gz.newton(1.0)) for name, x in (("A", 3.0), ("B", 6.0))])
 logistic = gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), {"a": 3.8})
 CALLS = {
     "adding_tree": dict(lam=0.5, l=0.1, depth=2), "basins": dict(P=G, grid={"x": v}),
     "bifurcation_diagram": dict(P=G, name="mu", values=v),
     "boundaries": dict(P=m, x=("d", 0.05, 0.15), y=("V", 0.3, 0.4), N=2),
     "chart": dict(P=G, params={"mu": v, "l": v}), "coexistence": dict(P=G, name="mu", values=v),
+    "escape_rate": dict(P=gz.collision_map(two)),
     "continuation": dict(P=G, orbit=one, name="mu", bounds=(0.4, 0.6)), "density": dict(P=G, name="mu", values=v),
     "launch_map": dict(table=T, point=(0.5, 0.0)),
     "launches": dict(table=T, point=(0.5, 0.0), angle=0.7, speed=[0.5, 1.5]),
@@ -216,6 +218,7 @@ UNSIZED = {
 PASSING = {
     ("basins", "preimages"), ("bifurcation_diagram", "period"), ("bifurcation_diagram", "points"),
     ("continuation", "limit"), ("continuation", "points"),
+    ("escape_rate", "steps"),
     ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
     ("manifolds", "steps"), ("response", "period"), ("response", "points"), ("words", "impacts"),
 }  # fmt: skip

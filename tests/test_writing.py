@@ -94,10 +94,13 @@ def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path, ending, write):
 
 
 @posix
-def test_a_pipe_is_not_replaced_nor_a_device(tmp_path, ending, write):
+def test_a_device_is_not_replaced(tmp_path, ending, write):
     # as the user root a command that wrote to /dev/null put a file in its place, for everybody
-    pipe = tmp_path / f"pipe{ending}"
-    os.mkfifo(pipe)
-    with pytest.raises(gz.InputError, match="a device or a pipe, which a file would replace"):
-        write(pipe)
-    assert stat.S_ISFIFO(pipe.stat().st_mode) and [path.name for path in tmp_path.iterdir()] == [pipe.name]
+    device = tmp_path / f"null{ending}"
+    try:
+        os.mknod(device, stat.S_IFCHR | 0o666, os.makedev(1, 3))
+    except PermissionError:
+        pytest.skip("only the user root makes devices, and only where that is allowed")
+    with pytest.raises(gz.InputError, match="is a device, which a file would replace"):
+        write(device)
+    assert stat.S_ISCHR(device.stat().st_mode) and [path.name for path in tmp_path.iterdir()] == [device.name]

@@ -145,7 +145,7 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
 
     flat = _spread_names(_checked(result))
     parts = tables(flat)
-    wanted = [part for part in parts if dimension is None or dimension in part[0]]
+    wanted = [part for part in parts if dimension is None or (isinstance(dimension, str) and dimension in part[0])]
     if not wanted:
         known = ", ".join(repr(dim) for dim in dict.fromkeys(dim for dims, _names in parts for dim in dims))
         raise InputError(f"dimension is {shown(dimension)}; allowed are {known}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -34,8 +35,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = path_of(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder; give the name of a file")
-    if os.path.exists(target) and not (os.path.islink(target) or os.path.isfile(target)):
-        raise InputError(f"{target} is a device or a pipe, which a file would replace; give the name of a file")
+    if is_device(target):
+        raise InputError(f"{target} is a device, which a file would replace; give the name of a file")
     part = target.with_name(f".{uuid4().hex}.partial")
     try:
         if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=_EFFECTIVE):
@@ -49,6 +50,15 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def is_device(path: str | os.PathLike[str]) -> bool:
+    """Say whether a name is that of a device, such as /dev/null, which the user root could replace."""
+    try:
+        mode = os.lstat(path).st_mode
+    except OSError:
+        return False
+    return stat.S_ISCHR(mode) or stat.S_ISBLK(mode)
 
 
 def put(file: Path, content: bytes, mode: int) -> None:

@@ -86,6 +86,9 @@ def soft(v, p):
 
 
 TABLE = gz.table([gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5)), gz.drain("out", (-9, -1), (9, -1))], rho=0.1, tilt=0.3)
+OPEN = gz.collision_map(
+    gz.table([gz.disc(name, (x, 3.0), 1.0, gz.newton(1.0)) for name, x in (("A", 3.0), ("B", 6.0), ("C", 9.0))])
+)
 SMALL = {"starts": 2, "transient": 5, "keep": 4, "seed": 0, "threads": 1}
 
 
@@ -115,6 +118,7 @@ def calls():
         "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
         "trajectory, table": dict(model=TABLE, state=(0.1, 3.0, 0.0, 0.0), start=0.0, until=9.0, samples=10),
         "collision_map": dict(table=TABLE, on="A"),
+        "escape_rate": dict(P=OPEN, orbits=100, transient=1, steps=2, populations=2, stir=0.02, threads=1),
         "launch_map": dict(table=TABLE, point=(0.5, 0.0), hits=100),
         "launches": dict(table=TABLE, point=(0.5, 0.0), angle=[0.7, 1.0], speed=[0.5, 1.5], hits=100),
         "plot.table": dict(table=TABLE, names=True),
@@ -288,6 +292,8 @@ def calls():
                     "length": 3,
                     "M": 4,
                     "n": 3,
+                    "ratio": 6.0,
+                    "cycles": gz.theory.three_disc_cycles(6.0, 3),
                 }
                 names = inspect.signature(function).parameters
                 found[f"theory.{name}"] = {key: usual[key] for key, p in names.items() if key in usual}
@@ -297,6 +303,7 @@ def calls():
 #: Public names that are no functions to call, and those drawn or swept by tests of their own.
 NOT_CALLED = {
     "Attractor",
+    "BounceOrbit",
     "Branch",
     "Certificate",
     "GrazingError",

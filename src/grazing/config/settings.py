@@ -134,8 +134,10 @@ KINDS: dict[str, Callable[..., Callable[[str, Any], Any]]] = {
     "text": _text,
     "switch": _switch,
 }
-#: Arguments of the functions that are no settings: what is studied, and what the numbers do not depend on.
-ARGUMENTS = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "order", "threads", "progress"}
+#: Arguments of the functions that are no settings: what is studied, what the numbers do not depend on, and what is
+#: asked of tables alone, which no file makes.
+STUDIED = {"P", "model", "name", "values", "bounds", "span", "params", "grid", "order", "energy"}
+ARGUMENTS = STUDIED | {"threads", "progress"}
 
 
 @cache

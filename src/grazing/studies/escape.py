@@ -127,7 +127,8 @@ def escape_rate(
         raise InputError(
             f"stir is {stir:g}; give a small number > 0, such as 0.02: copies that are not moved stay equal"
         )
-    refuse_too_large(8.0 * 4 * (P.dimension + 4) * orbits, f"reduce orbits ({orbits})", "a population")
+    room = 8.0 * (4 * (P.dimension + 4) * orbits + populations)
+    refuse_too_large(room, f"reduce orbits ({orbits}) or populations ({populations})", "the populations")
     box, left = np.array(P.box), 0
     names = P.origin.stirred or P.coordinates
     moved = np.array([P.coordinates.index(name) for name in names])

@@ -24,6 +24,8 @@ from grazing.outcome import InputError, shown
 SPARE, DOUBLE = 10, 17
 #: Newton steps for a zero; first step of the search for one, in units of a mean time, and how many.
 STEPS, FIRST, SCANS = 60, 0.05, 400
+#: By what share a zero may be above the rate of the slowest cycle: that of a cut series is off by as much as it is cut.
+ABOVE = Decimal("0.01")
 
 
 class Cycle(NamedTuple):
@@ -131,7 +133,11 @@ def cycle_expansion(
         raise InputError(f"contracting is {shown(contracting)}; give True or False")
     if isinstance(digits, bool) or not isinstance(digits, int) or not 5 <= digits <= 1000:
         raise InputError(f"digits is {shown(digits)}; allowed is a whole number from 5 to 1000")
-    given = [_checked(one, contracting) for one in cycles]
+    try:
+        every = list(cycles)
+    except TypeError:
+        raise InputError(f"cycles are {shown(cycles)}; give a list of Cycle(period, time, transverse)") from None
+    given = [_checked(one, contracting) for one in every]
     if not given:
         raise InputError("there are no cycles: nothing stays, and there is no escape rate")
     with localcontext() as context:
@@ -168,17 +174,26 @@ def _checked(one: Any, contracting: bool) -> Cycle:
     return Cycle(n, T if isinstance(T, Decimal) else Decimal(float(T)), kept)
 
 
+def expanding(roots: Sequence[Any]) -> Decimal:
+    """Return the logarithm of the product of the multipliers outside the unit circle."""
+    sizes = (abs(root) for root in roots)
+    return sum((Decimal(size).ln() for size in sizes if size > 1), Decimal(0))
+
+
 def stays(roots: Sequence[Any], r: int) -> Decimal:
     """Return 1/|det(1 - J^r)| of a derivative with these eigenvalues."""
-    if all(isinstance(root, Decimal) for root in roots):
+    if all(isinstance(root, Decimal) or complex(root).imag == 0.0 for root in roots):
         found = Decimal(1)
         for root in roots:
-            found *= 1 - root**r
+            found *= 1 - (root if isinstance(root, Decimal) else Decimal(complex(root).real)) ** r
         size = abs(found)
     else:
-        product = complex(1.0)
-        for root in roots:
-            product *= 1.0 - complex(root) ** r
+        try:
+            product = complex(1.0)
+            for root in roots:
+                product *= 1.0 - complex(root) ** r
+        except OverflowError:
+            raise InputError(f"the multipliers of a cycle are {shown(roots)}: their powers are no doubles") from None
         size = Decimal(abs(product))
     if size == 0:
         raise InputError("a multiplier of a cycle is 1: it is not hyperbolic, and has no weight")
@@ -197,6 +212,12 @@ class _Series:
             )
             for one in cycles
         ]  # fmt: skip
+        # while a ball stays near one cycle it escapes as that says: no rate is greater than the least of these
+        slowest = [
+            (n, max(-weights[0].ln(), expanding(one.transverse)) / T)
+            for one, (n, T, weights) in zip(cycles, self.cycles, strict=True)
+        ]
+        self.most = [min((rate for n, rate in slowest if n <= N), default=Decimal(0)) for N in range(self.longest + 1)]
         self.mean = sum((T for _n, T, _w in self.cycles), Decimal(0)) / sum(n for n, _T, _w in self.cycles)
 
     def at(self, s: Decimal, N: int) -> tuple[Decimal, Decimal]:
@@ -221,10 +242,11 @@ class _Series:
 
     def zero(self, N: int, near: Decimal | None, small: Decimal) -> Decimal | None:
         """Return the least zero s of the cut series, near one that is known or looked for; None for none."""
+        most = self.most[N] * (1 + ABOVE) + ABOVE / self.mean
         for begin in (near, None):
-            s = self.crossing(N) if begin is None else begin
+            s = self.crossing(N, most) if begin is None else begin
             found = None if s is None else self.newton(N, s, small)
-            if found is not None:
+            if found is not None and found <= most:
                 return found
         return None
 
@@ -240,8 +262,8 @@ class _Series:
                 return s
         return None
 
-    def crossing(self, N: int) -> Decimal | None:
-        """Return about where F first falls below 0, from where it is nearly 1 as all terms are small."""
+    def crossing(self, N: int, most: Decimal) -> Decimal | None:
+        """Return about where F first falls below 0, from where it is nearly 1 as all terms are small, or None."""
         step = Decimal(FIRST) / self.mean
         s = Decimal(0)
         for _ in range(SCANS):
@@ -249,6 +271,7 @@ class _Series:
                 break
             s -= 10 * step
         before = self.at(s, N)[0]
+        step = max(step, (most - s) / (SCANS - 2))
         for _ in range(SCANS):
             after = self.at(s + step, N)[0]
             if before > 0 >= after:
