@@ -60,5 +60,5 @@ def test_of_the_gap_map_the_values_are_compared():
     another(orbit, gz.gap_map(lam=0.5, mu=0.8, l=0.0), "its mu is 0.9, here it is 0.8")
     same(edge.document, gz.gap_map(lam=0.9, mu=0.3, l=0.0))
     another(edge.document, gz.gap_map(lam=0.8, mu=0.3, l=0.0), "its lam is 0.9, here it is 0.8")
-    with pytest.raises(gz.InputError, match="give a gz.Oscillator, a gz.table or a gap map"):
+    with pytest.raises(gz.InputError, match=r"give a gz\.Oscillator, a gz\.table or a gap map"):
         gz.check_certificate(orbit, model=3)
