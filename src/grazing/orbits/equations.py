@@ -42,13 +42,15 @@ class Ending(NamedTuple):
     """What a path meets where its equations end.
 
     The type, empty if nothing is known; which point; by how much the scaled parameter may be off; and the equations
-    that hold beyond, with a point next to their solution, if the map is smooth there.
+    that hold beyond, with a point next to their solution, if the map is smooth there. ``turned`` is what unknowns lose
+    there that come round, as phases do.
     """
 
     type: str
     where: int
     error: float
     beyond: tuple[Equations, Floats, Floats] | None = None
+    turned: float | Floats = 0.0
 
 
 class Equations(ABC):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.map import Map
+from grazing.maps.map import Map, eased
 from grazing.orbits.equations import Ending, Test
 from grazing.orbits.one_sided import EPS, Slope, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
@@ -90,6 +90,7 @@ class MapEquations(PointEquations):
                 raise unknown(name, P.params, P.name or "the map")
         P.origin.refuse_made(names)
         self.P, self.names, self.letters, self.N = P, names, letters, len(letters)
+        self._eased = eased(P)
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self.size = np.array([high - low for low, high in P.box])
         self.scale = np.tile(self.size, self.N)
@@ -106,7 +107,7 @@ class MapEquations(PointEquations):
 
     def ran(self, rows: Floats, states: Floats) -> tuple[Floats, Ints]:
         """Return images (columns, dim, n) and letters (columns, n) of states at rows of all parameters."""
-        found = self.P.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
+        found = self._eased.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
         return found.points[:, 0], found.letters[:, 0]
 
     def rows(self, p: Floats) -> Floats:
@@ -114,6 +115,11 @@ class MapEquations(PointEquations):
         rows = np.tile(self._row, (len(p), 1))
         rows[:, self._places] = p
         return self.P.origin.complete(rows)
+
+    def rounds(self, p: Floats) -> Floats:
+        """Return after how much each unknown comes round, as a phase does; infinite for those that do not."""
+        known = self.P.origin.rounds
+        return np.full(len(self.scale), np.inf) if known is None else np.tile(known(self.rows(p[None]))[0], self.N)
 
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""
@@ -128,7 +134,7 @@ class MapEquations(PointEquations):
     def _stepped(self, x: Floats, p: Floats) -> Stepped:
         if self.P.tangent is not None:
             images, letters = self.visited(x, p)
-            P = self.map_at(p)
+            P = eased(self.map_at(p))
             J = np.array([P.jacobian(point) for point in x.reshape(self.N, -1)])
             return Stepped(images, J, 4.0 * EPS * np.abs(J), letters)
         images, J, error, seen = self._looked(x[None], p[None])
