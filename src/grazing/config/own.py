@@ -10,7 +10,6 @@ from __future__ import annotations
 import importlib.machinery
 import importlib.util
 import os
-import shlex
 import stat
 import sys
 from collections.abc import Mapping
@@ -21,7 +20,7 @@ from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.walled import Walled
-from grazing.outcome import GrazingError, InputError, UserCodeError, raised, shown
+from grazing.outcome import GrazingError, InputError, UserCodeError, quoted, raised, shown
 from grazing.systems.contract import System
 
 #: What a model of one's own may be.
@@ -98,7 +97,7 @@ def not_named(text: str, key: str) -> NotNamed:
     text = _cut(text)
     return NotNamed(
         f"{key} = {text!r} is code that a file names, and reading a file runs no code. If you trust it, name it in "
-        f"this call: --{key} {shlex.quote(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
+        f"this call: --{key} {quoted(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
     )
 
 
