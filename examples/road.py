@@ -107,7 +107,7 @@ class OnLine(Rung):
     """A ball on a line: ``model(there, V)`` with and without the bumper, a wall at ``at`` with the normal ``n``.
 
     The control is the velocity at t = 0. Between the times ``turn`` the ball turns back; the gap accelerates by A(t).
-    What comes next is the time of an impact with the floor, a wall called A, or the place at the strobe if given.
+    What comes next is the time of an impact with the floor, a wall called A, or the place at the strobe, if any.
     """
 
     def __init__(self, name, model, n, at, u0, span, turn, A, strobe=None):

@@ -270,6 +270,27 @@ def test_example_road(tmp_path):
         assert [*measured, *predicted] == pytest.approx([row[1], row[3], row[2], row[4]], rel=1e-4, abs=1e-8)
 
 
+def known(found, factor):
+    """Say whether exponents of a Galton board and the constant of Sinai billiards are what they should tend to."""
+    constants, grown = found
+    constant = load(ROOT / "examples" / "known_billiards.py").CONSTANT
+    near, far = (constants[R] for R in (min(constants), max(constants)))
+    assert abs(near[0] - constant) < 3.0 * near[1] < 0.5 * (far[0] - constant)
+    for name, law in (("speed", 1 / 3), ("fall", 2 / 3)):
+        powers, errors = grown[name]
+        assert abs(powers[-1] - law) < 3.0 * errors[-1] < factor * law
+    return True
+
+
+def test_example_known_billiards(tmp_path):
+    assert known(example("known_billiards", tmp_path, *"--radii 0.1 0.01 --hits 80 --balls 40 --until 30".split()), 1.0)
+
+
+@pytest.mark.long
+def test_example_known_billiards_to_smaller_errors(tmp_path):
+    assert known(example("known_billiards", tmp_path, *"--radii 0.1 0.003 --hits 1500 --balls 600".split()), 0.2)
+
+
 def test_example_own_reset_law():
     seen = load(ROOT / "examples" / "own_reset_law.py").main()
     assert [sum(letters) for letters in seen.values()] == [3, 3, 4]
