@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,6 +84,7 @@ class MapEquations(PointEquations):
     pieced = True
 
     def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
+        super().__init__()
         for name in names:
             if name not in P.params:
                 raise unknown(name, P.params, P.name or "the map")
@@ -97,7 +97,6 @@ class MapEquations(PointEquations):
         self._row = np.array(list(P.params.values()) or [0.0])
         self._places = [list(P.params).index(name) for name in names]
         self._held: tuple[bytes, Map] | None = None
-        self._found: dict[str, tuple[tuple[bytes, bytes], Any]] = {}
 
     def map_at(self, p: Floats) -> Map:
         """Return the map with these values of the parameters that vary."""
@@ -126,14 +125,6 @@ class MapEquations(PointEquations):
         """Return the images of all points (N, dim) and the letters."""
         images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))
         return images[0].T, tuple(letters[0].tolist())
-
-    def once(self, make: Callable[[Floats, Floats], Any], x: Floats, p: Floats) -> Any:
-        """Return what a method finds at x and p; defects, tests and slopes ask for the same one after the other."""
-        place = x.tobytes(), p.tobytes()
-        known = self._found.get(make.__name__)
-        if known is None or known[0] != place:
-            known = self._found[make.__name__] = place, make(x, p)
-        return known[1]
 
     def stepped(self, x: Floats, p: Floats) -> Stepped:
         """Return the images of all points, the derivatives there, taken on one piece of the map, and the letters."""
