@@ -47,8 +47,9 @@ def ending(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats
     """
     touched = flips(equations, x, p)
     steep = steep_at(equations, x, p)
-    error = unsure(equations, x, p, dx, dp, touched, gap)
+    error = unsure(equations, x, p, dx, dp, touched)
     if steep >= 0:
+        error = max(error, LATE * left_over(equations, x, p, dx, dp, gap))
         return Ending("gr", steep, error if touched else max(error, UNKNOWN))
     beyond = smooth_beyond(equations, x, p, dx, dp, gap)
     if beyond is not None:
@@ -111,13 +112,7 @@ def steep_at(equations: MapEquations, x: Floats, p: Floats) -> int:
 
 
 def unsure(
-    equations: MapEquations,
-    x: Floats,
-    p: Floats,
-    dx: Floats,
-    dp: Floats,
-    touched: list[tuple[int, int, float]],
-    gap: float,
+    equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, touched: list[tuple[int, int, float]]
 ) -> float:
     """Return by how much the end may be off in the scaled parameter.
 
@@ -148,8 +143,7 @@ def unsure(
             continue
         if going > 0.0:
             found.append(float(np.abs(held) @ np.roll(slack, 1, axis=0).ravel()) + LATE * away * rate / going)
-    reached = min(found) + EPS * np.abs(p[-1]) / equations.spans[-1]
-    return float(max(reached, LATE * left_over(equations, x, p, dx, dp, gap)))
+    return float(min(found) + EPS * np.abs(p[-1]) / equations.spans[-1])
 
 
 def left_over(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> float:

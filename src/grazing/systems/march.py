@@ -219,9 +219,7 @@ def march_of(*parts: Any) -> Callable[..., Any]:
             fresh, dipped = t == t0 and left == j, False
             if t == t0 and left <= WHICHEVER and dh > d and h <= MANY * e:
                 fresh = left == RISING or -DEEP * e <= h
-            if (
-                fresh and h < -DEEP * e and left != RISING
-            ):  # impacts in doubt have let it sink in: chatter that nothing resolves
+            if fresh and h < -DEEP * e and left != RISING:  # sunk in by impacts in doubt: chatter that nothing resolves
                 return -1, t, flags | AMBIGUOUS | TOO_MANY_IMPACTS, 0
             if t == t0 and (fresh or (h < 0.0 and h >= -MANY * e)):
                 offset = replaced(offset, j, abs(h))
