@@ -199,7 +199,7 @@ def printable(text: str, newlines: bool = True) -> str:
 def quoted(word: str) -> str:
     r"""Return a word as a shell takes it, in one line that a terminal may have: the shell reads exactly this word.
 
-    What a terminal must not get is written in octal, as bash, zsh and POSIX of 2024 read it.
+    What a terminal must not get, or cannot, is written in octal, as bash, zsh and POSIX of 2024 read it.
 
     Examples
     --------
@@ -207,10 +207,20 @@ def quoted(word: str) -> str:
     >>> print(quoted("a b.nc"), quoted("a\nb.nc"))
     'a b.nc' $'a\012b.nc'
     """
-    if printable(word, newlines=False) == word and "\t" not in word:
+    lost = {letter for letter in word if not _shows(letter)}
+    if printable(word, newlines=False) == word and "\t" not in word and not lost:
         return shlex.quote(word)
-    plain = {letter: letter for letter in word if letter.isprintable() and letter not in "\\'"}
+    plain = {letter: letter for letter in word if letter.isprintable() and letter not in "\\'" and letter not in lost}
     return "$'" + "".join(plain.get(one) or "".join(f"\\{byte:03o}" for byte in _bytes(one)) for one in word) + "'"
+
+
+def _shows(letter: str) -> bool:
+    """Say whether the standard output has a letter: one that it has not would be written as its number."""
+    try:
+        letter.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+    except (UnicodeEncodeError, LookupError, TypeError):
+        return False
+    return True
 
 
 def quoted_file(file: str) -> str:

@@ -1,5 +1,6 @@
 """Files of any name: what is said of them is one line, in which nothing moves the cursor of a terminal."""
 
+import io
 import os
 import pickle
 import random
@@ -78,3 +79,12 @@ def test_the_command_in_a_file_writes_a_file_of_that_name(name, tmp_path, monkey
     words = subprocess.run(["bash", "-c", f"printf '%s\\0' {command}"], capture_output=True, check=True, timeout=60)
     assert main(["-q" if word == b"" else os.fsdecode(word) for word in words.stdout.split(b"\0")]) == 0
     assert os.listdir() == [name]
+
+
+def test_a_letter_that_the_output_lacks_is_quoted_by_its_bytes(monkeypatch):
+    """A terminal without UTF-8 got the number of the letter, between quotes that keep it a number."""
+    assert quoted("\u6f22.svg") == "'\u6f22.svg'"
+    monkeypatch.setattr("sys.stdout", io.TextIOWrapper(io.BytesIO(), "ascii", "backslashreplace"))
+    assert quoted("\u6f22.svg") == r"$'\346\274\242.svg'"
+    monkeypatch.setattr("sys.stdout", None)
+    assert quoted("\u6f22.svg") == "'\u6f22.svg'"

@@ -373,8 +373,8 @@ def table(
     Raises
     ------
     InputError
-        For no objects or too many, names that collide, a value out of range, a disc that overlaps something, or segments that
-        cross.
+        For no objects or too many, names that collide, a value out of range, a disc that overlaps something, or
+        segments that cross.
 
     Examples
     --------

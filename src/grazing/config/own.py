@@ -67,8 +67,10 @@ def named(config: Mapping[str, Any], code: str | None) -> dict[str, Any]:
     InputError
         If ``code`` is anything else but None.
     """
-    if code not in (None, TRUST):
-        raise InputError(f"code = {code!r}; allowed are None, which runs none, and {TRUST!r}, which runs what is named")
+    if not (code is None or (isinstance(code, str) and code == TRUST)):
+        raise InputError(
+            f"code = {shown(code)}; allowed are None, which runs none, and {TRUST!r}, which runs what is named"
+        )
     found = dict(config)
     for key in KEYS if code == TRUST else ():
         if isinstance(found.get(key), str) and is_own(found[key]):

@@ -14,7 +14,6 @@ from grazing.billiard.table import OWN, Table, table
 from grazing.config.files import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.paths import path_of
 
 #: Where the tables lie that ship with the library.
 HOME = Path(__file__).parent / "tables"
@@ -101,7 +100,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     """
     known = isinstance(source, str) and source in shipped()
     path = HOME / f"{source}.toml" if known else source
-    if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(path_of(source)):
+    if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
     said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS], str(source))
     if all(name in said for name in PLAYERS):
