@@ -9,6 +9,7 @@ import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past } from "./past.js";
 import { Axes } from "./plot.js";
 import { portrait } from "./portrait.js";
+import { Sling } from "./sling.js";
 import { Sound } from "./sound.js";
 import { later, tidy } from "./state.js";
 import { Strip } from "./strip.js";
@@ -68,11 +69,7 @@ export class BallView {
     });
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.speed = 1;
-    this.canvas.addEventListener("click", (event) => {
-      const { left, top } = this.canvas.getBoundingClientRect();
-      const u = this.axes.atX(event.clientX - left), v = this.axes.atY(event.clientY - top);
-      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.throw(Math.max(u, this.state.sigma), v);
-    });
+    this.sling = new Sling(this);
     for (const canvas of [this.strip.axes.canvas, this.canvas]) canvas.addEventListener("keydown", (event) => {
       if (event.key === " ") this.play(!this.playing);
       else if (event.key === "s" || event.key === "S") this.step();
@@ -288,7 +285,7 @@ export class BallView {
   #tick = (/** @type {number} */ at) => {
     this.frame = 0;
     if (!this.playing || this.#hidden) return;
-    if (this.last !== undefined) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
+    if (this.last !== undefined && !this.sling.aim) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
     this.draw();
     if (this.playing) this.frame = requestAnimationFrame(this.#tick);
@@ -323,8 +320,8 @@ export class BallView {
     const most = this.classes[0], colour = periodColour(most?.period ?? 0);
     const endless = [...past.letters.values()].includes("C"); // completed chatter has impacts without end
     const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
-    portrait(axes, { sigma: state.sigma, attractor: this.attractor, colour, thin: !(most?.period > 0), trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, said: time });
-    this.strip.draw({ past, turn: this.#clock(this.now), section: this.#section, u: this.place[0], sigma: state.sigma, top: axes.x1, force: this.#force, colour: theme().accent, live: this.playing });
+    portrait(axes, { sigma: state.sigma, attractor: this.attractor, colour, thin: !(most?.period > 0), trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, said: time, aim: this.sling.aim });
+    this.strip.draw({ past, turn: this.#clock(this.now), section: this.#section, u: this.place[0], sigma: state.sigma, top: axes.x1, force: this.#force, colour: theme().accent, live: this.playing, T: this.T, begins: this.#section, aim: this.sling.aim });
     this.canvas.dataset.stage = "done";
   }
 

@@ -32,7 +32,7 @@ export const meets = (N, lam) => lam ** (N - 1) * 0.1875 * (3 * sum(N, lam) - 4)
 export class EdgesView {
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
 
-  /** @param {Machine} machine @param {{tolerance: number}} described @param {{change: (part: object) => void}} events */
+  /** @param {Machine} machine @param {{tolerance: number}} described @param {Pick<import("./state.js").Events, "change">} events */
   constructor(machine, described, { change }) {
     this.machine = machine;
     this.tolerance = described.tolerance;

@@ -6,12 +6,37 @@ import { SAMPLES } from "./flight.js";
 /** Points in one stroke: longer ones take long. */
 const STROKE = 400;
 
+/** @typedef {ReturnType<typeof import("./flight.js").flown>} Flown */
+
+/** Stroke a flight, which leaps at the wall. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Flown} flight @param {number} wall */
+function path(axes, c, { times, u, v, hits }, wall) {
+  c.beginPath();
+  let hit = 0, open = false;
+  for (let i = 0; i < times.length; i++) {
+    while (hit < hits.length && hits[hit].t <= times[i]) {
+      if (open) c.lineTo(wall, axes.y(hits[hit].before));
+      c.moveTo(wall, axes.y(hits[hit].after));
+      hit++;
+    }
+    const place = [axes.x(u[i]), axes.y(v[i])];
+    if (open && i % STROKE === 0) {
+      c.lineTo(place[0], place[1]);
+      c.stroke();
+      c.beginPath();
+      open = false;
+    }
+    open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
+    open = true;
+  }
+  c.stroke();
+}
+
 /**
  * Draw a portrait.
  * @param {import("./plot.js").Axes} axes
- * @param {{sigma: number, attractor: ReturnType<typeof import("./flight.js").flown>, colour: string, thin: boolean, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, said: string}} scene
+ * @param {{sigma: number, attractor: Flown, colour: string, thin: boolean, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, said: string, aim: import("./sling.js").Aim | null}} scene
  */
-export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [u, v], flash, playing, said }) {
+export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [u, v], flash, playing, said, aim }) {
   const c = axes.begin();
   const shown = theme();
   const wall = axes.x(sigma);
@@ -26,26 +51,7 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     c.globalAlpha = 0.4;
     c.lineWidth = thin ? 0.7 : 1.6;
     c.strokeStyle = colour;
-    c.beginPath();
-    let hit = 0, open = false;
-    const { times, hits } = attractor;
-    for (let i = 0; i < times.length; i++) {
-      while (hit < hits.length && hits[hit].t <= times[i]) {
-        if (open) c.lineTo(wall, axes.y(hits[hit].before));
-        c.moveTo(wall, axes.y(hits[hit].after));
-        hit++;
-      }
-      const place = [axes.x(attractor.u[i]), axes.y(attractor.v[i])];
-      if (open && i % STROKE === 0) {
-        c.lineTo(place[0], place[1]);
-        c.stroke();
-        c.beginPath();
-        open = false;
-      }
-      open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
-      open = true;
-    }
-    c.stroke();
+    path(axes, c, attractor, wall);
     c.globalAlpha = 1;
     c.lineWidth = 2;
     c.strokeStyle = shown.accent;
@@ -85,9 +91,16 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     if (age < 0.4 && playing) c.fillRect(wall - 5, axes.box.y, 5, axes.box.h);
     c.globalAlpha = 1;
   }
+  if (aim) axes.inside(() => {
+    c.strokeStyle = shown.accent;
+    c.lineWidth = 2;
+    c.setLineDash([5, 4]);
+    path(axes, c, aim.flight, wall);
+    c.setLineDash([]);
+  });
   c.fillStyle = shown.accent;
   c.beginPath();
-  c.arc(axes.x(u), axes.y(v), 5, 0, 7);
+  c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
   c.fill();
   c.fillStyle = shown.faint;
   c.textAlign = "right";

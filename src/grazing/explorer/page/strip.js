@@ -1,12 +1,14 @@
 // @ts-check
 /** The ball above its bumper, as the pen of a chart recorder: u over time, the word of impacts, and the force. */
 import { faded, theme } from "./colours.js";
+import { Past } from "./past.js";
 import { Axes } from "./plot.js";
+import { numeral } from "./state.js";
 
-/** @typedef {import("./past.js").Past} Past */
 /**
- * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean}} Scene
+ * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
+ * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
+ * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
@@ -16,22 +18,26 @@ const FLASH = 700;
 const FONT = "system-ui, sans-serif";
 
 export class Strip {
+  /** Where the ball was drawn last, in CSS pixels. */ ball = [0, 0];
+
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
     this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30, bottom: WORD + FORCE + BALL + 22 });
   }
 
-  /** @param {Scene} scene */
-  draw(scene) {
-    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme();
-    const turns = Math.max(2, Math.min(8, box.w / TURN));
-    axes.span(scene.turn - turns, scene.turn, scene.sigma, Math.max(scene.top, scene.u));
+  /** @param {Scene} given */
+  draw(given) {
+    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
+    const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
+    const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
+    axes.span(last - turns, last, scene.sigma, Math.max(scene.top, scene.u));
     const width = box.w + RIGHT, floor = box.y + box.h + BALL;
-    this.#turns(c, scene, floor);
+    if (!aim) this.#turns(c, scene, floor);
     this.#bumper(c, scene, width, floor);
     this.#marks(c, scene);
     this.#line(c, scene);
     this.#force(c, scene, floor + WORD);
+    if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
     c.font = `15px ${FONT}`;
     c.fillStyle = shown.faint;
@@ -57,13 +63,13 @@ export class Strip {
   }
 
   /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor */
-  #bumper(c, { past, live }, width, floor) {
+  #bumper(c, { past, turn, live }, width, floor) {
     const { axes } = this, shown = theme();
     c.fillStyle = shown.faint;
     c.fillRect(0, floor, width, 7);
     const last = past.marks.at(-1), age = last ? (performance.now() - last.at) / FLASH : 2;
     c.fillStyle = faded(shown.graze, live ? Math.max(0.35, 1 - age) : 0.35);
-    c.fillRect(axes.x(axes.x1) - 52, floor, 104, 7);
+    c.fillRect(axes.x(turn) - 52, floor, 104, 7);
     c.fillStyle = shown.graze;
     c.font = `15px ${FONT}`;
     c.textAlign = "right";
@@ -151,9 +157,38 @@ export class Strip {
     c.stroke();
   }
 
+  /** The flight that is foreseen, and where it begins. @param {import("./svg.js").Pen} c @param {Scene} scene @param {import("./sling.js").Aim} aim */
+  #ahead(c, { turn, T, sigma, u, colour }, { flight, v }) {
+    const { axes } = this, { times, hits } = flight, floor = axes.y(sigma);
+    c.strokeStyle = colour;
+    c.lineWidth = 2.5;
+    c.setLineDash([7, 5]);
+    c.beginPath();
+    let hit = 0;
+    for (let i = 0; i < times.length; i++) {
+      while (hit < hits.length && hits[hit].t <= times[i]) c.lineTo(axes.x(turn + hits[hit++].t / T), floor);
+      const [x, y] = [axes.x(turn + times[i] / T), axes.y(flight.u[i])];
+      i ? c.lineTo(x, y) : c.moveTo(x, y);
+    }
+    c.stroke();
+    c.setLineDash([]);
+    c.fillStyle = theme().graze;
+    for (const { t } of hits) {
+      c.beginPath();
+      c.arc(axes.x(turn + t / T), floor + BALL - 1, 5, 0, 7);
+      c.fill();
+    }
+    c.fillStyle = theme().ink;
+    c.font = `15px ${FONT}`;
+    c.textAlign = "left";
+    c.textBaseline = "bottom";
+    c.fillText(`u = ${numeral(u, 3)}, v = ${numeral(v, 3)}`, axes.x(turn) + 24, Math.max(axes.y(u) - 16, 30));
+  }
+
   /** @param {import("./svg.js").Pen} c @param {Scene} scene */
   #ball(c, { turn, u, colour }) {
     const { axes } = this, x = axes.x(turn), y = axes.y(u);
+    this.ball = [x, y];
     c.fillStyle = colour;
     c.beginPath();
     c.arc(x, y, BALL, 0, 7);

@@ -1,0 +1,65 @@
+// @ts-check
+/** One ball that is carried up and down a parameter, over the diagram: where it stays on another orbit, hysteresis. */
+import { theme } from "./colours.js";
+import { linspace } from "./jobs.js";
+
+/** Values of the parameter; turns that are passed over and kept at each. */
+const VALUES = 300, PASSED = 120, KEPT = 16;
+
+/** @typedef {{values: Float64Array, up: Float64Array, down: Float64Array}} Swept positions at the section: KEPT of them for each value, NaN where the orbit ended */
+
+export class Sweeps {
+  /** @type {Swept | null} */ found = null;
+  /** @type {string | undefined} */ #key = undefined;
+
+  /** @param {import("./pool.js").Pool} pool @param {() => void} done */
+  constructor(pool, done) {
+    this.pool = pool;
+    this.done = done;
+  }
+
+  /** Sweep, unless that is swept already. @param {import("./machine.js").Floats} row @param {number} which @param {import("./state.js").Pair} span @param {number} sigma */
+  show(row, which, span, sigma) {
+    const others = Array.from(row);
+    others[which] = 0;
+    const key = JSON.stringify([others, which, span]);
+    if (key === this.#key) return;
+    this.#key = key;
+    this.found = null;
+    const values = linspace(...span, VALUES), start = Float64Array.of(sigma + 0.1, 0);
+    this.pool.batch("sweeps").run("oscillator", "sweep", { row, which, values, start, transient: PASSED, keep: KEPT }).then(({ up, down }) => {
+      this.found = { values, up, down };
+      this.done();
+    }, () => (this.#key = undefined));
+  }
+
+  /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */
+  draw(axes, c) {
+    const shown = theme(), { box } = axes;
+    c.globalAlpha = 0.72;
+    c.fillStyle = shown.paper;
+    c.fillRect(box.x, box.y, box.w, box.h);
+    c.globalAlpha = 1;
+    for (const [way, colour, size] of /** @type {["up" | "down", string, number][]} */ ([["up", shown.accent, 5], ["down", shown.graze, 2.5]])) {
+      c.fillStyle = colour;
+      this.found?.values.forEach((value, q) => {
+        for (const u of this.found?.[way].subarray(q * KEPT, (q + 1) * KEPT) ?? []) {
+          if (u >= axes.y0 && u <= axes.y1 && value >= axes.x0 && value <= axes.x1) c.fillRect(axes.x(value) - size / 2, axes.y(u) - size / 2, size, size);
+        }
+      });
+    }
+  }
+
+  /** What the colours are, above the picture. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */
+  key(axes, c) {
+    const shown = theme();
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    let right = axes.box.x + axes.box.w;
+    for (const [text, colour] of /** @type {[string, string][]} */ ([["down ←", shown.graze], ["up →", shown.accent]])) {
+      c.fillStyle = colour;
+      c.fillText(text, right, axes.box.y - 9);
+      right -= c.measureText(text).width + 14;
+    }
+  }
+}
