@@ -36,9 +36,11 @@ const controls = {};
 const problems = new Map();
 /** @type {import("./state.js").Fields} */
 const fields = {};
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, failed = false;
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, stepped = false, failed = false;
 /** @type {import("./pool.js").Pool | null} */
 let pool = null;
+/** What makes another scene. */
+const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
 const REST = 150;
 /** A part of a state by its name. @param {State} of @param {string} key */
@@ -87,6 +89,7 @@ function change(given) {
     delete next[key];
   }
   const { vary, second } = state;
+  if (SCENE.some((key) => key in next && next[key] !== part(state, key))) leave();
   Object.assign(state, next);
   mended(state, fields);
   if (state.vary !== vary) home.reach = wholeOf("reach", state.vary);
@@ -184,7 +187,14 @@ function render() {
 function address() {
   clearTimeout(linking);
   const link = toFragment(state);
-  if (link !== location.hash) history.replaceState(null, "", link);
+  if (link !== location.hash) history[stepped ? "pushState" : "replaceState"](null, "", link);
+  stepped = false;
+}
+
+/** Another scene comes: the one that is left is a step of the history, to which Back leads. */
+function leave() {
+  if (location.hash) address();
+  stepped = true;
 }
 
 const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
@@ -228,6 +238,7 @@ function tell() {
 
 /** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
+  leave();
   state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
   home = structuredClone(state);
   anew();
@@ -280,6 +291,7 @@ function build() {
 /** Take the state from the link. @param {string} hash */
 function read(hash) {
   clearTimeout(linking);
+  stepped = false;
   const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);
@@ -289,6 +301,7 @@ function read(hash) {
 }
 
 async function begin() {
+  $("unread").remove();
   let loaded;
   const again = () => {
     for (const view of Object.values(views)) view.key = undefined;
