@@ -250,4 +250,29 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
   return { period: N, word: written(word), point: turns[0] };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins, found };
+/**
+ * One ball that is carried along the values of a parameter and back: the positions that it takes at each, `keep` for a value, on
+ * the way up and on the way down. Where its orbit ends it begins anew.
+ * @param {Machine} machine
+ * @param {{row: Floats, which: number, values: Floats, start: Floats, transient: number, keep: number}} job
+ */
+export function sweep(machine, { row, which, values, start, transient, keep }) {
+  const at = Float64Array.from(row), wall = machine.fields.indexOf("sigma");
+  let lanes = start;
+  const way = (/** @type {number[]} */ order) => {
+    const found = new Float64Array(values.length * keep).fill(NaN);
+    for (const q of order) {
+      at[which] = values[q];
+      lanes = Float64Array.of(Math.max(lanes[0], at[wall]), lanes[1]);
+      const { points } = machine.call("orbits", { columns: 1, starts: 1, keep, rows: at, lanes, transient }, ["points"]);
+      for (let n = 0; n < keep; n++) found[q * keep + n] = points[2 * n];
+      lanes = points.slice(-2);
+      if (!lanes.every(Number.isFinite)) lanes = start;
+    }
+    return found;
+  };
+  const order = Array.from(values, (_, q) => q), up = way(order);
+  return { up, down: way(order.reverse()) };
+}
+
+export const JOBS = { raster, periods, extent, chart, basins, found, sweep };

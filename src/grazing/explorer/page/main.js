@@ -22,7 +22,7 @@ import { TOUR } from "./tour.js";
 /** @typedef {import("./controls.js").Control} Control */
 /**
  * What the page asks of a view; `record` puts what has moved since into the state.
- * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, lead?: () => string[], summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
+ * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, lead?: () => {headline: string, said: import("./state.js").Line[]}, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
  */
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -150,6 +150,7 @@ function render() {
   controls.window.name?.(state.coordinate);
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
+  for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   const step = TOUR[state.tour - 1], focused = document.activeElement;
   const left = !step && $("guide").contains(focused);
   $("guide").hidden = !step;
@@ -209,28 +210,33 @@ function spanSliders(diagram) {
   controls[turned].span?.(!diagram ? null : state.view === "gap" ? state.span : state.reach, diagram?.band());
 }
 
+/** A text after a chip of its colour. @param {import("./state.js").Line} line */
+function chipped({ colour, text }) {
+  if (!colour) return [text];
+  const chip = document.createElement("i");
+  chip.className = "chip";
+  chip.style.background = colour;
+  return [chip, text];
+}
+
 /** Say in words what is shown. */
 function tell() {
   const view = current();
   if (!view || failed) return;
   const made = view.summary();
   const diagram = view.diagram;
-  const [headline, lead] = view.lead?.() ?? ["", ""];
-  if (headline) $("headline").textContent = headline;
-  $("lead").textContent = lead;
+  const lead = view.lead?.();
+  if (lead) {
+    $("headline").textContent = lead.headline;
+    $("lead").replaceChildren(...lead.said.flatMap(chipped));
+  }
   spanSliders(diagram);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
   if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
   $("summary").replaceChildren(
-    ...made.map(({ colour, text }) => {
+    ...made.map((each) => {
       const line = document.createElement("p");
-      if (colour) {
-        const chip = document.createElement("i");
-        chip.className = "chip";
-        chip.style.background = colour;
-        line.append(chip);
-      }
-      line.append(text);
+      line.append(...chipped(each));
       return line;
     }),
   );
@@ -276,6 +282,7 @@ function build() {
   });
   const web = () => /** @type {GapView | undefined} */ (views.gap)?.cobweb;
   for (const [id, by] of /** @type {[string, number][]} */ ([["web-step", 1], ["web-many", 10], ["web-none", -Infinity]])) $(id).addEventListener("click", () => web()?.step(by));
+  for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).addEventListener("click", () => change({ [name]: !state[name] }));
   $("settle").addEventListener("click", () => ball?.settle());
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());

@@ -1,5 +1,5 @@
 // @ts-check
-/** The phase portrait: the orbit that most starts settle on, the ball with what is just past, and the wall. */
+/** The phase portrait: the orbits that starts settle on, the ball with what is just past, and the wall. */
 import { theme } from "./colours.js";
 import { SAMPLES } from "./flight.js";
 
@@ -7,6 +7,7 @@ import { SAMPLES } from "./flight.js";
 const STROKE = 400;
 
 /** @typedef {ReturnType<typeof import("./flight.js").flown>} Flown */
+/** @typedef {{flight: Flown, colour: string, thin: boolean, name: string}} Orbit what some starts settle on */
 
 /** Stroke a flight, which leaps at the wall. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Flown} flight @param {number} wall */
 function path(axes, c, { times, u, v, hits }, wall) {
@@ -34,9 +35,9 @@ function path(axes, c, { times, u, v, hits }, wall) {
 /**
  * Draw a portrait.
  * @param {import("./plot.js").Axes} axes
- * @param {{sigma: number, attractor: Flown, colour: string, thin: boolean, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, said: string, aim: import("./sling.js").Aim | null}} scene
+ * @param {{sigma: number, orbits: Orbit[], colour: string, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, twin: number[] | null, aim: import("./sling.js").Aim | null}} scene
  */
-export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [u, v], flash, playing, said, aim }) {
+export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], flash, playing, twin, aim }) {
   const c = axes.begin();
   const shown = theme();
   const wall = axes.x(sigma);
@@ -48,13 +49,15 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     c.moveTo(axes.box.x, axes.y(0));
     c.lineTo(axes.box.x + axes.box.w, axes.y(0));
     c.stroke();
-    c.globalAlpha = 0.4;
-    c.lineWidth = thin ? 0.7 : 1.6;
-    c.strokeStyle = colour;
-    path(axes, c, attractor, wall);
+    c.globalAlpha = 0.45;
+    for (const orbit of orbits) {
+      c.lineWidth = orbit.thin ? 0.7 : 1.8;
+      c.strokeStyle = orbit.colour;
+      path(axes, c, orbit.flight, wall);
+    }
     c.globalAlpha = 1;
     c.lineWidth = 2;
-    c.strokeStyle = shown.accent;
+    c.strokeStyle = colour;
     const tail = trail.slice(-1.2 * SAMPLES);
     for (let i = 1; i < tail.length; i++) {
       const from = tail[i - 1], to = tail[i];
@@ -98,13 +101,32 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     path(axes, c, aim.flight, wall);
     c.setLineDash([]);
   });
-  c.fillStyle = shown.accent;
+  c.fillStyle = aim ? shown.accent : colour;
   c.beginPath();
   c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
   c.fill();
-  c.fillStyle = shown.faint;
-  c.textAlign = "right";
-  c.textBaseline = "top";
-  c.fillText(said, axes.box.x + axes.box.w, 4);
+  if (twin && !aim) {
+    c.strokeStyle = shown.ink;
+    c.lineWidth = 1.6;
+    c.beginPath();
+    c.arc(axes.x(twin[0]), axes.y(twin[1]), 5, 0, 7);
+    c.stroke();
+  }
   axes.frame("u", "v");
+  named(axes, c, orbits);
+}
+
+/** The orbits by their names, above the picture. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Orbit[]} orbits */
+function named(axes, c, orbits) {
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  let left = axes.box.x;
+  for (const { name, colour } of orbits) {
+    if (left + 18 + c.measureText(name).width > axes.box.x + axes.box.w) break;
+    c.fillStyle = colour;
+    c.fillRect(left, axes.box.y - 14, 11, 11);
+    c.fillStyle = theme().ink;
+    c.fillText(name, left + 16, axes.box.y - 8);
+    left += 34 + c.measureText(name).width;
+  }
 }

@@ -45,7 +45,7 @@ export const DEFAULTS = {
   x0: 0.05, web: 0,
   u0: 0.03, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
   chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
-  theory: true, colour: true,
+  theory: true, colour: true, twin: false, sweeps: false,
   columns: 800, bins: 600, starts: 16, transient: 500, keep: 500, flow_starts: 8, flow_transient: 120, flow_keep: 64, seed: 0,
   tour: 0,
 };
@@ -60,7 +60,7 @@ export const later = () => undefined;
 /** @type {Record<string, Pair>} */
 const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length], web: [0, 400] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
-const SWITCHES = ["reduced", "theory", "colour"];
+const SWITCHES = ["reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
 const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 

@@ -8,7 +8,7 @@ import { numeral } from "./state.js";
 /**
  * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
  * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
+ * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
@@ -35,26 +35,30 @@ export class Strip {
     if (!aim) this.#turns(c, scene, floor);
     this.#bumper(c, scene, width, floor);
     this.#marks(c, scene);
+    if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
     this.#line(c, scene);
     this.#force(c, scene, floor + WORD);
     if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
+    if (scene.twin && !aim) this.#twin(c, scene.twin);
     c.font = `15px ${FONT}`;
     c.fillStyle = shown.faint;
     c.textAlign = "left";
     c.textBaseline = "top";
     c.fillText("height u", 14, 9);
+    c.textAlign = "right";
+    c.fillText(scene.said, width - 12, 9);
   }
 
   /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */
-  #turns(c, { past, turn, section }, floor) {
+  #turns(c, { past, turn, section, colour }, floor) {
     const { axes } = this, shown = theme();
     for (let n = Math.floor(axes.x0 - section); n <= Math.floor(turn - section); n++) {
       const x = axes.x(n + section), middle = Math.min(axes.x(n + section + 0.5), axes.x(turn)), letter = past.letters.get(n);
       c.fillStyle = shown.line;
       if (x >= 0) c.fillRect(x, axes.box.y, 1, floor - axes.box.y);
       if (letter === undefined || middle < 12) continue;
-      c.fillStyle = letter === 0 ? shown.faint : shown.graze;
+      c.fillStyle = letter === 0 ? shown.faint : colour;
       c.font = `700 ${letter === 0 ? 24 : 28}px ui-monospace, Menlo, Consolas, monospace`;
       c.textAlign = "center";
       c.textBaseline = "middle";
@@ -78,9 +82,9 @@ export class Strip {
   }
 
   /** The curve, fainter the longer ago. @param {import("./svg.js").Pen} c @param {Scene} scene */
-  #line(c, { past, turn, colour }) {
+  #line(c, { past, turn, colour }, width = 3) {
     const { axes } = this;
-    c.lineWidth = 3;
+    c.lineWidth = width;
     const { line } = past, span = axes.x1 - axes.x0, first = line.findIndex((point) => point && point.turn >= axes.x0);
     if (first < 0) return;
     /** @type {typeof line[number]} */
@@ -183,6 +187,16 @@ export class Strip {
     c.textAlign = "left";
     c.textBaseline = "bottom";
     c.fillText(`u = ${numeral(u, 3)}, v = ${numeral(v, 3)}`, axes.x(turn) + 24, Math.max(axes.y(u) - 16, 30));
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {import("./twin.js").Twin} twin */
+  #twin(c, { place, flight, clock }) {
+    if (!flight) return;
+    c.strokeStyle = theme().ink;
+    c.lineWidth = 2.5;
+    c.beginPath();
+    c.arc(this.axes.x(clock(flight.now)), this.axes.y(place[0]), BALL - 1, 0, 7);
+    c.stroke();
   }
 
   /** @param {import("./svg.js").Pen} c @param {Scene} scene */
