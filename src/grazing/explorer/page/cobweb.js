@@ -49,9 +49,9 @@ export class Cobweb {
   }
 
   /** @param {{clientX: number, clientY: number}} event */
-  #near({ clientX, clientY }) {
-    const { left, top } = this.axes.canvas.getBoundingClientRect(), { x0 } = this.view.state;
-    return Math.hypot(this.axes.x(x0) - clientX + left, this.axes.y(x0) - clientY + top) < GRIP;
+  #near(event) {
+    const [x, y] = this.axes.place(event), { x0 } = this.view.state;
+    return Math.hypot(this.axes.x(x0) - x, this.axes.y(x0) - y) < GRIP;
   }
 
   /** @param {number} x */
@@ -61,8 +61,8 @@ export class Cobweb {
   }
 
   /** @param {PointerEvent} event */
-  #drag({ clientX }) {
-    this.#begin(this.axes.atX(clientX - this.axes.canvas.getBoundingClientRect().left));
+  #drag(event) {
+    this.#begin(this.axes.atX(this.axes.place(event)[0]));
   }
 
   /** @param {KeyboardEvent} event */
@@ -86,7 +86,7 @@ export class Cobweb {
     low -= room;
     high += room;
     axes.span(low, high, low, high);
-    const c = axes.begin(), { faint, line, ink, accent, paper } = theme();
+    const c = axes.begin(), { faint, line, ink, graze, paper } = theme();
     /** @param {number[][]} points @param {string} colour @param {number} width @param {number[]} dash */
     const path = (points, colour, width, dash = []) => {
       c.strokeStyle = colour;
@@ -117,8 +117,8 @@ export class Cobweb {
         if (period > 0) for (const x of xs) dot(x, stepped(state, x));
       }
       const own = walk(state);
-      path(stairs(own), accent, 2.2);
-      c.fillStyle = accent;
+      path(stairs(own), graze, 2.2);
+      c.fillStyle = graze;
       if (own.length > 1) dot(own[own.length - 1], own[own.length - 1], 4);
       dot(x0, x0, 8);
       c.fillStyle = paper;

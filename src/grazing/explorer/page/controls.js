@@ -1,5 +1,6 @@
 // @ts-check
 /** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
+import { WORDS } from "./names.js";
 import { refusal, tidy } from "./state.js";
 
 /** @typedef {import("./machine.js").Field} Field */
@@ -46,7 +47,8 @@ export function slider(field, [low, high], change, problem) {
     sub.textContent = below;
     symbol.append(sub);
   }
-  label.append(symbol, field.meaning.replaceAll("^2", "²"));
+  label.append(`${WORDS[field.name] ?? field.meaning} `, symbol);
+  label.title = field.meaning.replaceAll("^2", "²");
   const number = document.createElement("input");
   number.type = "number";
   number.id = id;

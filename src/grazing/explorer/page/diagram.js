@@ -264,7 +264,7 @@ export class Diagram {
     const image = this.image.getContext("2d");
     if (!image) return this.draw();
     const c = this.axes.begin();
-    const ratio = window.devicePixelRatio || 1;
+    const { ratio } = this.axes;
     const W = Math.max(1, Math.round(this.axes.box.w * ratio)), H = Math.max(1, Math.round(this.axes.box.h * ratio));
     if (this.#pixels?.width !== W || this.#pixels.height !== H) {
       this.image.width = W;

@@ -76,7 +76,7 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
     const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
     if (!(b > a)) continue;
     const middle = axes.x((a + b) / 2);
-    if (Math.abs(last - middle) < 16) continue;
+    if (Math.abs(last - middle) < 20) continue;
     last = middle;
     c.fillStyle = periodColour(N);
     c.fillText(String(N), middle, box.y - 3);

@@ -52,7 +52,9 @@ export class Gestures {
   #move() {
     const { axes, answers } = this, whole = select(axes.canvas);
     const behaviour = /** @type {import("./d3.mjs").ZoomBehavior<HTMLCanvasElement, unknown>} */ (zoom());
-    let [x, y] = [axes.x.copy(), axes.y.copy()];
+    /** A scale in CSS pixels. @param {import("./d3.mjs").ScaleLinear<number, number>} scale */
+    const onScreen = (scale) => scale.copy().range(scale.range().map((end) => end * axes.zoom));
+    let [x, y] = [onScreen(axes.x), onScreen(axes.y)];
     /** @type {Pair | null} */
     let from = null;
     behaviour
@@ -60,7 +62,7 @@ export class Gestures {
       // one finger scrolls the page, or drags the line
       .filter((event) => answers.ready() && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2))
       .on("start", ({ sourceEvent }) => {
-        [x, y] = [axes.x.copy(), axes.y.copy()];
+        [x, y] = [onScreen(axes.x), onScreen(axes.y)];
         from = sourceEvent instanceof MouseEvent && sourceEvent.type === "mousedown" ? [sourceEvent.clientX, sourceEvent.clientY] : null;
       })
       .on("zoom", ({ sourceEvent, transform }) => {
@@ -84,12 +86,6 @@ export class Gestures {
     c.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
   }
 
-  /** Where an event is in the picture. @param {MouseEvent} event @returns {Pair} */
-  #place(event) {
-    const { left, top } = this.axes.canvas.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  }
-
   /** The same on the axes, in the frame. @param {Pair} place @returns {Pair} */
   #at([x, y]) {
     const { axes } = this;
@@ -99,20 +95,20 @@ export class Gestures {
   /** Whether a pointer is at the line of the parameter, which stands where one is chosen across and nothing upwards. @param {PointerEvent} event */
   #near(event) {
     const [across, upwards] = this.answers.chosen?.() ?? [NaN, NaN];
-    return Number.isNaN(upwards) && Math.abs(this.axes.x(across) - this.#place(event)[0]) <= (event.pointerType === "touch" ? THUMB : GRIP);
+    return Number.isNaN(upwards) && Math.abs(this.axes.x(across) - this.axes.place(event)[0]) <= (event.pointerType === "touch" ? THUMB : GRIP);
   }
 
   /** @param {PointerEvent} event */
   #down(event) {
     if (event.button || !event.isPrimary || !this.answers.ready()) return;
     this.#held = this.#near(event);
-    this.#corner = event.shiftKey && this.answers.zoom ? this.#place(event) : null;
+    this.#corner = event.shiftKey && this.answers.zoom ? this.axes.place(event) : null;
     if (this.#held || this.#corner) this.axes.canvas.setPointerCapture(event.pointerId);
   }
 
   /** @param {PointerEvent} event */
   #over(event) {
-    const { axes, answers } = this, place = this.#place(event);
+    const { axes, answers } = this, place = this.axes.place(event);
     if (!event.buttons) axes.canvas.style.cursor = answers.ready() && this.#near(event) ? "ew-resize" : "";
     if (this.#corner) {
       const [x, y] = this.#corner;
@@ -140,7 +136,7 @@ export class Gestures {
   /** @param {MouseEvent} event */
   #click(event) {
     if (event.detail > 1 || event.shiftKey || this.#held || !this.answers.ready()) return;
-    this.#undo = this.answers.pick?.(...this.#at(this.#place(event)));
+    this.#undo = this.answers.pick?.(...this.#at(this.axes.place(event)));
   }
 
   /** @param {KeyboardEvent} event */

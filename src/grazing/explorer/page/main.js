@@ -13,6 +13,7 @@ import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
 import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
+import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
@@ -291,6 +292,7 @@ function build() {
     if (hash !== toFragment(state)) read(hash);
   });
   const again = () => (failed ? refresh() : current()?.repaint());
+  stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** The controls of the page, in their places. */
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { WORDS } from "./names.js";
 import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment } from "./state.js";
 
 /** @typedef {import("./controls.js").Control} Control */
@@ -22,9 +23,9 @@ export function panel(page) {
   }
   const more = document.createElement("details");
   const title = document.createElement("summary");
-  title.textContent = "Wall, time shift and harmonics";
+  title.textContent = "More settings";
   more.append(title);
-  controls.law = choice("reset law", named(["newton", "active", "triggered"]), own("law"));
+  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"]], own("law"));
   place("oscillator-sliders").append(controls.law.box);
   const first = ["offset", "V", "r", "omega", "alpha", "k"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
@@ -42,7 +43,7 @@ export function panel(page) {
     return fromFragment(`version=1&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
   });
   /** @type {[string, string][]} */
-  const axes = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
+  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);
   put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", axis("line", "u(0)"));

@@ -6,7 +6,13 @@ import { Recorder } from "./svg.js";
 
 /** @typedef {import("./svg.js").Pen} Pen */
 
-const MARGIN = { left: 54, right: 12, top: 20, bottom: 34, equal: false };
+const MARGIN = { left: 62, right: 14, top: 24, bottom: 42, equal: false };
+/** The least that is written in a picture, in pixels, and what it is where the page is presented to a room. */
+const TEXT = 14, PRESENTED = 24;
+export const FONT = `${TEXT}px system-ui, sans-serif`;
+
+/** How much larger everything in a picture is drawn. */
+export const enlarged = () => (document.body.classList.contains("presenting") ? PRESENTED / TEXT : 1);
 
 /** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
 const ROOM = 7;
@@ -48,7 +54,7 @@ function beside(label, { base, power }) {
   return `${base ? `(${part})` : part} · 10${raised(power)}`;
 }
 
-/** A canvas with axes; the scales `x` and `y` give places in CSS pixels, `atX` and `atY` go back. */
+/** A canvas with axes; the scales `x` and `y` give places in pixels of the picture, `atX` and `atY` go back. */
 export class Axes {
   /** @param {HTMLElement | null} canvas @param {Partial<typeof MARGIN>} margin */
   constructor(canvas, margin = {}) {
@@ -63,6 +69,14 @@ export class Axes {
     this.x0 = this.y0 = 0;
     this.x1 = this.y1 = 1;
     this.box = { x: 0, y: 0, w: 1, h: 1 };
+    /** CSS pixels, and those of the bitmap, in a pixel of the picture. */
+    this.zoom = this.ratio = 1;
+  }
+
+  /** Where an event is in the picture. @param {{clientX: number, clientY: number}} event @returns {[number, number]} */
+  place({ clientX, clientY }) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return [(clientX - left) / this.zoom, (clientY - top) / this.zoom];
   }
 
   /** @param {number} x0 @param {number} x1 @param {number} y0 @param {number} y1 */
@@ -78,8 +92,10 @@ export class Axes {
   /** Fit the bitmap to its place on the page and clear it. */
   begin() {
     const ratio = window.devicePixelRatio || 1;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+    this.zoom = enlarged();
+    this.ratio = ratio * this.zoom;
+    const { clientWidth, clientHeight } = this.canvas, width = clientWidth / this.zoom, height = clientHeight / this.zoom;
+    const [w, h] = [Math.max(1, Math.round(clientWidth * ratio)), Math.max(1, Math.round(clientHeight * ratio))];
     if (this.canvas.width !== w || this.canvas.height !== h) {
       this.canvas.width = w;
       this.canvas.height = h;
@@ -90,10 +106,10 @@ export class Axes {
     this.x.range([left, left + this.box.w]);
     this.y.range([top + this.box.h, top]);
     const c = this.context;
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     c.fillStyle = theme().paper;
     c.fillRect(0, 0, width, height);
-    c.font = "12px system-ui, sans-serif";
+    c.font = FONT;
     c.lineJoin = "round";
     return c;
   }
@@ -141,7 +157,7 @@ export class Axes {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.textBaseline = "top";
-    const across = scaled(this.x0, this.x1, box.w / 85), upwards = scaled(this.y0, this.y1, box.h / 45);
+    const across = scaled(this.x0, this.x1, box.w / 95), upwards = scaled(this.y0, this.y1, box.h / 50);
     const edge = box.x + box.w + this.margin.right - 1;
     for (const { value, text } of across.ticks) {
       const x = this.x(value);
@@ -155,10 +171,10 @@ export class Axes {
       c.fillText(text, box.x - 8, this.y(value));
     }
     c.fillStyle = ink;
-    c.font = "italic 14px Georgia, 'Times New Roman', serif";
+    c.font = "italic 17px Georgia, 'Times New Roman', serif";
     c.textBaseline = "bottom";
     c.textAlign = "right";
-    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 33);
+    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 42);
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
@@ -167,11 +183,11 @@ export class Axes {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;
       c.fillStyle = theme().paper;
-      c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 19);
+      c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 22);
       c.globalAlpha = 1;
       c.fillStyle = ink;
       c.fillText(up, box.x + 6, box.y + 3);
     }
-    c.font = "12px system-ui, sans-serif";
+    c.font = FONT;
   }
 }

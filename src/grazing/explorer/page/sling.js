@@ -51,23 +51,17 @@ export class Sling {
     view.draw();
   }
 
-  /** @param {{clientX: number, clientY: number}} event @param {import("./plot.js").Axes} axes */
-  #place({ clientX, clientY }, { canvas }) {
-    const { left, top } = canvas.getBoundingClientRect();
-    return [clientX - left, clientY - top];
-  }
-
   /** Whether a finger is at the ball, or in the portrait, where the ball may be put anywhere. @param {{clientX: number, clientY: number}} touch @param {import("./plot.js").Axes} axes */
   #grips(touch, axes) {
     const { view } = this;
     if (axes === view.axes) return true;
-    const [x, y] = this.#place(touch, axes), ball = view.strip.ball;
+    const [x, y] = axes.place(touch), ball = view.strip.ball;
     return Math.hypot(x - ball[0], y - ball[1]) < GRIP;
   }
 
   /** @param {PointerEvent} event @param {import("./plot.js").Axes} axes */
   #takes(event, axes) {
-    const [x, y] = this.#place(event, axes), { view } = this, { box } = axes;
+    const [x, y] = axes.place(event), { view } = this, { box } = axes;
     if (axes === view.axes) return x >= box.x && y >= box.y && y <= box.y + box.h;
     const grips = this.#grips(event, axes);
     if (y > box.y + box.h + GRIP || (event.pointerType === "touch" && !grips)) return false;
@@ -77,7 +71,7 @@ export class Sling {
 
   /** @param {PointerEvent} event @param {import("./plot.js").Axes} axes */
   #drag(event, axes) {
-    const [x, y] = this.#place(event, axes), portrait = this.view.axes, taken = this.#taken;
+    const [x, y] = axes.place(event), portrait = this.view.axes, taken = this.#taken;
     if (axes === portrait) return this.#at(axes.atX(Math.min(Math.max(x, axes.box.x), axes.box.x + axes.box.w)), axes.atY(Math.min(Math.max(y, axes.box.y), axes.box.y + axes.box.h)), null);
     // as with a sling, the ball flies the other way than it is pulled
     if (taken) this.#at(taken.u, ((y - taken.y) / axes.box.h) * (portrait.y1 - portrait.y0), taken.pen);

@@ -188,7 +188,13 @@ export class StrobeView {
     c.fillStyle = theme().faint;
     c.textAlign = "center";
     c.textBaseline = "middle";
-    this.#still().forEach((line, i) => c.fillText(line, zero.canvas.clientWidth / 2, zero.canvas.clientHeight / 2 + 18 * i - 9));
+    const width = zero.canvas.clientWidth / zero.zoom;
+    let lines = [""];
+    for (const word of this.#still().join(" ").split(" ")) {
+      const longer = `${lines[lines.length - 1]} ${word}`.trim();
+      lines = c.measureText(longer).width > width - 24 ? [...lines, word] : [...lines.slice(0, -1), longer];
+    }
+    lines.forEach((line, i) => c.fillText(line, width / 2, zero.box.y + zero.box.h / 2 + 20 * (i - lines.length / 2)));
   }
 
   raster() {
