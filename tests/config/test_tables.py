@@ -86,6 +86,8 @@ def test_a_name_of_no_table_is_told_from_a_file():
         gz.read_table("clasic")
     with pytest.raises(gz.InputError, match=r"nothing\.toml"):
         gz.read_table("nothing.toml")
+    with pytest.raises(gz.InputError, match="there is no file '9999"):
+        gz.read_table("9" * 10_000)  # no file system has such a name
 
 
 def test_four_tables_ship():

@@ -90,7 +90,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     """
     known = isinstance(source, str) and source in shipped()
     path = HOME / f"{source}.toml" if known else source
-    if isinstance(source, str) and not known and not source.endswith(".toml") and not Path(source).exists():
+    if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
     said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS], str(source))
     if all(name in said for name in PLAYERS):

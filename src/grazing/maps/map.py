@@ -559,6 +559,12 @@ def swift(P: Map) -> Map:
     return P if P.origin.settle is None else replace(P, origin=P.origin.unsettled())
 
 
+def eased(P: Map) -> Map:
+    """Return the map with images beside its orbits too, where no orbit may begin: for Newton's method."""
+    origin = P.origin.eased()
+    return P if origin is P.origin else replace(P, origin=origin)
+
+
 def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
     """Wrap a step so that an orbit ends, in NaN, beyond ``escape`` or with a fatal outcome."""
 
