@@ -4,7 +4,9 @@ import threading
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from grazing.cli.app import main
 from grazing.cli.explore import explore
@@ -147,6 +149,32 @@ def test_older_links_keep_working(shown, address, link):
     shown.open(f"{address}#{link}")
     assert shown.problem() == ""
     assert {key: state(shown, key) for key in OLDER[link]} == OLDER[link]
+
+
+# ---- pictures
+
+
+@pytest.mark.parametrize("view", ["ball", "gap", "chart&chart_columns=40&chart_rows=30"])
+def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
+    shown.open(f"{address}#version=1&view={view}&columns=60")
+    if view == "ball":
+        shown.page.click("#play")
+    found = []
+    for times in ("1", "4"):
+        shown.page.select_option("#times", times)
+        with shown.page.expect_download() as download:
+            shown.page.click("[data-save=png]")
+        download.value.save_as(tmp_path / "seen.png")
+        found.append(Image.open(tmp_path / "seen.png").convert("L"))
+    small, large = found
+    assert large.size == (4 * small.width, 4 * small.height)
+    seen = "[...document.querySelectorAll('main canvas')].filter(c => c.offsetParent)"
+    assert shown.page.evaluate(f"() => {seen}.every(c => c.width === c.clientWidth)")  # the screen is as before
+    # the same picture, finer: averaged it is the small one, and it is no enlargement of it
+    mean = np.asarray(large.resize(small.size, Image.Resampling.BOX)).astype(float)
+    assert np.abs(mean - np.asarray(small)).mean() < 4
+    blown = np.asarray(small.resize(large.size, Image.Resampling.NEAREST)).astype(float)
+    assert np.abs(blown - np.asarray(large)).mean() > 0.5
 
 
 # ---- the way back

@@ -54,6 +54,12 @@ function beside(label, { base, power }) {
   return `${base ? `(${part})` : part} · 10${raised(power)}`;
 }
 
+let times = 1;
+/** Draw from now on with so many times the pixels of the screen, for a file. @param {number} factor */
+export const magnify = (factor) => (times = factor);
+/** Pixels of a bitmap in one of CSS. */
+export const resolution = () => (window.devicePixelRatio || 1) * times;
+
 /** A canvas with axes; the scales `x` and `y` give places in pixels of the picture, `atX` and `atY` go back. */
 export class Axes {
   /** @param {HTMLElement | null} canvas @param {Partial<typeof MARGIN>} margin */
@@ -91,7 +97,7 @@ export class Axes {
 
   /** Fit the bitmap to its place on the page and clear it. */
   begin() {
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = resolution();
     this.zoom = enlarged();
     this.ratio = ratio * this.zoom;
     const { clientWidth, clientHeight } = this.canvas, width = clientWidth / this.zoom, height = clientHeight / this.zoom;

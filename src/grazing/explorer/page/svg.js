@@ -238,13 +238,13 @@ export function svgOf(panels, { title, about, paper }) {
 }
 
 /**
- * The pictures on screen on one canvas, in the pixels of the screen.
+ * The pictures on screen on one canvas.
  * @param {Panel[]} panels
  * @param {string} paper
+ * @param {number} ratio pixels in one of CSS, as they are drawn
  */
-export function canvasOf(panels, paper) {
+export function canvasOf(panels, paper, ratio) {
   const { places, width, height } = layout(panels);
-  const ratio = window.devicePixelRatio || 1;
   const canvas = document.createElement("canvas");
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
