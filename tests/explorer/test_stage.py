@@ -100,6 +100,22 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown)
 
 
+def test_keys_are_at_hand_before_a_room(shown, address):
+    shown.open(f"{address}#version=1&view=ball&offset=0.14&tour=1")
+    shown.page.keyboard.press("p")
+    shown.page.keyboard.press(" ")
+    assert presenting(shown) and not shown.page.evaluate("() => explorer.views.ball.playing")
+    shown.page.keyboard.press("PageDown")  # of a remote control
+    shown.until("() => explorer.state().tour === 2")
+    shown.page.keyboard.press("PageDown")
+    shown.until("() => explorer.state().tour === 3 && explorer.state().view === 'oscillator'")
+    shown.page.keyboard.press("PageUp")
+    shown.until("() => explorer.state().tour === 2")
+    assert presenting(shown) and shown.problem() == ""
+    shown.page.keyboard.press("Escape")
+    shown.until("() => !document.body.classList.contains('presenting')")
+
+
 def test_hands_do_the_same_before_a_room(shown, address):
     shown.open(f"{address}#version=1&view=gap&columns=60")
     shown.page.keyboard.press("p")

@@ -9,6 +9,9 @@ const LEAST = 721;
 /** What a key is typed into, and not said to the page. @param {EventTarget | null} target */
 const isTyped = (target) => target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && /** @type {HTMLInputElement} */ (target).type !== "range";
 
+/** The keys of a presenter's remote control, and the buttons of the tour that they press. */
+const TURNS = /** @type {Record<string, string>} */ ({ PageDown: "next", PageUp: "back" });
+
 /** Let the page be presented: by its button, by P, and back by either or Escape. @param {() => void} again what draws everything once more */
 export function stage(again) {
   const { classList } = document.body, more = byId("more");
@@ -24,7 +27,8 @@ export function stage(again) {
     all(false);
     if (on) document.documentElement.requestFullscreen?.().catch(() => {}); // where it is not allowed, the window is filled
     else if ((ours = Boolean(document.fullscreenElement))) document.exitFullscreen();
-    (on ? byId("end") : byId("present")).focus({ preventScroll: true });
+    const picture = /** @type {HTMLElement | null} */ (document.querySelector(".view:not([hidden]) .first canvas"));
+    (on ? picture : byId("present"))?.focus({ preventScroll: true }); // the keys of the picture are at hand
     scrollTo(0, 0);
     again();
   };
@@ -38,6 +42,7 @@ export function stage(again) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || isTyped(event.target)) return;
     if (event.key === "p" || event.key === "P") show(!classList.contains("presenting"));
-    else if (event.key === "Escape" && !document.fullscreenElement && !event.defaultPrevented) show(false);
+    else if (classList.contains("presenting") && TURNS[event.key]) byId(TURNS[event.key]).click();
+    else if (event.key === "Escape" && !event.defaultPrevented) show(false);
   });
 }
