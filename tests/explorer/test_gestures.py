@@ -128,6 +128,22 @@ def test_fingers_that_part_zoom_in(phone, address, scene):
     phone.until(f"() => {axes}.x1 - {axes}.x0 > {1.5 * np.ptp(after[0])}")  # and together, out again
 
 
+def test_fingers_zoom_where_one_of_them_is_at_the_line(phone, address):
+    fragment, canvas, _keys, axes = PICTURES["gap"]
+    phone.open(f"{address}#version=1&{SMALL}&{fragment}")
+    _x, y = place(phone, canvas, 0.5, 0.5)
+    x = phone.page.evaluate(f"() => {axes}.canvas.getBoundingClientRect().left + {axes}.x(explorer.state().mu)")
+    before, mu = ends(phone, axes), state(phone, "mu")
+    touch(phone, "touchStart", (x, y))
+    touch(phone, "touchStart", (x, y), (x - 60, y))
+    for k in range(1, 7):
+        touch(phone, "touchMove", (x + 5 * k, y), (x - 60 - 5 * k, y))
+    touch(phone, "touchEnd")
+    phone.until(f"() => {axes}.x1 - {axes}.x0 < {0.7 * np.ptp(before[0])}")
+    phone.settle()
+    assert abs(np.ptp(ends(phone, axes)[0]) / np.ptp(before[0]) - 0.5) < 0.02 and state(phone, "mu") == mu
+
+
 def test_one_finger_scrolls_the_page_and_a_tap_picks(phone, address):
     phone.open(f"{address}#version=1&view=chart&chart_columns=20&chart_rows=20")
     phone.page.set_viewport_size({"width": 390, "height": 570})  # a picture that does not stick

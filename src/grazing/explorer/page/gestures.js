@@ -60,7 +60,10 @@ export class Gestures {
     behaviour
       .clickDistance(CLICK)
       // one finger scrolls the page, or drags the line
-      .filter((event) => answers.ready() && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2))
+      .filter((event) => {
+        if (event.touches?.length > 1) this.#held = false; // with a second finger the first one drags no line
+        return answers.ready() && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2);
+      })
       .on("start", ({ sourceEvent }) => {
         [x, y] = [onScreen(axes.x), onScreen(axes.y)];
         from = sourceEvent instanceof MouseEvent && sourceEvent.type === "mousedown" ? [sourceEvent.clientX, sourceEvent.clientY] : null;
