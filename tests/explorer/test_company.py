@@ -68,7 +68,7 @@ MEASURED = """async ([u, v, turns]) => {
   const { Rate } = await import("./twin.js"), { machine, model } = explorer.views.ball, rate = new Rate();
   const turn = (u, v) => [...machine.call("orbits", { columns: 1, starts: 1, keep: 1, rows: model.row,
     lanes: Float64Array.of(u, v), transient: 0 }, ["points"]).points];
-  for (let n = 0; n < turns; n++, [u, v] = turn(u, v)) rate.pass([u, v], turn, model.sigma);
+  for (let n = 0; n < turns; n++, [u, v] = turn(u, v)) rate.pass([u, v], turn, model.sigma, 0.5);
   return rate.exponent;
 }"""
 
@@ -135,15 +135,16 @@ def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(sh
     shown.until(f"() => {BALL}.company.sweeps.found")
     shown.until("() => location.hash.includes('sweeps=yes')")
     assert shown.pixels("ball-diagram") != plain
-    values, up, down = (
+    values, start, up, down = (
         np.array(shown.page.evaluate(f"() => [...{BALL}.company.sweeps.found.{name}]"))
-        for name in ("values", "up", "down")
+        for name in ("values", "start", "up", "down")
     )
     assert np.array_equal(values, np.linspace(0.118, 0.128, len(values)))
     kept = len(up) // len(values)
     up, down = up.reshape(-1, kept), down.reshape(-1, kept)
     # the first values, step by step
-    state = np.array([0.1, 0.0])
+    assert start[0] > 0
+    state = start
     for q in range(12):
         P = gz.stroboscopic_map(gz.pinball(d=float(values[q]), V=0.4))
         seen = []
@@ -156,6 +157,10 @@ def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(sh
     period = lambda row: next((N for N in range(1, kept) if np.allclose(row[N:], row[:-N], atol=1e-6)), 0)  # noqa: E731
     middle = np.argmin(np.abs(values - 0.1225))
     assert (period(up[middle]), period(down[middle])) == (3, 4)
+    said = re.search(r"different orbits for ([\d.]+) ≤ d ≤ ([\d.]+): hysteresis", shown.page.inner_text("#summary"))
+    low, high = map(float, said.groups())
+    apart = [v for v, a, b in zip(values, up, down, strict=True) if {period(a), period(b)} == {3, 4}]
+    assert math.isclose(low, min(apart), rel_tol=1e-3) and math.isclose(high, max(apart), rel_tol=1e-3)
     assert (period(up[0]), period(down[0])) == (3, 3) and (period(up[-1]), period(down[-1])) == (4, 4)
 
 

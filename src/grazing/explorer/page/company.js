@@ -1,8 +1,12 @@
 // @ts-check
 /** What keeps the ball company when it is asked for: the twin with the rate at which near balls part, and sweeps over the diagram. */
 import { flown } from "./flight.js";
+import { numeral } from "./state.js";
 import { Sweeps } from "./sweeps.js";
 import { Rate, Twin } from "./twin.js";
+
+/** Intervals that are named at most. */
+const NAMED = 4;
 
 export class Company {
   rate = new Rate();
@@ -12,19 +16,22 @@ export class Company {
   /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
   constructor(view, pool) {
     this.view = view;
-    this.sweeps = new Sweeps(pool, () => view.diagram.draw());
+    this.sweeps = new Sweeps(pool, () => {
+      view.diagram.draw();
+      view.told();
+    });
     this.told = /** @type {HTMLElement} */ (document.getElementById("rate"));
   }
 
   /** Take what a state asks for. @param {import("./state.js").State} state */
-  show({ twin, sweeps, vary, reach, sigma }) {
+  show({ twin, sweeps, vary, reach }) {
     const { view } = this;
     if (twin !== Boolean(this.twin)) {
       this.twin = twin ? new Twin() : null;
       this.rate.forget();
       if (view.flight) this.#meet();
     }
-    if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach, sigma);
+    if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach);
     this.#tell();
   }
 
@@ -37,9 +44,14 @@ export class Company {
     this.#tell();
   }
 
+  /** The height of the picture. */
+  get #size() {
+    return this.view.axes.x1 - this.view.state.sigma;
+  }
+
   #meet() {
     const { view } = this, [u, v] = view.place;
-    this.twin?.begin(view.machine, view.model, [u, v, view.begun[2] + view.now], view.turn, view.axes.x1 - view.state.sigma);
+    this.twin?.begin(view.machine, view.model, [u, v, view.begun[2] + view.now], view.turn, this.#size);
   }
 
   /** The ball has moved on by a time. @param {number} time */
@@ -55,8 +67,18 @@ export class Company {
     this.rate.pass(place, (u, v) => {
       const { u: us, v: vs, cut } = flown(machine, model, u, v, 1);
       return cut ? [NaN, NaN] : [us[us.length - 1], vs[vs.length - 1]];
-    }, model.sigma);
+    }, model.sigma, this.#size);
     this.#tell();
+  }
+
+  /** What sweeps show, in words. @param {string} name of the parameter @returns {import("./state.js").Line[]} */
+  said(name) {
+    const { sweeps } = this;
+    if (!this.view.state.sweeps || !sweeps.found) return [];
+    const apart = sweeps.differ().map(([from, to]) => `${numeral(from, 4)} ≤ ${name} ≤ ${numeral(to, 4)}`);
+    if (!apart.length) return [{ text: "Carried up and down, one ball is on the same orbits both ways." }];
+    const more = apart.splice(NAMED).length;
+    return [{ text: `Carried up and down, one ball is on different orbits for ${apart.join(", ")}${more ? `, and in ${more} more places` : ""}: hysteresis.` }];
   }
 
   #tell() {

@@ -252,12 +252,15 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
 
 /**
  * One ball that is carried along the values of a parameter and back: the positions that it takes at each, `keep` for a value, on
- * the way up and on the way down. Where its orbit ends it begins anew.
+ * the way up and on the way down. It begins in the middle of the box of random starts; where its orbit ends, there anew.
  * @param {Machine} machine
- * @param {{row: Floats, which: number, values: Floats, start: Floats, transient: number, keep: number}} job
+ * @param {{row: Floats, which: number, values: Floats, transient: number, keep: number}} job
  */
-export function sweep(machine, { row, which, values, start, transient, keep }) {
+export function sweep(machine, { row, which, values, transient, keep }) {
   const at = Float64Array.from(row), wall = machine.fields.indexOf("sigma");
+  at[which] = values[0];
+  const { boxes } = machine.call("boxes", { columns: 1, rows: at }, ["boxes"]);
+  const start = Float64Array.of((boxes[0] + boxes[1]) / 2, (boxes[2] + boxes[3]) / 2);
   let lanes = start;
   const way = (/** @type {number[]} */ order) => {
     const found = new Float64Array(values.length * keep).fill(NaN);
@@ -272,7 +275,7 @@ export function sweep(machine, { row, which, values, start, transient, keep }) {
     return found;
   };
   const order = Array.from(values, (_, q) => q), up = way(order);
-  return { up, down: way(order.reverse()) };
+  return { start, up, down: way(order.reverse()) };
 }
 
 export const JOBS = { raster, periods, extent, chart, basins, found, sweep };

@@ -6,7 +6,16 @@ import { linspace } from "./jobs.js";
 /** Values of the parameter; turns that are passed over and kept at each. */
 const VALUES = 300, PASSED = 120, KEPT = 16;
 
-/** @typedef {{values: Float64Array, up: Float64Array, down: Float64Array}} Swept positions at the section: KEPT of them for each value, NaN where the orbit ended */
+/** Positions nearer than this share of all that were taken are the same. */
+const SAME = 3e-4;
+
+/** The positions of an orbit with a period, in order; nothing of one without. @param {Float64Array} seen @param {number} same */
+function cycle(seen, same) {
+  for (let N = 1; 2 * N <= seen.length; N++) if (seen.subarray(N).every((u, n) => Math.abs(u - seen[n]) < same)) return seen.slice(0, N).sort();
+  return null;
+}
+
+/** @typedef {{values: Float64Array, start: Float64Array, up: Float64Array, down: Float64Array}} Swept where the ball began, and positions at the section: KEPT of them for each value, NaN where the orbit ended */
 
 export class Sweeps {
   /** @type {Swept | null} */ found = null;
@@ -18,17 +27,17 @@ export class Sweeps {
     this.done = done;
   }
 
-  /** Sweep, unless that is swept already. @param {import("./machine.js").Floats} row @param {number} which @param {import("./state.js").Pair} span @param {number} sigma */
-  show(row, which, span, sigma) {
+  /** Sweep, unless that is swept already. @param {import("./machine.js").Floats} row @param {number} which @param {import("./state.js").Pair} span */
+  show(row, which, span) {
     const others = Array.from(row);
     others[which] = 0;
     const key = JSON.stringify([others, which, span]);
     if (key === this.#key) return;
     this.#key = key;
     this.found = null;
-    const values = linspace(...span, VALUES), start = Float64Array.of(sigma + 0.1, 0);
-    this.pool.batch("sweeps").run("oscillator", "sweep", { row, which, values, start, transient: PASSED, keep: KEPT }).then(({ up, down }) => {
-      this.found = { values, up, down };
+    const values = linspace(...span, VALUES);
+    this.pool.batch("sweeps").run("oscillator", "sweep", { row, which, values, transient: PASSED, keep: KEPT }).then((swept) => {
+      this.found = { values, ...swept };
       this.done();
     }, () => (this.#key = undefined));
   }
@@ -48,6 +57,23 @@ export class Sweeps {
         }
       });
     }
+  }
+
+  /** Where the two ways are on different orbits with a period, as intervals of the parameter. */
+  differ() {
+    /** @type {import("./state.js").Pair[]} */
+    const found = [];
+    if (!this.found) return found;
+    const { values, up, down } = this.found, width = values[1] - values[0], taken = up.filter(Number.isFinite);
+    const same = SAME * (taken.reduce((most, u) => Math.max(most, u), -Infinity) - taken.reduce((least, u) => Math.min(least, u), Infinity));
+    values.forEach((value, q) => {
+      const [a, b] = [up, down].map((all) => cycle(all.subarray(q * KEPT, (q + 1) * KEPT), same));
+      if (!a || !b || (a.length === b.length && a.every((u, i) => Math.abs(u - b[i]) < same))) return;
+      const last = found.at(-1);
+      if (last && value - last[1] < 1.5 * width) last[1] = value;
+      else found.push([value, value]);
+    });
+    return found;
   }
 
   /** What the colours are, above the picture. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */

@@ -8,7 +8,7 @@ import { numeral } from "./state.js";
 
 /** How far apart the balls begin, of the height of the picture; how far balls are that have parted, and turns for which they are then left. */
 const NEAR = 0.012, APART = 0.3, LEFT = 6;
-/** The distance at which the rate is measured, of the size of a state: small, and far above the rounding of a turn. */
+/** The distance at which the rate is measured, of the height of the picture: small, and far above the rounding of a turn. */
 const SMALL = 1e-7;
 /** Turns that are passed over, in which what is near turns into the direction that grows most. */
 const WARM = 3;
@@ -37,10 +37,10 @@ export class Rate {
 
   /**
    * The ball has passed the section.
-   * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {number} sigma
+   * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {number} sigma @param {number} height of the picture
    */
-  pass([u, v], turn, sigma) {
-    const small = SMALL * Math.max(Math.hypot(u, v), 1e-3);
+  pass([u, v], turn, sigma, height) {
+    const small = SMALL * height;
     let [du, dv] = [small, 0];
     if (this.#near) {
       const [U, V] = turn(...this.#near), far = Math.hypot(U - u, V - v);
