@@ -18,7 +18,7 @@ from grazing.plot.style import PERIODS
 from tests.explorer.browser import Shown
 
 PAGE = FOLDER / "page"
-#: What the page and all it needs may weigh, in bytes: it weighs 548,000, of which 69,000 are the parts of d3 with their licenses.
+#: What the page and all it needs may weigh, in bytes: it weighs 548,000, of which 69,000 are parts of d3.
 HEAVIEST = 560_000
 
 

@@ -130,5 +130,5 @@ def write_to(file: str | Path) -> Path:
             f"cannot write to {file}: {error.strerror or error}; choose a folder that can be made"
         ) from None
     with whole_file(target) as new:
-        new.write_text(page(), encoding="utf-8")
+        new.write_text(page(), encoding="utf-8", newline="\n")
     return target

@@ -275,7 +275,7 @@ def copy_to(folder: str | Path) -> Path:
                 with whole_file(goal) as new:
                     shutil.copyfile(path, new)
         with whole_file(root) as new:
-            new.write_text(rooted(), encoding="utf-8")
+            new.write_text(rooted(), encoding="utf-8", newline="\n")
     except OSError as error:
         raise InputError(
             f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"
