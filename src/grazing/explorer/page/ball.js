@@ -13,7 +13,7 @@ import { Axes } from "./plot.js";
 import { portrait } from "./portrait.js";
 import { Sling } from "./sling.js";
 import { Sound } from "./sound.js";
-import { later, tidy } from "./state.js";
+import { later, numeral, tidy } from "./state.js";
 import { Strip } from "./strip.js";
 import { tune } from "./tune.js";
 
@@ -372,7 +372,7 @@ export class BallView {
   summary() {
     const { state } = this;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${state.offset}:` }];
+    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });

@@ -47,7 +47,7 @@ export class Strip {
     c.textBaseline = "top";
     c.fillText("height u", 14, 9);
     c.textAlign = "right";
-    c.fillText(scene.said, width - 12, 9);
+    c.fillText(aim ? `begins at u = ${numeral(aim.u, 3)}, v = ${numeral(aim.v, 3)}` : scene.said, width - 12, 9);
   }
 
   /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */
@@ -162,7 +162,7 @@ export class Strip {
   }
 
   /** The flight that is foreseen, and where it begins. @param {import("./svg.js").Pen} c @param {Scene} scene @param {import("./sling.js").Aim} aim */
-  #ahead(c, { turn, T, sigma, u, colour }, { flight, v }) {
+  #ahead(c, { turn, T, sigma, colour }, { flight }) {
     const { axes } = this, { times, hits } = flight, floor = axes.y(sigma);
     c.strokeStyle = colour;
     c.lineWidth = 2.5;
@@ -182,11 +182,6 @@ export class Strip {
       c.arc(axes.x(turn + t / T), floor + BALL - 1, 5, 0, 7);
       c.fill();
     }
-    c.fillStyle = theme().ink;
-    c.font = `15px ${FONT}`;
-    c.textAlign = "left";
-    c.textBaseline = "bottom";
-    c.fillText(`u = ${numeral(u, 3)}, v = ${numeral(v, 3)}`, axes.x(turn) + 24, Math.max(axes.y(u) - 16, 30));
   }
 
   /** @param {import("./svg.js").Pen} c @param {import("./twin.js").Twin} twin */
