@@ -24,14 +24,14 @@ export class Company {
   }
 
   /** Take what a state asks for. @param {import("./state.js").State} state */
-  show({ twin, sweeps, vary, reach }) {
+  show({ twin, sweeps, vary, reach, seed }) {
     const { view } = this;
     if (twin !== Boolean(this.twin)) {
       this.twin = twin ? new Twin() : null;
       this.rate.forget();
       if (view.flight) this.#meet();
     }
-    if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach);
+    if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach, seed);
     this.#tell();
   }
 
@@ -76,9 +76,9 @@ export class Company {
     const { sweeps } = this;
     if (!this.view.state.sweeps || !sweeps.found) return [];
     const apart = sweeps.differ().map(([from, to]) => `${numeral(from, 4)} ≤ ${name} ≤ ${numeral(to, 4)}`);
-    if (!apart.length) return [{ text: "Carried up and down, one ball is on the same orbits both ways." }];
+    if (!apart.length) return [{ text: "Carried up and down, a ball is on the same orbits both ways." }];
     const more = apart.splice(NAMED).length;
-    return [{ text: `Carried up and down, one ball is on different orbits for ${apart.join(", ")}${more ? `, and in ${more} more places` : ""}: hysteresis.` }];
+    return [{ text: `Carried up and down, a ball is on different orbits for ${apart.join(", ")}${more ? `, and in ${more} more places` : ""}: hysteresis.` }];
   }
 
   #tell() {

@@ -251,31 +251,28 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
 }
 
 /**
- * One ball that is carried along the values of a parameter and back: the positions that it takes at each, `keep` for a value, on
- * the way up and on the way down. It begins in the middle of the box of random starts; where its orbit ends, there anew.
+ * A ball that is carried along the values of a parameter, and one that is carried back: `keep` positions at each value, on the way up
+ * and on the way down. Each way begins with a random start; where an orbit ends, another one begins.
  * @param {Machine} machine
- * @param {{row: Floats, which: number, values: Floats, transient: number, keep: number}} job
+ * @param {{row: Floats, which: number, values: Floats, seed: number, transient: number, keep: number}} job
  */
-export function sweep(machine, { row, which, values, transient, keep }) {
-  const at = Float64Array.from(row), wall = machine.fields.indexOf("sigma");
-  at[which] = values[0];
-  const { boxes } = machine.call("boxes", { columns: 1, rows: at }, ["boxes"]);
-  const start = Float64Array.of((boxes[0] + boxes[1]) / 2, (boxes[2] + boxes[3]) / 2);
-  let lanes = start;
+export function sweep(machine, { row, which, values, seed, transient, keep }) {
+  const rows = rowsOf(row, which, values), all = drawn(machine, rows, values, 1, seed), width = row.length, wall = machine.fields.indexOf("sigma");
   const way = (/** @type {number[]} */ order) => {
     const found = new Float64Array(values.length * keep).fill(NaN);
+    let lanes = Float64Array.of(NaN, NaN);
     for (const q of order) {
-      at[which] = values[q];
-      lanes = Float64Array.of(Math.max(lanes[0], at[wall]), lanes[1]);
+      const at = rows.subarray(q * width, (q + 1) * width);
+      if (!lanes.every(Number.isFinite)) lanes = all.slice(2 * q, 2 * q + 2);
+      lanes[0] = Math.max(lanes[0], at[wall]);
       const { points } = machine.call("orbits", { columns: 1, starts: 1, keep, rows: at, lanes, transient }, ["points"]);
       for (let n = 0; n < keep; n++) found[q * keep + n] = points[2 * n];
       lanes = points.slice(-2);
-      if (!lanes.every(Number.isFinite)) lanes = start;
     }
     return found;
   };
-  const order = Array.from(values, (_, q) => q), up = way(order);
-  return { start, up, down: way(order.reverse()) };
+  const order = Array.from(values, (_, q) => q);
+  return { up: way(order), down: way([...order].reverse()) };
 }
 
 export const JOBS = { raster, periods, extent, chart, basins, found, sweep };

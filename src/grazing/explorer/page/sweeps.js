@@ -1,10 +1,11 @@
 // @ts-check
-/** One ball that is carried up and down a parameter, over the diagram: where it stays on another orbit, hysteresis. */
+/** Balls that are carried up and down a parameter, over the diagram: where they stay on different orbits, hysteresis. */
 import { theme } from "./colours.js";
 import { linspace } from "./jobs.js";
 
 /** Values of the parameter; turns that are passed over and kept at each. */
-const VALUES = 300, PASSED = 120, KEPT = 16;
+export const SWEEP = { values: 300, transient: 120, keep: 16 };
+const KEPT = SWEEP.keep;
 
 /** Positions nearer than this share of all that were taken are the same. */
 const SAME = 3e-4;
@@ -15,7 +16,7 @@ function cycle(seen, same) {
   return null;
 }
 
-/** @typedef {{values: Float64Array, start: Float64Array, up: Float64Array, down: Float64Array}} Swept where the ball began, and positions at the section: KEPT of them for each value, NaN where the orbit ended */
+/** @typedef {{values: Float64Array, up: Float64Array, down: Float64Array}} Swept positions at the section: KEPT of them for each value, NaN where the orbit ended */
 
 export class Sweeps {
   /** @type {Swept | null} */ found = null;
@@ -27,16 +28,16 @@ export class Sweeps {
     this.done = done;
   }
 
-  /** Sweep, unless that is swept already. @param {import("./machine.js").Floats} row @param {number} which @param {import("./state.js").Pair} span */
-  show(row, which, span) {
+  /** Sweep, unless that is swept already. @param {import("./machine.js").Floats} row @param {number} which @param {import("./state.js").Pair} span @param {number} seed */
+  show(row, which, span, seed) {
     const others = Array.from(row);
     others[which] = 0;
-    const key = JSON.stringify([others, which, span]);
+    const key = JSON.stringify([others, which, span, seed]);
     if (key === this.#key) return;
     this.#key = key;
     this.found = null;
-    const values = linspace(...span, VALUES);
-    this.pool.batch("sweeps").run("oscillator", "sweep", { row, which, values, transient: PASSED, keep: KEPT }).then((swept) => {
+    const values = linspace(...span, SWEEP.values);
+    this.pool.batch("sweeps").run("oscillator", "sweep", { row, which, values, seed, transient: SWEEP.transient, keep: SWEEP.keep }).then((swept) => {
       this.found = { values, ...swept };
       this.done();
     }, () => (this.#key = undefined));
