@@ -187,6 +187,17 @@ def test_a_double_click_shows_all_and_picks_nothing(shown, address):
     assert state(shown, "ball") is None
 
 
+def test_two_taps_show_all_and_pick_nothing(phone, address):
+    phone.open(f"{address}#version=1&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
+    at_once = place(phone, "gap-diagram", 0.8, 0.4)
+    for _ in range(2):
+        touch(phone, "touchStart", at_once)
+        touch(phone, "touchEnd")
+        phone.page.wait_for_timeout(60)
+    phone.until("() => explorer.state().span[0] === -0.1")
+    assert state(phone, "mu") == 0.2
+
+
 def test_a_click_moves_nothing(shown, address):
     shown.open(f"{address}#version=1&view=gap&{SMALL}")
     x, y = place(shown, "gap-diagram", 0.7, 0.5)
