@@ -379,3 +379,21 @@ def test_fine_steps_by_key_and_by_dragging_up(shown, address):
     shown.until("() => explorer.state().offset > 0.13")  # and across it goes as before
     shown.page.mouse.up()
     assert json.loads(knob.evaluate("e => e.value")) == state(shown, "offset")
+
+
+def test_a_finger_moves_a_slider_and_goes_on_in_fine_steps(phone, address):
+    phone.open(f"{address}#version=1&view=ball&offset=0.12")
+    knob = slider(phone, "offset")
+    knob.scroll_into_view_if_needed()
+    box, step = knob.bounding_box(), float(knob.get_attribute("step"))
+    x, y = box["x"] + 11 + (0.12 - 0.05) / (0.16 - 0.05) * (box["width"] - 22), box["y"] + box["height"] / 2
+    touch(phone, "touchStart", (x, y))
+    for k in range(1, 7):
+        touch(phone, "touchMove", (x + 5 * k, y))
+    phone.until("() => explorer.state().offset > 0.125")
+    across = state(phone, "offset")
+    for k in range(1, 13):
+        touch(phone, "touchMove", (x + 30, y - k))
+    phone.until(f"() => Math.abs(explorer.state().offset - {across + 12 * step}) < 1e-9")
+    touch(phone, "touchEnd")
+    assert abs(state(phone, "offset") - across - 12 * step) < 1e-9
