@@ -442,3 +442,26 @@ def test_extreme_arguments_are_answered():
 def test_very_many_extreme_arguments_are_answered(part):
     wrong = failures(range(1000 + 300 * part, 1300 + 300 * part))
     assert not wrong, "\n".join(wrong)
+
+
+HOLDS_ITSELF: list = []
+HOLDS_ITSELF.append(HOLDS_ITSELF)
+TABLE: dict = {}
+TABLE["a"] = TABLE
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: gz.zdm_points(gz.pinball(), (0.0, 0.5)),
+        lambda: gz.boundaries(gz.gap_map(lam=0.5, mu=0.1, l=0.2), np.array([]), ("l", 0.0, 1.0), N=3),
+        lambda: gz.config.plan_of({"study": "diagram"}, code=np.zeros(2)),
+        lambda: gz.config.toml_of(TABLE),
+        lambda: gz.theory.cycle_expansion([], per=np.zeros(2)),
+        lambda: gz.plot.density(HOLDS_ITSELF),
+    ],
+)
+def test_arrays_in_the_place_of_a_word_and_what_holds_itself_are_refused(call):
+    """A division by zero, RecursionError, and ValueError about the truth of an array."""
+    with pytest.raises(gz.GrazingError):
+        call()
