@@ -9,6 +9,7 @@ import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
 import { EXITS, TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
+import { addressOf } from "./where.js";
 
 /** @typedef {import("./played.js").State} State */
 /** @typedef {import("./played.js").Table} Table */
@@ -298,7 +299,7 @@ async function start() {
   $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
   try {
-    const [{ described, machines, pool }, answer] = await Promise.all([load({ problem: (text) => problem(text), again: () => exits && basins() }, ["table"]), fetch(new URL("../kernels/tables.json", import.meta.url))]);
+    const [{ described, machines, pool }, answer] = await Promise.all([load({ problem: (text) => problem(text), again: () => exits && basins() }, ["table"]), fetch(addressOf("kernels/tables.json"))]);
     if (!answer.ok) throw new Error(`tables.json: ${answer.status} ${answer.statusText}`);
     ({ tables, layout } = await answer.json());
     const { outcomes, fatal } = /** @type {any} */ (described);
