@@ -62,7 +62,13 @@ class Played:
     def record(self, now, until, capacity=4096):
         flights = np.zeros((capacity, COLUMNS))
         n = self.machine.call(
-            "record", numbers=len(self.block), capacity=capacity, block=self.block, now=now, flights=flights, until=until
+            "record",
+            numbers=len(self.block),
+            capacity=capacity,
+            block=self.block,
+            now=now,
+            flights=flights,
+            until=until,
         )
         return flights[:n]
 
@@ -96,7 +102,9 @@ def test_a_thousand_hits_are_those_of_python(machine, tables):
         for t, i, down in [*live, (until, -1, False)]:  # what is to come is not known yet, as at a table
             some = played.record(now, t)
             last = int(some[-1, FLAGS])
-            ended = last & (FATAL | ESCAPED | AMBIGUOUS) and now[0] + some[-1, TIME] <= t  # Python decides doubts exactly
+            ended = (
+                last & (FATAL | ESCAPED | AMBIGUOUS) and now[0] + some[-1, TIME] <= t
+            )  # Python decides doubts exactly
             found += [*some] if ended or i < 0 else [*some[:-1]]  # else the last one is in progress
             if ended or i < 0:
                 break
@@ -106,7 +114,9 @@ def test_a_thousand_hits_are_those_of_python(machine, tables):
         n = len(found) - 1
         assert n + 1 == len(truth) or int(found[-1, FLAGS]) & AMBIGUOUS
         np.testing.assert_array_equal(found[:n, [SURFACE, OWNER]], truth[:n, [SURFACE, OWNER]])
-        np.testing.assert_array_equal(found[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]], truth[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]])
+        np.testing.assert_array_equal(
+            found[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]], truth[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]]
+        )
         hits += n
     assert start < 400
 
@@ -114,7 +124,9 @@ def test_a_thousand_hits_are_those_of_python(machine, tables):
 @pytest.mark.parametrize("rest", [-0.5, 3.6])
 def test_a_motion_is_that_of_python_piece_by_piece(machine, tables, rest):
     played = Played(machine, tables, "classic")
-    i = [one["shape"]["rest"] for one in played.flippers].index(min((o["shape"]["rest"] for o in played.flippers), key=lambda a: abs(a - rest)))
+    i = [one["shape"]["rest"] for one in played.flippers].index(
+        min((o["shape"]["rest"] for o in played.flippers), key=lambda a: abs(a - rest))
+    )
     times = switch_times(3, 30.0)
     for j, t in enumerate(times):
         played.press(i, t, j % 2 == 0)
@@ -140,7 +152,9 @@ def test_ghosts_are_where_their_own_flights_are(machine, tables):
                 continue
             assert balls[i, HITS] == len(flown) - 1
             seen = gz.trajectory(read_table("classic"), starts[i], until=t)
-            np.testing.assert_allclose(places[i], [seen[k].values[-1] for k in ("x", "y", "vx", "vy")], rtol=0, atol=1e-12)
+            np.testing.assert_allclose(
+                places[i], [seen[k].values[-1] for k in ("x", "y", "vx", "vy")], rtol=0, atol=1e-12
+            )
 
 
 def test_exits_are_those_of_python(machine, tables):
@@ -151,8 +165,8 @@ def test_exits_are_those_of_python(machine, tables):
     ways, hits, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     played.machine.call(
-        "fan", numbers=len(played.block), angles=shape[0], speeds=shape[1], block=played.block, x=5.275, y=0.7, most=500,
-        angle=angle, speed=speed, ways=ways, hits=hits, times=times, said=outcomes,
+        "fan", numbers=len(played.block), angles=shape[0], speeds=shape[1], block=played.block, x=5.275, y=0.7,
+        most=500, angle=angle, speed=speed, ways=ways, hits=hits, times=times, said=outcomes,
     )  # fmt: skip
     truth = gz.launches(T, (5.275, 0.7), angle, speed, hits=500)
     sure = (outcomes & AMBIGUOUS) == 0

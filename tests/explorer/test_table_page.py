@@ -24,7 +24,9 @@ def hits(page):
 
 def play(page, seconds, fine=1 / 60):
     """Let the clock of the game run, as frames would."""
-    page.evaluate(f"([s, d]) => {{ for (let i = 0; i < s / d && {GAME}.alive; i++) pinball.step(d); }}", [seconds, fine])
+    page.evaluate(
+        f"([s, d]) => {{ for (let i = 0; i < s / d && {GAME}.alive; i++) pinball.step(d); }}", [seconds, fine]
+    )
 
 
 def hold(page):
