@@ -19,7 +19,7 @@ from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
 from grazing.billiard.players import NOBODY, Flips, Player, Presses, angle_at
-from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
+from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravity_of, surfaces_of
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, abridged, listed, shown
@@ -118,7 +118,7 @@ class Table(ByValue):
     @property
     def gravity(self) -> float:
         """What pulls the ball down the table, along -y: g sin(tilt)."""
-        return self.g * sin(self.tilt)
+        return gravity_of(self.g, self.tilt)
 
     @property
     def period(self) -> float:
@@ -175,7 +175,7 @@ class Table(ByValue):
         for row in rows:
             values = dict(zip(names, row.tolist(), strict=True))
             surfaces = surfaces_of(self.objects, values["rho"], values, self.player)
-            block = block_of(self.objects, surfaces, values["g"] * sin(values["tilt"]))
+            block = block_of(self.objects, surfaces, gravity_of(values["g"], values["tilt"]))
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
         laws = np.array([addresses(one.law, arithmetic) for one in self.objects])

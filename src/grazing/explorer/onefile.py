@@ -93,7 +93,7 @@ def page() -> str:
     inside = {
         name.lstrip("/"): b64encode(path.read_bytes()).decode()
         for name, path in files().items()
-        if name.startswith("/kernels/")
+        if name.startswith("/kernels/") and "table" not in name  # the pinball table is a page of its own
     }
     inside["page/worker.js"] = b64encode(bundle("worker.js").encode()).decode()
     rules = (
@@ -102,6 +102,7 @@ def page() -> str:
     )
     data = f'<script type="application/json" id="inside">{json.dumps(inside)}</script>'
     changes = {
+        r'\n *<a href="table.html">[^<]*</a>': lambda _found: "",
         r'(http-equiv="Content-Security-Policy" content=")[^"]*': lambda found: found[1] + rules,
         r'<link rel="stylesheet"[^>]*>': lambda _found: f"<style>{style}</style>",
         r'<script type="module"[^>]*></script>': lambda _found: f'{data}\n<script type="module">{script}</script>',

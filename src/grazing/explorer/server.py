@@ -245,7 +245,7 @@ def ours(file: Path) -> bool:
 def rooted() -> str:
     """Return the page as it stands beside its folder, and not in it."""
     text = (FOLDER / "page" / "index.html").read_text(encoding="utf-8")
-    return re.sub(r'(href|src)="(?=[\w.]+\.(?:css|js)")', r'\1="page/', text)
+    return re.sub(r'(href|src)="(?=[\w.]+\.(?:css|js|html)")', r'\1="page/', text)
 
 
 def copy_to(folder: str | Path) -> Path:

@@ -251,6 +251,16 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
 }
 
 /**
+ * Launch balls at many angles and speeds: the drain through which each leaves, and its impacts.
+ * @param {Machine} machine
+ * @param {{block: Floats, x: number, y: number, most: number, angle: Floats, speed: Floats}} job
+ */
+export function exits(machine, job) {
+  const { ways, hits } = machine.call("fan", { numbers: job.block.length, angles: job.angle.length, speeds: job.speed.length, ...job }, ["ways", "hits"]);
+  return { ways: Int32Array.from(ways, Number), hits: Int32Array.from(hits, Number) };
+}
+
+/**
  * A ball that is carried along the values of a parameter, and one that is carried back: `keep` positions at each value, on the way up
  * and on the way down. Each way begins with a random start; where an orbit ends, another one begins.
  * @param {Machine} machine
@@ -275,4 +285,4 @@ export function sweep(machine, { row, which, values, seed, transient, keep }) {
   return { up: way(order), down: way([...order].reverse()) };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins, found, sweep };
+export const JOBS = { raster, periods, extent, chart, basins, found, sweep, exits };
