@@ -394,7 +394,17 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
 @pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize(
-    "view", ["gap&tour=7", "oscillator&columns=20", "ball", "gap&lam=x", "chart&chart_columns=20", "strobe", "edges"]
+    "view",
+    [
+        "gap&tour=7&web=5",
+        "oscillator&columns=20",
+        "ball",
+        "ball&twin=yes&sweeps=yes&offset=0.1225",
+        "gap&lam=x",
+        "chart&chart_columns=20",
+        "strobe",
+        "edges",
+    ],
 )
 def test_axe_reports_no_violation(browser, address, view, scheme):
     script = AXE.read_text(encoding="utf-8")
