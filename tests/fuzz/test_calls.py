@@ -446,8 +446,8 @@ def test_very_many_extreme_arguments_are_answered(part):
 
 HOLDS_ITSELF: list = []
 HOLDS_ITSELF.append(HOLDS_ITSELF)
-TABLE: dict = {}
-TABLE["a"] = TABLE
+LOOPED: dict = {}
+LOOPED["a"] = LOOPED
 
 
 @pytest.mark.parametrize(
@@ -456,7 +456,7 @@ TABLE["a"] = TABLE
         lambda: gz.zdm_points(gz.pinball(), (0.0, 0.5)),
         lambda: gz.boundaries(gz.gap_map(lam=0.5, mu=0.1, l=0.2), np.array([]), ("l", 0.0, 1.0), N=3),
         lambda: gz.config.plan_of({"study": "diagram"}, code=np.zeros(2)),
-        lambda: gz.config.toml_of(TABLE),
+        lambda: gz.config.toml_of(LOOPED),
         lambda: gz.theory.cycle_expansion([], per=np.zeros(2)),
         lambda: gz.plot.density(HOLDS_ITSELF),
     ],
