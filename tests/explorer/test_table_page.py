@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from tests.explorer.test_page import AXE
 
 GAME = "pinball.game()"
 
@@ -193,3 +194,20 @@ def test_what_cannot_be_loaded_is_said(shown, address):
     shown.page.goto(address.replace("index.html", "") + "table.html")
     shown.until("() => !document.getElementById('problem').hidden")
     assert "could not be loaded" in shown.page.inner_text("#problem p")
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_axe_reports_no_violation(browser, address, scheme, width):
+    context = browser.new_context(
+        color_scheme=scheme, bypass_csp=True, viewport={"width": width, "height": 800}, reduced_motion="reduce"
+    )
+    page = context.new_page()
+    page.goto(address.replace("index.html", "") + "table.html#table=nothing")  # with a message
+    page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()?.side >= 40")
+    page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.evaluate("() => axe.run()")["violations"]
+    context.close()
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
