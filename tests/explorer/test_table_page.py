@@ -1,6 +1,7 @@
 """The page of the pinball table, played: keys, thumbs, words, near balls, exits, links and programs."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -79,6 +80,25 @@ def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
     hold(page)
     play(page, 60.0, 0.05)  # other frames than before: the same game
     assert hits(page) == there
+
+
+def test_flippers_work_as_long_as_the_ball_flies(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    switches = page.evaluate(
+        """() => { const game = pinball.game(); let n = 0;
+        for (; n < 3000; n++) { if (!game.alive) pinball.launch([2.5, 6.0, 3.0 + 1e-3 * n, 9.0]); pinball.pause();
+          for (let i = 0; i < 900 && game.alive; i++) { game.press(i % 2, (i >> 1) % 2 === 0); game.advance(game.t + 0.004); }
+          if (game.presses.left_flipper.length > 400) break; }
+        return game.presses.left_flipper; }"""
+    )
+    assert len(switches) > 400 and all(a < b for a, b in pairwise(switches))
+    start, t = page.evaluate(f"() => [{GAME}.start, {GAME}.t]")
+    T, presses = gz.read_table("classic"), page.evaluate(f"() => {GAME}.presses")
+    flown = gz.trajectory(gz.table(T.objects, T.rho, T.g, T.tilt, gz.presses(**presses)), start, until=t)
+    assert hits(page)[:30] == flown.impact_wall.values.tolist()[:30]
+    assert page.evaluate(f"() => {GAME}.unsure") > 0 or hits(page) == flown.impact_wall.values.tolist()
 
 
 def test_letters_are_typed_as_bumpers_are_hit(shown, address):

@@ -131,7 +131,9 @@ export class Played {
   press(i, down, now = this.t) {
     const one = this.#flippers[i], { rest, raised, up, down: back } = one.thing.shape;
     const last = this.presses[one.thing.name]?.at(-1) ?? -Infinity;
-    if (one.down === down || one.count > ROOM - 3) return;
+    if (one.down === down) return;
+    if (one.count > ROOM - 3) this.#forget(one);
+    if (one.count > ROOM - 3) return;
     const t = now > last ? now : last + INSTANT; // pressed and released between two frames
     one.down = down;
     this.presses[one.thing.name]?.push(t);
@@ -141,6 +143,17 @@ export class Played {
     one.count = result;
     one.motion = motion;
     this.block = block;
+  }
+
+  /** Forget how a flipper moved before the flights that are under way. @param {{motion: Floats, count: number}} one */
+  #forget(one) {
+    let since = this.#now[0], gone = 0;
+    for (let i = 0; i < this.ghosts.length; i += BALL) {
+      if (!(this.ghosts[i + FLAGS] & (this.bits.fatal | this.bits.escaped))) since = Math.min(since, this.ghosts[i]);
+    }
+    while (gone + 1 < one.count && one.motion[3 * (gone + 1)] <= since) gone += 1;
+    one.motion.copyWithin(0, 3 * gone, 3 * one.count);
+    one.count -= gone;
   }
 
   /** The angle of a flipper at a time. @param {string} name */
