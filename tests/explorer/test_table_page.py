@@ -89,7 +89,10 @@ def test_flippers_work_as_long_as_the_ball_flies(shown, address):
     switches = page.evaluate(
         """() => { const game = pinball.game(); let n = 0;
         for (; n < 3000; n++) { if (!game.alive) pinball.launch([2.5, 6.0, 3.0 + 1e-3 * n, 9.0]); pinball.pause();
-          for (let i = 0; i < 900 && game.alive; i++) { game.press(i % 2, (i >> 1) % 2 === 0); game.advance(game.t + 0.004); }
+          for (let i = 0; i < 900 && game.alive; i++) {
+            game.press(i % 2, (i >> 1) % 2 === 0);
+            game.advance(game.t + 0.004);
+          }
           if (game.presses.left_flipper.length > 400) break; }
         return game.presses.left_flipper; }"""
     )
