@@ -88,13 +88,16 @@ _ADVICE = {
         "impact or no impact could not be decided in double precision",
         "treat the orbit as either of the two",
     ),
-    Outcome.stuck: ("the ball rests on the wall for a while", "nothing to do: the forcing releases it"),
+    Outcome.stuck: (
+        "the ball rests on the wall for a while; on a table it slides or rests on an object",
+        "nothing to do: the forcing releases it",
+    ),
     Outcome.chatter: (
         "infinitely many impacts in finite time, completed in closed form",
         "nothing to do: the ball then sticks until released",
     ),
     Outcome.no_impact: (
-        "no further impact within 1000 periods",
+        "no further impact within 1000 periods; on a table the ball rests, or slides to and fro, for ever",
         "use the stroboscopic map, which needs no impact",
     ),
     Outcome.diverged: ("the orbit left the region of interest", "look at the starting box and the parameters"),
@@ -103,9 +106,9 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more than 10,000 impacts in one period; on a table more than were allowed, or bounces too small to tell "
-        "apart: the ball begins to slide or rest, which is not followed",
-        "choose r < 1 or a larger V, or declare the contraction of the law; on a table r = 1 for inclined rails",
+        "more than 10,000 impacts in one period; on a table more than were allowed, a ball at rest on a level one, or "
+        "bounces too small to tell apart on a flipper that turns",
+        "choose r < 1 or a larger V, or declare the contraction of the law",
     ),
     Outcome.too_many_swings: (
         "more than 47,000 swings of the free ball in one period of the forcing; on a table more than a million turns "

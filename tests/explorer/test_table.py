@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.billiard.flown import AFTER, COLUMNS, FLAGS, NEXT, OWNER, SURFACE, TIME, flights_of
+from grazing.billiard.flown import AFTER, COLUMNS, FLAGS, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
 from grazing.billiard.objects import DRAIN, FLIPPER
 from grazing.billiard.players import pieces_of
 from grazing.config.tables import read_table
@@ -70,7 +70,7 @@ class Played:
             flights=flights,
             until=until,
         )
-        return flights[:n]
+        return flights[: abs(n)]
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,7 @@ def test_a_thousand_hits_are_those_of_python(machine, tables):
         assert n + 1 == len(truth) or int(found[-1, FLAGS]) & AMBIGUOUS
         np.testing.assert_array_equal(found[:n, [SURFACE, OWNER]], truth[:n, [SURFACE, OWNER]])
         np.testing.assert_array_equal(
-            found[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]], truth[:n, [TIME, AFTER, *range(NEXT, COLUMNS)]]
+            found[:n, [TIME, AFTER, *range(NEXT, PATH + 1)]], truth[:n, [TIME, AFTER, *range(NEXT, PATH + 1)]]
         )
         hits += n
     assert start < 400
@@ -184,7 +184,7 @@ def test_a_kick_is_changed_in_the_row(machine, tables):
     truth = flights_of(read_table("classic").replace(**changed), state, 0.0, 5.0)
     n = min(len(found), len(truth))
     assert n > 5
-    np.testing.assert_array_equal(found[:n, NEXT:], truth[:n, NEXT:])
+    np.testing.assert_array_equal(found[:n, NEXT:PATH], truth[:n, NEXT:PATH])
 
 
 def test_how_near_a_flight_comes(machine, tables):

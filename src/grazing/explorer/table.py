@@ -12,7 +12,8 @@ from typing import Any
 
 from grazing.billiard import flippers as rows_of_flippers
 from grazing.billiard import rows as rows_of_tables
-from grazing.billiard.contact import next_impact
+from grazing.billiard.contact import next_event, slid_on
+from grazing.billiard.elements import ON, slid
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES
 from grazing.billiard.flown import COLUMNS, record
 from grazing.billiard.hit import flown, rows_of
@@ -29,7 +30,7 @@ from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, numbers
 from grazing.maps.launches import fan
 from grazing.oscillator.reset import Reset
-from grazing.outcome import ESCAPED, FATAL, TOO_MANY_IMPACTS
+from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 
 INFINITY = float("inf")
@@ -79,8 +80,23 @@ def pressed(block: Any, flipper: int, motion: Any, count: int, t: float, goal: f
     return n
 
 
+def placed(x: float, y: float, vx: float, vy: float, left: float, late: float, clock: float, table: Any) -> Any:
+    """Return the state of a ball some time after the begin of its flight or slide, if that lasts as long."""
+    surface = slid_on(left, clock, table)
+    if surface >= 0:
+        return slid(surface, x, y, vx, vy, late, clock, table)
+    return flown(x, y, vx, vy, table[GRAVITY], late)
+
+
+def place(block: Any, now: Any, until: float, state: Any) -> None:
+    """Write the state at a time of a ball whose flight or slide under way is known."""
+    found = placed(now[2], now[3], now[4], now[5], now[1], max(until - now[0], 0.0), now[0], numbers(block))
+    for j in range(4):
+        state[j] = found[j]
+
+
 def follow(block: Any, balls: Any, until: float, most: int, places: Any) -> None:
-    """Follow many balls to a time, each for at most so many impacts, and write their states there.
+    """Follow many balls to a time, each for at most so many flights and slides, and write their states there.
 
     A ball that has left, or met what ends it, keeps the state of its end. What doubles cannot decide is decided by the
     scalar routine, and noted in the ball's outcomes.
@@ -88,33 +104,35 @@ def follow(block: Any, balls: Any, until: float, most: int, places: Any) -> None
     table = numbers(block)
     for i in range(balls.shape[0]):
         ball = balls[i]
-        said, hits = int(ball[FLAGS]), 0
+        said, events = int(ball[FLAGS]), 0
         going = not said & (FATAL | ESCAPED)
         while going:
-            (surface, owner, length, flags), before, after, _speeds = next_impact(
+            (surface, owner, length, flags, left), before, after, _speeds = next_event(  # noqa: RUF059
                 ball[X], ball[Y], ball[VX], ball[VY], ball[LEFT], ball[CLOCK], table
             )
-            if flags & FATAL:
+            if flags & FATAL and not flags & NO_IMPACT:
                 said |= flags
                 break
-            if ball[CLOCK] + length > until:
+            if not ball[CLOCK] + length <= until:
                 break
             said |= flags
             ball[CLOCK] += length
-            ball[LEFT], ball[LAST] = 1.0 * surface, 1.0 * owner
+            ball[LEFT] = left
+            if owner >= 0:
+                ball[LAST] = 1.0 * owner
             if flags & ESCAPED:
                 ball[X], ball[Y], ball[VX], ball[VY] = before
                 going = False
             else:
                 ball[X], ball[Y], ball[VX], ball[VY] = after
-                ball[HITS] += 1.0
-                hits += 1
-                if hits >= most:
+                ball[HITS] += 1.0 if owner >= 0 else 0.0
+                events += 1
+                if events >= most:
                     said |= TOO_MANY_IMPACTS
                     going = False
         ball[FLAGS] = 1.0 * said
         late = max(until - ball[CLOCK], 0.0) if going and not said & FATAL else 0.0
-        state = flown(ball[X], ball[Y], ball[VX], ball[VY], table[GRAVITY], late)
+        state = placed(ball[X], ball[Y], ball[VX], ball[VY], ball[LEFT], late, ball[CLOCK], table)
         for j in range(4):
             places[i, j] = state[j]
 
@@ -203,7 +221,10 @@ LAYOUT = {
     name: getattr(rows_of_tables, name)
     for name in ("GRAVITY", "FACES", "CIRCLES", "SIDES", "THINGS", "FLIPPERS", "HEAD", "LAW", "ROW", "OPEN", "THING",
                  "PX", "PY", "SIZE", "OWNER", "WIDTH")
-} | {name: getattr(rows_of_flippers, name) for name in ("PIECES", "AT", "FLIPPER_WIDTH", "PIECE_WIDTH")}  # fmt: skip
+} | {
+    **{name: getattr(rows_of_flippers, name) for name in ("PIECES", "AT", "FLIPPER_WIDTH", "PIECE_WIDTH")},
+    "ON": ON,
+}  # fmt: skip
 
 
 def table_module() -> Module:
@@ -231,12 +252,24 @@ def entries() -> list[Entry]:
                     "float64",
                     ("capacity", COLUMNS),
                     "length, surface, object, v_minus, v_plus, "
-                    "outcome; states at its begin, its end, and after the impact there",
+                    "outcome; states at its begin, its end, and after the impact there; slid on, and left",
                 ),
                 until,
             ),
             "int64",
-            "follow the ball from impact to impact; returns how many flights were filled",
+            "follow the ball from impact to impact; returns how many rows were filled, negative if none follows",
+        ),
+        Entry(
+            "place",
+            place,
+            ("numbers",),
+            (
+                block,
+                Argument("now", "float64", (6,), "as `record` left it"),
+                until,
+                Argument("state", "float64", (4,), "of the ball at that time"),
+            ),
+            meaning="where the ball is",
         ),
         Entry(
             "follow",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.contact import next_impact
-from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, TIME, decided
+from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, period_of, place_at, slope_of, spot_at, way_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
@@ -25,7 +25,7 @@ from grazing.maps.hits import Names
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
-from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE, InputError, shown
+from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE, OK, STUCK, InputError, shown
 from grazing.parameter import Parameter
 
 Floats = NDArray[np.float64]
@@ -80,7 +80,7 @@ def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
     if surface < 0:
         return (NAN, NAN, NAN), NAN, 0, DIVERGED, LOST
     vx, vy = velocity(frame[0], frame[1], angle, speed)
-    (met_at, owner, t, flags), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
+    (met_at, owner, t, flags, _left), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
     if flags & FATAL:
         return (NAN, NAN, NAN), NAN, 0, flags, LOST
     if flags & ESCAPED:
@@ -92,7 +92,7 @@ def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
     J = NOTHING
     if with_tangent:
         J = LOST
-        if not flags & (GRAZE | AMBIGUOUS) and v_minus < 0.0 and new[2] > 0.0:
+        if not flags & (GRAZE | AMBIGUOUS | STUCK) and v_minus < 0.0 and new[2] > 0.0:
             bend = slope_of(owner, v_minus, table)
             J = slopes(angle, speed, frame, t, before, speeds, bend, table[GRAVITY])
     return new, t, owner, flags, J
@@ -253,22 +253,31 @@ class OfTable(Origin):
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
-        clock = state[3] if self.table.period else 0.0
-        left = int(call(placer(), block, np.array(state), clock, start))
-        flight = decided(block, start, left, clock) if left >= 0 else None
-        if flight is None:
+        clock, flags, going = state[3] if self.table.period else 0.0, OK, True
+        left = float(call(placer(), block, np.array(state), clock, start))
+        if left < 0.0:
             return None
-        flags, owner = int(flight[FLAGS]), int(flight[FLOWN_OWNER])
+        now = np.array([clock, left, *start])
+        while going:
+            (flight,), going = followed(block, now, INFINITY, 1)
+            flags |= int(flight[FLAGS])
+            if not np.isnan(flight[BEFORE]):
+                break
+        owner, surface = int(flight[FLOWN_OWNER]), int(flight[SURFACE])
+        if flags & FATAL:
+            return None
         if flags & ESCAPED:
             away, way = gone(owner, block)
             return Settled((*away, 0.0) if self.table.period else away, way, flags, INFINITY, INFINITY)
-        surface, t, (x, y, vx, vy) = int(flight[SURFACE]), float(flight[TIME]), flight[NEXT:COLUMNS].tolist()
-        _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, t, clock, block)
+        if not going:
+            return None
+        t, (x, y, vx, vy) = float(now[0]), flight[NEXT:PATH].tolist()
+        _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, 0.0, t, block)
         away, along = vx * nx + vy * ny, vy * nx - vx * ny
         new: tuple[float, ...]
-        new = float(place_at(surface, x, y, t, clock, block)), atan2(along, away), hypot(along, away)
+        new = float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)
         if self.table.period:
-            new = *new, (clock + t) % self.table.period
+            new = *new, t % self.table.period
         return Settled(new, owner, flags, INFINITY, INFINITY)
 
 

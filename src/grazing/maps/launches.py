@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import next_impact
-from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FLAGS, OWNER, TIME, flights_of
 from grazing.billiard.hit import way_at
 from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
@@ -73,14 +73,14 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
     """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
     left, t, outcome = -1.0, 0.0, OK
     for hits in range(most + 1):
-        (surface, owner, length, flags), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
+        (_surface, owner, length, flags, on), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
         outcome |= flags
         t += length
         if flags & FATAL:
             return -1, hits, t, outcome
         if flags & ESCAPED:
             return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
-        left, (x, y, vx, vy) = 1.0 * surface, after
+        left, (x, y, vx, vy) = on, after
     return -1, most, t, outcome | TOO_MANY_IMPACTS
 
 
@@ -151,7 +151,8 @@ def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: 
     last, flags = flights[-1], int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     owner = int(last[OWNER])
     way = -1 if not flags & ESCAPED else (owner if owner >= 0 else len(table.objects))
-    return way, min(len(flights) - 1, most), float(flights[:, TIME].sum()), flags
+    hits = int((~np.isnan(flights[:, BEFORE])).sum())
+    return way, min(hits, most), float(flights[:, TIME].sum()), flags
 
 
 class OfLaunches(Origin):

@@ -134,9 +134,10 @@ def cycle_expansion(
     if isinstance(digits, bool) or not isinstance(digits, int) or not 5 <= digits <= 1000:
         raise InputError(f"digits is {shown(digits)}; allowed is a whole number from 5 to 1000")
     try:
-        every = list(cycles)
+        each = iter(cycles)
     except TypeError:
         raise InputError(f"cycles are {shown(cycles)}; give a list of Cycle(period, time, transverse)") from None
+    every = list(each)  # what making them raises is not blamed on the list
     given = [_checked(one, contracting) for one in every]
     if not given:
         raise InputError("there are no cycles: nothing stays, and there is no escape rate")

@@ -22,7 +22,7 @@ const ROOM = 600, CAPACITY = 64;
 /** Seconds between two switches at one time. */
 const INSTANT = 1e-6;
 /** Columns of a flight: see grazing/billiard/flown.py. */
-const WIDTH = 18, TIME = 0, SURFACE = 1, OWNER = 2, BEFORE = 3, SAID = 5, LAST = 10, NEXT = 14;
+const WIDTH = 20, TIME = 0, SURFACE = 1, OWNER = 2, BEFORE = 3, SAID = 5, LAST = 10, NEXT = 14;
 /** Numbers of a ball that is followed among many, and where its outcome is. */
 const BALL = 9, FLAGS = 8;
 /** Impacts of a ghost in one look at most. */
@@ -174,23 +174,23 @@ export class Played {
         { numbers, capacity: CAPACITY, block, now: this.#now, flights: new Float64Array(CAPACITY * WIDTH), until }, ["flights", "now"]);
       let begun = this.#now[0];
       this.#now = now;
+      const rows = Math.abs(result);
       more = result === CAPACITY;
-      for (let k = 0; k < result; k++) {
+      for (let k = 0; k < rows; k++) {
         const row = flights.subarray(k * WIDTH, (k + 1) * WIDTH), said = row[SAID];
         if (said & bits.fatal) this.end = "stopped";
-        const over = !(begun + row[TIME] <= until);
-        if (over || this.end) break;
+        if (this.end || !(begun + row[TIME] <= until)) break; // the last one is under way
         begun += row[TIME];
         if (said & bits.escaped) {
           this.end = row[OWNER] >= 0 ? this.names[row[OWNER]] : "away";
           this.#now = Float64Array.from([begun, -1, ...row.subarray(LAST, LAST + 4)]);
           break;
         }
-        this.hits.push({ t: begun, owner: row[OWNER], before: row[BEFORE], x: row[LAST], y: row[LAST + 1] });
-        if (said & bits.ambiguous && k === result - 1) {
+        if (row[OWNER] >= 0) this.hits.push({ t: begun, owner: row[OWNER], before: row[BEFORE], x: row[LAST], y: row[LAST + 1] });
+        if (said & bits.ambiguous && result < 0 && k === rows - 1) {
           // Python decides this exactly; here the ball goes on as doubles have it
           this.unsure += 1;
-          this.#now = Float64Array.from([begun, row[SURFACE], ...row.subarray(NEXT, NEXT + 4)]);
+          this.#now = Float64Array.from([begun, row[SURFACE] + (row[OWNER] >= 0 ? 0 : this.layout.ON), ...row.subarray(NEXT, NEXT + 4)]);
           more = true;
         }
       }
@@ -202,8 +202,13 @@ export class Played {
 
   /** The state of the ball now. @returns {State} */
   get place() {
-    const [begin, , x, y, vx, vy] = this.#now, s = this.end ? 0 : this.t - begin, g = this.block[this.layout.GRAVITY];
-    return [x + vx * s, y + (vy - 0.5 * g * s) * s, vx, vy - g * s];
+    const { state } = this.machine.call("place", { numbers: this.block.length, block: this.block, now: this.#now, until: this.end ? this.#now[0] : this.t }, ["state"]);
+    return /** @type {State} */ (/** @type {unknown} */ (state));
+  }
+
+  /** Whether the ball slides or rests on something. */
+  get slides() {
+    return !Number.isInteger(this.#now[1]);
   }
 
   /** The flight under way: its state at the begin, and how long it has lasted. */

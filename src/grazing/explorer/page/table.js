@@ -210,7 +210,7 @@ function step(seconds) {
     parted = parted.filter(({ t }) => t > game.t - REMEMBERED);
   }
   if (game.end) over();
-  else if (game.flight.begin === flight) nearMiss();
+  else if (game.flight.begin === flight && !game.slides) nearMiss();
 }
 
 /** @param {import("./played.js").Hit[]} hits */
@@ -303,7 +303,7 @@ async function start() {
     if (!answer.ok) throw new Error(`tables.json: ${answer.status} ${answer.statusText}`);
     ({ tables, layout } = await answer.json());
     const { outcomes, fatal } = /** @type {any} */ (described);
-    bits = { fatal, escaped: outcomes.escaped, ambiguous: outcomes.ambiguous };
+    bits = { fatal: fatal & ~outcomes.no_impact, escaped: outcomes.escaped, ambiguous: outcomes.ambiguous };
     machine = machines.table;
     if (!machine || !pool) return;
     pool.see("table");
