@@ -456,7 +456,9 @@ def test_church_and_fortins_orbit_that_the_ball_has_is_proven_to_be_unstable(pag
         and proof.claims["stability"] == "unstable"
         and orbit.times[0] == pytest.approx(0.236177618990, abs=1e-12)
     )
-    (same,) = gz.periodic_orbits(gz.impact_map(page.P.model), 1, word="1", starts=200)  # whose last impact ends the flight
+    (same,) = gz.periodic_orbits(
+        gz.impact_map(page.P.model), 1, word="1", starts=200
+    )  # whose last impact ends the flight
     assert gz.certify(same).claims == proof.claims
 
 

@@ -123,7 +123,9 @@ def test_the_impact_pair_in_closed_form():
     upper = found.points[np.argmin(found.points[:, 1])]
     assert upper == pytest.approx([PHI, -(speed + np.cos(PHI))], rel=1e-12)
     assert found.points.sum(axis=0) == pytest.approx([2 * PHI + np.pi, 0.0], abs=1e-12)
-    roots = next(one for one in gz.periodic_orbits(gz.stroboscopic_map(pair()), word="(BA)", starts=50) if one.stable).multipliers
+    roots = next(
+        one for one in gz.periodic_orbits(gz.stroboscopic_map(pair()), word="(BA)", starts=50) if one.stable
+    ).multipliers
     assert found.multipliers == pytest.approx(roots, rel=1e-10)
 
 
