@@ -9,6 +9,7 @@ from grazing.orbits import flight_equations, impact_equations, path
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.piece_equations import PieceEquations
+from grazing.oscillator.walled import Walled
 from tests.orbits.test_locus import NORMAL, only
 from tests.test_in_any_unit import henon
 
@@ -72,3 +73,16 @@ def test_a_newton_step_along_a_locus_of_a_map_runs_it_a_few_times(work, kind):
     assert len(curve.orbits) > 10
     # derivatives, test function and slopes once a step; at each point whether the map jumps on the way, and the orbit
     assert work["runs"] <= 4 * work["steps"] + 6 * work["points"] + 4 * len(curve.orbits) + 40
+
+
+def test_a_branch_between_walls_makes_a_model_for_each_orbit_and_one_for_each_point(monkeypatch):
+    walls = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.5, gz.newton(0.8))
+    P = gz.stroboscopic_map(gz.Oscillator(1.0, 1.2, gz.Forcing(1.4, offset=0.1, cos=(1.2,)), walls=walls))
+    orbit = next(one for one in gz.periodic_orbits(P, 1, starts=20, threads=1) if one.impacts == 2)
+    made, points = [], []
+    plain, ran = Walled.replace, path.tangent_of
+    monkeypatch.setattr(Walled, "replace", lambda model, **changes: made.append(1) or plain(model, **changes))
+    monkeypatch.setattr(path, "tangent_of", lambda *args: points.append(1) or ran(*args))
+    branch = gz.continuation(P, orbit, "omega", (1.2, 1.8))
+    assert len(list(branch)) > 20  # whether a point is symmetric was asked of a model of its own from either side
+    assert len(made) <= len(list(branch)) + len(points) + 10

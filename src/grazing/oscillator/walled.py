@@ -124,9 +124,10 @@ class Walled(Rig):
         moving = [(place.motion.stop - place.motion.start) // 2 for place in places]
         object.__setattr__(self, "places", places)
         object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
+        row = list(self.params.values())
         for j in range(len(walls)):
-            self.seen_from(j)  # checks ranges, and the law at speeds of this model
-        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+            self.seen_from(j, row)  # checks ranges, and the law at speeds of this model
+        room = float(self.rooms(np.array([row]))[0])
         if not room > 0.0:
             raise InputError(
                 f"the walls come within {room:g} of each other; the ball needs room between them: move them apart, or "
