@@ -19,7 +19,7 @@ LINK = re.compile(r"(!?)\[[^\]]*\]\(([^)\s]+)\)")
 
 
 #: Pages whose comments are what their lines print, with those that say what it is instead.
-PRINTED = {"si-units": ["c/m, k/m, -force/m, -gap"]}
+PRINTED = {"si-units": ["c/m, k/m, -force/m, -gap"], "road": []}
 
 
 def read(page):
@@ -256,6 +256,39 @@ def test_example_bouncing_ball(tmp_path):
 
 def test_example_gear_rattle(tmp_path):
     assert example("gear_rattle", tmp_path, "--values", "12") > 0.5
+
+
+def test_example_road(tmp_path):
+    found = example("road", tmp_path, "--points", "4")
+    assert list(found) == [(name, V) for name, kick in (("classic", 8.0), ("one bumper", 8.0), ("returned", 0.3),
+                                                        ("oscillator", 0.2)) for V in (0.0, kick)]  # fmt: skip
+    said = [line.strip("|").split(" | ") for line in read(ROOT / "docs" / "road.md").splitlines()]
+    rows = [[float(x.strip(" |").replace("−", "-")) for x in cells[1:]] for cells in said
+            if len(cells) == 6 and cells[1] != "kick"]  # fmt: skip
+    for (measured, predicted), row in zip(found.values(), rows, strict=True):
+        assert predicted == pytest.approx(measured, rel=2e-5, abs=1e-8)
+        assert [*measured, *predicted] == pytest.approx([row[1], row[3], row[2], row[4]], rel=1e-4, abs=1e-8)
+
+
+def known(found, factor):
+    """Say whether exponents of a Galton board and the constant of Sinai billiards are what they should tend to."""
+    constants, grown = found
+    constant = load(ROOT / "examples" / "known_billiards.py").CONSTANT
+    near, far = (constants[R] for R in (min(constants), max(constants)))
+    assert abs(near[0] - constant) < 3.0 * near[1] < 0.5 * (far[0] - constant)
+    for name, law in (("speed", 1 / 3), ("fall", 2 / 3)):
+        powers, errors = grown[name]
+        assert abs(powers[-1] - law) < 3.0 * errors[-1] < factor * law
+    return True
+
+
+def test_example_known_billiards(tmp_path):
+    assert known(example("known_billiards", tmp_path, *"--radii 0.1 0.01 --hits 80 --balls 40 --until 30".split()), 1.0)
+
+
+@pytest.mark.long
+def test_example_known_billiards_to_smaller_errors(tmp_path):
+    assert known(example("known_billiards", tmp_path, *"--radii 0.1 0.003 --hits 1500 --balls 600".split()), 0.2)
 
 
 def test_example_own_reset_law():

@@ -54,31 +54,32 @@ WORDS = (
 )  # fmt: skip
 
 
-@lru_cache(maxsize=1)
-def recorder() -> Any:
-    """Compile ``record(block, now, flights, until) -> count``: fill rows with flights, up to a time or a doubt.
+def record(block: Any, now: Any, flights: Any, until: float) -> int:
+    """Fill rows with flights, up to a time or a doubt, and return how many.
 
     ``now`` holds the time, the surface just left and the state; it is moved along, not beyond a flight in doubt.
     """
+    table, t, left = numbers(block), now[0], now[1]
+    x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
+    while going and count < flights.shape[0]:
+        (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, t, table)
+        row = flights[count]
+        row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
+        row[BEFORE], row[AFTER] = speeds[0], speeds[1]
+        row[FIRST], row[FIRST + 1], row[FIRST + 2], row[FIRST + 3] = x, y, vx, vy
+        for i in range(4):
+            row[LAST + i], row[NEXT + i] = before[i], after[i]
+        count += 1
+        going = owner >= 0 and t + length <= until and not flags & (FATAL | ESCAPED | AMBIGUOUS)
+        if going:
+            t, left, (x, y, vx, vy) = t + length, 1.0 * surface, after
+    now[0], now[1], now[2], now[3], now[4], now[5] = t, left, x, y, vx, vy
+    return count
 
-    def record(block: Any, now: Any, flights: Any, until: float) -> int:
-        table, t, left = numbers(block), now[0], now[1]
-        x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
-        while going and count < flights.shape[0]:
-            (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, t, table)
-            row = flights[count]
-            row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
-            row[BEFORE], row[AFTER] = speeds[0], speeds[1]
-            row[FIRST], row[FIRST + 1], row[FIRST + 2], row[FIRST + 3] = x, y, vx, vy
-            for i in range(4):
-                row[LAST + i], row[NEXT + i] = before[i], after[i]
-            count += 1
-            going = owner >= 0 and t + length <= until and not flags & (FATAL | ESCAPED | AMBIGUOUS)
-            if going:
-                t, left, (x, y, vx, vy) = t + length, 1.0 * surface, after
-        now[0], now[1], now[2], now[3], now[4], now[5] = t, left, x, y, vx, vy
-        return count
 
+@lru_cache(maxsize=1)
+def recorder() -> Any:
+    """Compile :func:`record`."""
     return compiled(record)
 
 

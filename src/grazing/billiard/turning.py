@@ -6,7 +6,7 @@ second derivative 2 k now and a bound 6 B of the third one on what is left of th
 
 from __future__ import annotations
 
-from math import cos, floor, sin, sqrt
+from math import floor, sqrt
 from typing import Any
 
 from grazing.billiard.flippers import (
@@ -31,6 +31,7 @@ from grazing.billiard.flippers import (
 from grazing.billiard.flippers import COSINE as LEAN
 from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, ROOTS, crossing, rests, safe_step
 from grazing.billiard.gaps import LEAST as SHORT
+from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, inlined
 from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
@@ -81,7 +82,7 @@ def direction_at(t: float, begin: float, piece: Any) -> Any:
     if piece[OMEGA] == 0.0:
         return cx, cy, 0.0
     turned = piece[OMEGA] * (t - begin)
-    c, s = cos(turned), sin(turned)
+    s, c = sincos(turned)
     return c * cx - s * cy, s * cx + c * cy, abs(turned)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
 from itertools import islice
-from math import cos, pi, sin
+from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from grazing.billiard.objects import two_of
 from grazing.billiard.rows import THINGS
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
+from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import inlined, numbers, numbers_at
 from grazing.maps.collisions import blocks_at, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
+#: Angles beyond which the sines of kernels are not meant.
+FAR = 1e5
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
 #: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
@@ -88,7 +91,8 @@ def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     way = way_at(angle, table)
     if speed == 0.0 and way >= 0 and way == angle:
         return (1.0 * way, 0.0), way, ESCAPED
-    way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
+    s, c = heading(angle)
+    way, _hits, _t, outcome = launch(x, y, speed * c, speed * s, most, table)
     if outcome & FATAL:
         return (NAN, NAN), 0, outcome
     return (1.0 * way, 0.0), way, outcome
@@ -116,26 +120,34 @@ def plain_tangent(state: Any, c: Any) -> Any:
     return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
 
 
+def heading(angle: float) -> tuple[float, float]:
+    """Return sine and cosine of an angle, with the bits of a browser; beyond 1e5 whole turns are taken off first."""
+    return sincos(angle if abs(angle) < FAR else angle % (2.0 * pi))
+
+
+def fan(
+    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
+    outcomes: Any,
+) -> None:  # fmt: skip
+    """Launch a ball at all angles and speeds of two lists."""
+    table = numbers(block)
+    for i in range(len(angles)):
+        s, c = heading(angles[i])
+        for j in range(len(speeds)):
+            vx, vy = speeds[j] * c, speeds[j] * s
+            ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
+
+
 @lru_cache(maxsize=1)
 def launcher() -> Callable[..., None]:
-    """Compile ``run(block, x, y, most, angles, speeds, ways, hits, times, outcomes)`` over two lists."""
-
-    def run(
-        block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
-        outcomes: Any,
-    ) -> None:  # fmt: skip
-        table = numbers(block)
-        for i in range(len(angles)):
-            for j in range(len(speeds)):
-                vx, vy = speeds[j] * cos(angles[i]), speeds[j] * sin(angles[i])
-                ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
-
-    return compiled(run)
+    """Compile :func:`fan`."""
+    return compiled(fan)
 
 
 def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: int) -> tuple[int, int, float, int]:
     """Return what :func:`launch` does, each flight that doubles cannot decide being decided exactly."""
-    flights = flights_of(table, (x, y, speed * cos(angle), speed * sin(angle)), 0.0, INFINITY, most + 1)
+    s, c = heading(angle)
+    flights = flights_of(table, (x, y, speed * c, speed * s), 0.0, INFINITY, most + 1)
     last, flags = flights[-1], int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     owner = int(last[OWNER])
     way = -1 if not flags & ESCAPED else (owner if owner >= 0 else len(table.objects))

@@ -197,6 +197,9 @@ class Walled(Rig):
             meaning = known.meaning.replace("of the forcing", f"of the motion of wall {front}")
             meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
             symbol = f"{known.symbol.rstrip()}^{{{front}}}"
+            if last == "sigma" and self.mass is not None:  # of a rig, the distance from where its spring is relaxed
+                sign = "-" if self.walls[self.names.index(front)].side == "below" else ""
+                symbol += rf"={sign}\mathrm{{gap}}^{{{front}}}"
             known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
         return known if self.mass is not None else replace(known, units="1")
 

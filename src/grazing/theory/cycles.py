@@ -127,7 +127,7 @@ def cycle_expansion(
     >>> gz.theory.cycle_expansion(gz.theory.three_disc_cycles(6.0, 5, digits=20))
     <CycleExpansion: 0.410338407770 a time, last change 3.6e-10, 14 cycles to length 5>
     """
-    if per not in ("time", "impact"):
+    if not isinstance(per, str) or per not in ("time", "impact"):
         raise InputError(f"per is {shown(per)}; allowed are 'time' and 'impact'")
     if not isinstance(contracting, bool):
         raise InputError(f"contracting is {shown(contracting)}; give True or False")
