@@ -12,7 +12,6 @@ from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import impact_equations
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
@@ -116,8 +115,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     if others:
         several = " and ".join([name, *others])
         raise InputError(f"{name.rpartition('.')[2]} stands for {several}; an enclosure is of one of them")
-    if isinstance(model, Oscillator):
-        model.refuse_base("a proof", [name])
+    model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
