@@ -249,7 +249,7 @@ def test_curves_are_laid_over_a_chart_in_its_units(rig):
     P = gz.stroboscopic_map(rig)
     hertz, gaps = 2 * np.pi * np.linspace(12.0, 17.0, 4), np.linspace(-1.5e-3, -1e-3, 3)
     chart = in_units(gz.chart(P, {"omega": hertz, "sigma": gaps}, starts=2, keep=8, transient=40), "Hz", "mm")
-    orbit = gz.periodic_orbits(P.replace(omega=90.0), 1, starts=200)[0]
+    orbit = gz.periodic_orbits(P.replace(omega=90.0), 1)[0]
     branch = gz.continuation(P, orbit, "omega", (80.0, 100.0))
     edges = gz.boundaries(rig, ("omega", 75.0, 100.0), ("sigma", -1.5e-3, -1e-3), N=1)
     drawn = gz.plot.chart(chart, curves=[branch, edges])

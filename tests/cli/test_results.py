@@ -52,7 +52,7 @@ def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     chart = ["chart", "d=0.08:0.14:4", "V=0:0.6:3", "--starts", "2", "--keep", "8", "-q", "-o", "chart.nc"]
     said(capsys, 0, *chart, "--alpha", "3", "--k", "1", "--omega", "2.2", "--r", "0.8")
     P = gz.stroboscopic_map(gz.pinball(alpha=3, k=1, omega=2.2, r=0.8, V=0.4))
-    (orbit,) = gz.periodic_orbits(P.replace(d=0.12), word="001", starts=200)
+    (orbit,) = gz.periodic_orbits(P.replace(d=0.12), word="001")
     branch = gz.continuation(P, orbit, "d", (0.09, 0.14))
     gz.save(branch.dataset, "branch.nc")
     graze = next(point for point in branch.special if point.type == "gr")

@@ -69,7 +69,7 @@ def rig():
 def branches(rig):
     """The stable orbits of period 1, without and with an impact, and the locus of the fold of the latter."""
     P = gz.stroboscopic_map(rig)
-    return [gz.continuation(P, orbit, "omega", (80.0, 106.0)) for orbit in gz.periodic_orbits(P, 1, starts=200)[:2]]
+    return [gz.continuation(P, orbit, "omega", (80.0, 106.0)) for orbit in gz.periodic_orbits(P, 1)[:2]]
 
 
 def listed(drawn):
