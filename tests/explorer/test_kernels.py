@@ -318,7 +318,7 @@ def test_without_a_steady_response_there_is_no_graze(machines, described):
 
 
 def test_modules_import_nothing(machines):
-    assert [machine.imports for machine in machines.values()] == [[], []]
+    assert [machine.imports for machine in machines.values()] == [[], [], []]
 
 
 def test_fields_are_described_as_in_python(described):

@@ -43,6 +43,7 @@ def test_a_panel_of_ours_shows_the_whole_figure(motion):
 
 def test_every_function_of_a_figure_returns_what_is_shown():
     helps = {"figure", "graph_of", "panels", "period_colour", "provenance", "provenance_of", "rendered", "save"}
+    helps |= {"animate"}  # it writes a film
     for name in {*gz.plot.__all__} - helps - {"styled"}:
         draw = getattr(gz.plot, name)
         assert inspect.unwrap(draw) is not draw, name
