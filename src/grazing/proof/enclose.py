@@ -103,7 +103,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     >>> orbit = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)[-1]
     >>> certificate = enclose(orbit, "pd", "d")
     >>> certificate
-    <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 6.5e-14>
+    <Certificate: pd of the periodic orbit with 1 impact in 3 periods, d = 0.123281449643921 to within 1.5e-14>
     """
     if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return _gap_edge(orbit, kind, name)
