@@ -51,7 +51,6 @@ MOTION = 3
 LONGEST = 3
 #: Parts of a flight at which the distance from an object is looked at, and steps that each narrow the nearest one.
 LOOKS, NARROWED = 24, 40
-NAN = float("nan")
 
 
 def pressed(block: Any, flipper: int, motion: Any, count: int, t: float, goal: float, rate: float) -> int:

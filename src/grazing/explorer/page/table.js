@@ -108,7 +108,7 @@ function basins() {
 /** Say how the launches part. */
 function shares() {
   if (!exits.shares || !exits.names) return;
-  const parts = [...exits.names, game.bits && exits.names.length ? "stays or goes away" : "goes away"].map((name, i) => {
+  const parts = [...exits.names, "stays or goes away"].map((name, i) => {
     const chip = document.createElement("i");
     chip.style.setProperty("background", i < (exits.names?.length ?? 0) ? EXITS[i % EXITS.length] : theme().chaos);
     return { chip, text: `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`, share: exits.shares?.[i] ?? 0 };
@@ -228,9 +228,9 @@ function nearMiss() {
     if (one.kind !== "disc" || game.hits.at(-1)?.owner === j) continue;
     const off = game.nearest(j), key = `${game.flight.begin} ${j}`;
     if (!(off >= 0 && off < NEAR * one.shape.radius) || key === missed) continue;
-    const [x, y, vx, vy] = game.place, g = game.block[game.layout.GRAVITY];
+    const [x, y, vx, vy] = game.place;
     // only once it has passed: the distance grows again
-    if ((x - one.shape.x) * vx + (y - one.shape.y) * (vy - 0 * g) <= 0) continue;
+    if ((x - one.shape.x) * vx + (y - one.shape.y) * vy <= 0) continue;
     missed = key;
     const far = table.mm ? `${(off / table.mm).toPrecision(2)} mm` : off.toPrecision(2);
     say(`Missed ${letter} by ${far}: here your future splits in two.`, true);
