@@ -7,6 +7,7 @@ import { plainSymbol } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
+import { guided } from "./guide.js";
 import { load } from "./load.js";
 import { panel } from "./panel.js";
 import { PRESETS } from "./presets.js";
@@ -16,7 +17,6 @@ import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, ti
 import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
-import { TOUR } from "./tour.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -40,6 +40,8 @@ const fields = {};
 let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, stepped = false, failed = false;
 /** @type {import("./pool.js").Pool | null} */
 let pool = null;
+/** @type {((state: State) => void) | undefined} */
+let guide;
 /** What makes another scene. */
 const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
@@ -152,19 +154,7 @@ function render() {
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
-  const step = TOUR[state.tour - 1], focused = document.activeElement;
-  const left = !step && $("guide").contains(focused);
-  $("guide").hidden = !step;
-  if (left) $("tour").focus();
-  if (step) {
-    $("guide-title").textContent = `${state.tour} of ${TOUR.length}: ${step.title}`;
-    if ($("guide").children[1].textContent !== step.text) $("guide").children[1].textContent = step.text;
-    $("back").disabled = state.tour === 1;
-    $("next").disabled = state.tour === TOUR.length;
-    // a button that is switched off loses the focus: the other one takes it
-    if (focused === $("next") && $("next").disabled) $("back").focus();
-    if (focused === $("back") && $("back").disabled) $("next").focus();
-  }
+  guide?.(state);
   $("hint").textContent = HINTS[shown];
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
@@ -263,11 +253,7 @@ function build() {
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const visit = (/** @type {number} */ n) => present({ ...TOUR[n - 1].state, tour: n });
-  $("tour").addEventListener("click", () => visit(1));
-  $("back").addEventListener("click", () => state.tour > 1 && visit(state.tour - 1));
-  $("next").addEventListener("click", () => state.tour < TOUR.length && visit(state.tour + 1));
-  $("leave").addEventListener("click", () => change({ tour: 0 }));
+  guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
     problem("");
