@@ -42,6 +42,8 @@ let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), schedul
 let pool = null;
 /** @type {((state: State) => void) | undefined} */
 let guide;
+/** The address as the page wrote or read it. */
+let linked = "";
 /** What makes another scene. */
 const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
@@ -178,8 +180,10 @@ function render() {
 /** Put the state into the address. Not at every move of a slider: that costs more than a picture, and browsers allow few. */
 function address() {
   clearTimeout(linking);
+  if (location.hash !== linked) return; // the browser has gone elsewhere in its history, and is about to say so
   const link = toFragment(state);
   if (link !== location.hash) history[stepped ? "pushState" : "replaceState"](null, "", link);
+  linked = location.hash;
   stepped = false;
 }
 
@@ -274,7 +278,8 @@ function build() {
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
   addEventListener("hashchange", (event) => {
-    const { hash } = new URL(event.newURL); // the address itself may have been written over by address() since
+    const { hash } = new URL(event.newURL);
+    linked = hash;
     if (hash !== toFragment(state)) read(hash);
   });
   const again = () => (failed ? refresh() : current()?.repaint());
@@ -287,6 +292,7 @@ function build() {
 function read(hash) {
   clearTimeout(linking);
   stepped = false;
+  linked = hash;
   const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);
