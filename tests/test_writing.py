@@ -1,8 +1,10 @@
 """Every file is written whole or not at all, by one writer."""
 
+import contextlib
 import os
 import resource
 import signal
+import socket
 import stat
 from pathlib import Path
 
@@ -105,6 +107,22 @@ def test_a_device_is_not_replaced(tmp_path, ending, write):
     with pytest.raises(gz.InputError, match="is a device, which a file would replace"):
         write(device)
     assert stat.S_ISCHR(device.stat().st_mode) and [path.name for path in tmp_path.iterdir()] == [device.name]
+
+
+@posix
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_pipe_or_a_socket_is_not_replaced(tmp_path, ending, write, linked):
+    """Whoever read from the pipe waited for ever."""
+    pipe, socket_, link = tmp_path / f"pipe{ending}", tmp_path / f"s{ending}", tmp_path / f"link{ending}"
+    os.mkfifo(pipe)
+    with socket.socket(socket.AF_UNIX) as bound, contextlib.chdir(tmp_path):  # their names are short
+        bound.bind(socket_.name)
+    for path, said in ((pipe, "pipe"), (socket_, "socket")):
+        link.symlink_to(path)
+        with pytest.raises(gz.InputError, match=f"is a {said}, which a file would replace"):
+            write(link if linked else path)
+        link.unlink()
+    assert stat.S_ISFIFO(pipe.stat().st_mode) and len(list(tmp_path.iterdir())) == 2
 
 
 @posix

@@ -46,8 +46,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = path_of(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder; give the name of a file")
-    if is_device(target):
-        raise InputError(f"{target} is a device, which a file would replace; give the name of a file")
+    if kind := other_than_file(target):
+        raise InputError(f"{target} is a {kind}, which a file would replace; give the name of a file")
     try:
         if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=EFFECTIVE):
             raise InputError(f"{target} is protected against writing; give another name")
@@ -61,13 +61,13 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
 
 
-def is_device(path: str | os.PathLike[str]) -> bool:
-    """Say whether a name is that of a device, such as /dev/null, which the user root could replace."""
+def other_than_file(path: str | os.PathLike[str]) -> str:
+    """Return what has a name, or what a link leads to, if it is neither a file nor a folder nor nothing."""
     try:
-        mode = os.lstat(path).st_mode
+        kind = stat.S_IFMT(os.stat(path).st_mode)
     except OSError:
-        return False
-    return stat.S_ISCHR(mode) or stat.S_ISBLK(mode)
+        return ""
+    return {stat.S_IFCHR: "device", stat.S_IFBLK: "device", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}.get(kind, "")
 
 
 def put(file: Path, content: bytes, mode: int) -> None:
