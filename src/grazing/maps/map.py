@@ -16,7 +16,15 @@ from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
-from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, stay_ended, step_tasks
+from grazing.maps.columns import (
+    Columns,
+    checked_columns,
+    empty_columns,
+    run_columns,
+    size_of_columns,
+    stay_ended,
+    step_tasks,
+)
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
@@ -29,6 +37,7 @@ from grazing.parameter import (
     checked_box,
     checked_coordinates,
     checked_params,
+    in_order,
     parameter_tuple,
     parameters,
     updated,
@@ -317,7 +326,8 @@ class Map(ByValue):
         points (keep, dim, n), letters (keep, n), outcomes (records, n)
         """
         row = self.packed()[1][None]
-        found = self.run_columns(row, lanes[None], transient, keep, records=records, arithmetic=arithmetic, threads=1)
+        there = lanes[None] if isinstance(lanes, np.ndarray) else lanes
+        found = self.run_columns(row, there, transient, keep, records=records, arithmetic=arithmetic, threads=1)
         return found.points[0], found.letters[0], found.outcomes[0]
 
     def run_columns(
@@ -374,14 +384,7 @@ class Map(ByValue):
         >>> found.letters[1, :, 0].tolist()
         [0, 1, 0, 0, 1, 0]
         """
-        names = tuple(self.params)
-        table = np.array(rows, np.float64, ndmin=2)
-        fits = lanes.ndim == 3 and lanes.shape[:2] == (len(table), self.dimension)
-        if table.ndim != 2 or table.shape[1] != max(len(names), 1) or not fits:
-            raise InputError(
-                f"rows have shape {table.shape} and lanes {lanes.shape}; {self.name} needs (columns, {len(names)}): "
-                f"{', '.join(names)}; and (columns, {self.dimension}, n): {', '.join(self.coordinates)}"
-            )
+        table = checked_columns(rows, lanes, self)
         transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
         if arithmetic not in FLAGS:
             raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
@@ -475,7 +478,7 @@ class Map(ByValue):
         try:
             if np.iscomplexobj(state):
                 raise TypeError
-            start = np.atleast_1d(np.asarray(state, dtype=np.float64))
+            start = np.atleast_1d(np.asarray(in_order(state), dtype=np.float64))
         except Exception:  # of whatever object was given, or of one too large
             raise InputError(
                 f"state is {shown(state)}; give {self.dimension} numbers ({', '.join(self.coordinates)})"
