@@ -63,7 +63,7 @@ class Frame:
     def __init__(self, model: Oscillator | Walled, j: int, phase: float) -> None:
         from flint import arb
 
-        seen = model if isinstance(model, Oscillator) else model.seen_from(j)
+        seen = model if isinstance(model, Oscillator) else model.seen[j]
         self.side, self.sigma = 1, model.sigma if isinstance(model, Oscillator) else model.walls[j].position
         force, moved = _pairs(model.forcing.cos, model.forcing.sin), []
         if isinstance(model, Walled):
