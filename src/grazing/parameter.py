@@ -7,7 +7,7 @@ from collections import namedtuple
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, lru_cache
 from itertools import islice
 from keyword import iskeyword
 from typing import Any
@@ -122,6 +122,7 @@ def checked_params(params: Any) -> dict[str, float]:
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
+@lru_cache(maxsize=4096)
 def _is_name(text: str) -> bool:
     return text.isidentifier() and not iskeyword(text) and not text.startswith("_")
 

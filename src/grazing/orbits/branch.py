@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.rounding import moved_by_rounding
 from grazing.orbits.signature import equations_of
+from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Relabelling, Special
 from grazing.orbits.switching import (
     BARELY,
@@ -70,10 +70,10 @@ class Piece(ByValue):
     at a special point of another one, its first orbit is among them, and where it comes back to that, its last one.
     """
 
-    equations: Equations
+    equations: Equations = field(compare=False)  # what it keeps of its work is no part of the result
     unknowns: Floats
     values: Floats
-    orbits: tuple[Orbit, ...]
+    orbits: Sequence[Orbit]
     events: tuple[int, ...]
     types: tuple[str, ...]
     ends: tuple[str, str]
@@ -455,7 +455,7 @@ class _Search:
             self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         self._halved(path)
         solutions = [self._solution(path, point) for point in path.points]
-        orbits = tuple(equations.orbit(x, p) for x, p in solutions)
+        orbits = Solved(solutions, equations)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
         kinds = {index: kind for index, event in path.events if (kind := self._note(equations, path, event, number))}
         if seed.type in SPECIAL:
@@ -465,7 +465,7 @@ class _Search:
         events = tuple(sorted(kinds))
         types = tuple(kinds[index] for index in events)
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, types, (path.began, path.ended)))
-        self._relabelled(path, orbits, number)
+        self._relabelled(path, number)
         for equations, point, leaves in path.beyond:
             self._beyond(path, equations, point, leaves, number)
 
@@ -595,12 +595,14 @@ class _Search:
         self.relabellings.append(Relabelling(path.value(leaves), before, after, number))
         self.waiting.append(Seed(equations, point, leaves=leaves, type="relabelled"))
 
-    def _relabelled(self, path: Path, orbits: tuple[Orbit, ...], number: int) -> None:
+    def _relabelled(self, path: Path, number: int) -> None:
         """Note where the word changes although the equations stay: an impact crosses the strobe."""
-        equations = path.equations
+        equations, piece = path.equations, self.pieces[number]
         if not isinstance(equations, ImpactEquations):
             return
-        for i, (one, other) in enumerate(pairwise(orbits)):
+        periods = equations.periods(piece.unknowns, piece.values[:, None])
+        for i in np.flatnonzero((periods[1:] != periods[:-1]).any(axis=1)).tolist():
+            one, other = piece.orbits[i], piece.orbits[i + 1]
             if one.word != other.word:
                 found = crossing(equations, path.points[i], path.points[i + 1])
                 value = float(path.unscaled(found.z)[1][-1]) if found is not None else float(np.nan)
