@@ -7,7 +7,7 @@ from typing import Any
 from grazing.billiard.hit import flown, is_open, met, struck
 from grazing.billiard.march import first_contact
 from grazing.billiard.rows import GRAVITY
-from grazing.kernel.primitives import unit
+from grazing.kernel.primitives import inlined, unit
 from grazing.outcome import BAD_LAW, DIVERGED, ESCAPED, FATAL
 
 NAN, INFINITY = float("nan"), float("inf")
@@ -45,6 +45,14 @@ def next_impact(x: float, y: float, vx: float, vy: float, left: float, clock: fl
     The surface is -1, and the time infinite, for a ball that leaves for good without meeting anything: it *escapes*.
     """
     surface, t, flags = first_contact(x, y, vx, vy, left, clock, table)
+    return contact(surface, t, flags, x, y, vx, vy, clock, table)
+
+
+@inlined
+def contact(
+    surface: int, t: float, flags: int, x: float, y: float, vx: float, vy: float, clock: float, table: Any
+) -> Any:  # fmt: skip
+    """Return what :func:`next_impact` does, of a flight whose first contact is known."""
     state, none = (x, y, vx, vy), (NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN)
     if flags & FATAL:
         return (surface, -1, t, flags), state, state, none

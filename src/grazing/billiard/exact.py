@@ -15,7 +15,8 @@ import numpy as np
 from flint import fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.march import body_of, face_corner, side_corner
+from grazing.billiard.faces import body_of, face_corner
+from grazing.billiard.march import side_corner
 from grazing.billiard.roots import Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
 from grazing.billiard.rows import (
     BARE,

@@ -212,9 +212,15 @@ def plain_block(table: Table, values: Any) -> Floats:
     return np.asarray(blocks[0])
 
 
-def blocks_at(blocks: Floats) -> Floats:
-    """Return the addresses of blocks, shape (columns, 1)."""
-    return blocks.ctypes.data + blocks.strides[0] * np.arange(len(blocks), dtype=np.float64)[:, None]
+def blocks_of(table: Table, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+    """Return the addresses of a table's blocks at rows of parameters, shape (columns, 1), and the blocks.
+
+    Equal rows, of orbits at the same parameters, share a block.
+    """
+    known: dict[bytes, int] = {}
+    which = [known.setdefault(row.tobytes(), len(known)) for row in np.ascontiguousarray(rows)]
+    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic)
+    return blocks.ctypes.data + blocks.strides[0] * np.array(which, float)[:, None], blocks
 
 
 class OfTable(Origin):
@@ -237,9 +243,9 @@ class OfTable(Origin):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
-        blocks = self.table.blocks(rows, arithmetic)
+        addresses, blocks = blocks_of(self.table, rows, arithmetic)
         tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
-        return Derived(tangent, None, Place, blocks_at(blocks), blocks, step)
+        return Derived(tangent, None, Place, addresses, blocks, step)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
