@@ -1,5 +1,6 @@
 """Balls side by side: the bits of balls one by one, whichever share a block, and faces that are surely passed."""
 
+from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -7,11 +8,14 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.faces import passes
-from grazing.billiard.packed import LANES, W, contacts, room_for
+from grazing.billiard.packed import contacts
 from grazing.billiard.rows import CIRCLES
+from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import column
 from grazing.kernel.primitives import numbers
-from grazing.maps.launches import ROUNDS, Found, fly, launch, launcher
+from grazing.maps.collide import Place, collision, timed_collision
+from grazing.maps.launch import ROUNDS, Found, fly, launch, launcher
 from tests.billiard.tables import box, layout, mixed, three_discs
 
 
@@ -60,6 +64,33 @@ def test_launches_side_by_side_have_the_bits_of_launches_one_by_one(name):
     for one, other in zip(alone, beside, strict=True):
         np.testing.assert_array_equal(one, other)
     assert len(np.unique(alone[1])) > 3 or len(np.unique(alone[2])) == n  # they differ
+
+
+@pytest.mark.parametrize("n", [2, LANES + 9])
+@pytest.mark.parametrize("name", TABLES)
+def test_steps_from_impact_to_impact_have_the_bits_of_orbits_one_by_one(name, n):
+    """Until all have left, where they can; states that are on no object and those that have left among them."""
+    table, steps, random = TABLES[name][0], 40, np.random.default_rng(1)
+    P = gz.collision_map(table, on="bumper3" if name == "classic" else None)
+    lanes = np.array([random.uniform(low, high, n) for low, high in P.box])
+    lanes[0, : n // 3] += np.linspace(0.0, 60.0, n // 3)
+    block, step = table.blocks(table.row())[0], timed_collision if table.period else collision
+
+    def one_by_one(block, lanes, points, letters, outcomes):
+        for j in range(lanes.shape[1]):
+            state = column(lanes, j, zero)
+            for i in range(points.shape[0]):
+                state, letters[i, j], outcome = step(state, Place(block))
+                outcomes[0, j] |= outcome
+                for k in range(len(zero)):
+                    points[i, k, j] = state[k]
+
+    zero = (0.0,) * P.dimension
+    alone = np.empty((steps, *lanes.shape)), np.empty((steps, n), np.int64), np.zeros((1, n), np.int64)
+    call(compiled(one_by_one), 1.0 * block.ctypes.data, lanes, *alone)
+    bare = replace(P, origin=P.origin.unsettled())
+    for one, other in zip(alone, bare.run(lanes.copy(), 0, steps, records=1), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_plain_python_has_the_bits_of_the_compiled_kernel():

@@ -6,7 +6,7 @@ vectors. What that does not settle is in doubt, and goes to :func:`grazing.billi
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from grazing.billiard.contact import contact, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
@@ -14,80 +14,16 @@ from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_st
 from grazing.billiard.hit import first_turning, rows_of
 from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
 from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LONG, OWNER, PX, PY, SIDES, SIZE, WIDTH
+from grazing.billiard.workspace import LANES, W
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.kernel.turns import eights
 from grazing.outcome import OK
 
 INFINITY = float("inf")
-#: Balls side by side.
-LANES = 64
+#: Fewer balls are asked one by one, which is quicker.
+FEW = 4
 #: Looks at a circle after which a ball is in doubt.
 LOOKS = 12
-
-
-class Rows(NamedTuple):
-    """Where the rows of a workspace begin, each of LANES numbers."""
-
-    # of the balls: states and the time, the surface just left, which one it is, its impacts
-    X: int
-    Y: int
-    VX: int
-    VY: int
-    CLOCK: int
-    LEFT: int
-    NUMBER: int
-    HITS: int
-    OUTCOME: int
-    # what is found: surface, time, how late that may be, object; whether the ball is in doubt
-    SURFACE: int
-    TIME: int
-    LATE: int
-    WHO: int
-    DOUBT: int
-    LAST: int  # the surface just left, -1 for one of a flipper
-    # of circles: the least part of k, the earliest safe step, of which circle, the one after it, the next circle
-    PART: int
-    STEP: int
-    FIRST: int
-    SECOND: int
-    NEXT: int
-    ONE: int
-    # of pairs of a ball and a circle: which they are, as it is seen from the centre
-    BALL: int
-    CIRCLE: int
-    DX: int
-    DY: int
-    PVX: int
-    PVY: int
-    PSIZE: int
-    PTIME: int
-    PEND: int
-    PEX: int
-    PEY: int
-    PWHO: int
-    # what looks find
-    WHAT: int
-    PLATE: int
-    SAID: int
-    H: int
-    DH: int
-    K: int
-    C3: int
-    REACH: int
-    S: int
-    A: int
-    B: int
-    GOING: int
-    # safe steps: a row for each circle
-    STEPS: int
-
-
-W = Rows(*(LANES * i for i in range(len(Rows._fields))))
-
-
-def room_for(circles: int) -> int:
-    """Return how many numbers a workspace has."""
-    return W.STEPS + LANES * circles
 
 
 @unit
@@ -105,6 +41,16 @@ def contacts(w: Any, width: int, table: Any) -> None:
             if not w[W.DOUBT + i] > 0.0:
                 of_others(w, i, faces, circles, rows, around, surfaces, g, table)
     of_other_faces(w, width, faces, circles, rows, g)
+
+
+@inlined
+def padded_contacts(w: Any, n: int, table: Any) -> None:
+    """Find the first contacts of n balls; the last one stands for those that are missing to a multiple of eight."""
+    for i in range(n):
+        w[W.DOUBT + i] = 1.0
+    if n >= FEW:
+        repeated(w, n, W.X, W.SURFACE)
+        contacts(w, (n + 7) // 8 * 8, table)
 
 
 @inlined
@@ -175,7 +121,7 @@ def of_some_faces(w: Any, width: int, faces: int, rows: Any, g: float) -> None:
             w[W.PVX + n], w[W.PVY + n], w[W.PTIME + n] = w[W.VX + i], w[W.VY + i], w[W.LAST + i]
             w[W.PEX + n], w[W.PEY + n], w[W.PEND + n] = row[EX], row[EY], row[LONG]
             n += 1
-    filled(w, n)
+    repeated(w, n, W.BALL, W.WHAT)
     for k in range((n + 7) // 8 * 8):
         meet_face(w, eights(k), g)
     for k in range(n):
@@ -240,10 +186,10 @@ def pass_face(w: Any, width: int, f: int, row: Any, g: float) -> Any:
 
 
 @inlined
-def filled(w: Any, n: int) -> None:
-    """Repeat the last pair of the list until it is a multiple of eight long."""
+def repeated(w: Any, n: int, first: int, last: int) -> None:
+    """Repeat the last of n numbers of some rows until they are a multiple of eight."""
     for i in range(n, (n + 7) // 8 * 8):
-        for row in range(W.BALL, W.WHAT, LANES):
+        for row in range(first, last, LANES):
             w[row + i] = w[row + n - 1]
 
 
@@ -321,7 +267,7 @@ def another(w: Any, n: int, i: int, base: int, circles: int, rows: Any, g: float
 
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
     """March to all circles on the list, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
-    filled(w, n)
+    repeated(w, n, W.BALL, W.WHAT)
     for b in range(0, n, 8):
         looked_at(w, b, g)
         landed(w, b, g)

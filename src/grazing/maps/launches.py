@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache, partial
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
-from grazing.billiard.hit import way_at
 from grazing.billiard.objects import two_of
-from grazing.billiard.packed import LANES, W, contacts, impact_of, room_for
-from grazing.billiard.rows import CIRCLES, THINGS
+from grazing.billiard.rows import CIRCLES
 from grazing.billiard.table import AWAY, Table
+from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.primitives import inlined, numbers, numbers_at
+from grazing.kernel.lanes import abreast_loop
 from grazing.maps.collisions import blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
+from grazing.maps.launch import (
+    ROUNDS,
+    Launch,
+    all_launched,
+    launched,
+    launched_derived,
+    launcher,
+    plain_launched,
+    plain_tangent,
+)  # fmt: skip
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, ESCAPED, FATAL, OK, TOO_MANY_IMPACTS, InputError, shown
+from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, shown
 from grazing.parameter import Parameter, real, whole
 
 if TYPE_CHECKING:
@@ -39,8 +47,6 @@ NAN, INFINITY = float("nan"), float("inf")
 HITS = 10_000
 #: Impacts that may be asked for.
 MOST = 1_000_000
-#: Impacts of each ball in one call of the kernel, in which nothing stops it.
-ROUNDS = 10_000
 COORDINATES = {
     one.name: one
     for one in (
@@ -57,193 +63,6 @@ OWN = {
         Parameter("launch.hits", "n_0", "impacts after which a launch is given up", 1.0, MOST),
     )
 }
-
-
-class Launch(NamedTuple):
-    """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
-
-    block: Any
-    x: float
-    y: float
-    hits: float
-
-
-@inlined
-def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> Any:
-    """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
-    left, t, outcome = -1.0, 0.0, OK
-    for hits in range(most + 1):
-        (surface, owner, length, flags), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
-        outcome |= flags
-        t += length
-        if flags & FATAL:
-            return -1, hits, t, outcome
-        if flags & ESCAPED:
-            return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
-        left, (x, y, vx, vy) = 1.0 * surface, after
-    return -1, most, t, outcome | TOO_MANY_IMPACTS
-
-
-@inlined
-def stays(angle: float, speed: float, table: Any) -> int:
-    """Return the number of the way out in which a ball rests in this state; -1 if it is one of a launch."""
-    way = way_at(angle, table)
-    return way if speed == 0.0 and way >= 0 and way == angle else -1
-
-
-@inlined
-def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
-    """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
-    angle, speed = state
-    way = stays(angle, speed, table)
-    if way >= 0:
-        return (1.0 * way, 0.0), way, ESCAPED
-    way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
-    if outcome & FATAL:
-        return (NAN, NAN), 0, outcome
-    return (1.0 * way, 0.0), way, outcome
-
-
-def launched(state: Any, c: Launch) -> Any:
-    """Return (state, letter, outcome) of a launch."""
-    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-
-
-def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
-
-
-def plain_launched(state: Any, c: Any) -> Any:
-    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
-    return way_out(state, c.x, c.y, int(c.hits), c.block)
-
-
-def plain_tangent(state: Any, c: Any) -> Any:
-    """Return a launch with its Jacobian as plain Python takes it."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
-
-
-class Found(NamedTuple):
-    """Where a kernel writes what :func:`launch` returns, launch by launch."""
-
-    ways: Any
-    hits: Any
-    times: Any
-    outcomes: Any
-
-
-@inlined
-def begun(w: Any, i: int, number: int, x: float, y: float, angle: float, speed: float) -> None:
-    """Put a launch into a workspace."""
-    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = x, y, speed * cos(angle), speed * sin(angle)
-    w[W.CLOCK + i], w[W.LEFT + i], w[W.NUMBER + i], w[W.HITS + i], w[W.OUTCOME + i] = 0.0, -1.0, 1.0 * number, 0.0, 0.0
-
-
-@inlined
-def ended(w: Any, i: int, most: int, table: Any, found: Found) -> bool:
-    """Take a ball over its next impact; write down what becomes of it, if that is the end."""
-    (surface, owner, length, flags), _before, after, _speeds = impact_of(w, i, table)
-    at, hits, t = int(w[W.NUMBER + i]), int(w[W.HITS + i]), w[W.CLOCK + i] + length
-    outcome = int(w[W.OUTCOME + i]) | flags
-    w[W.CLOCK + i], w[W.LEFT + i], w[W.HITS + i], w[W.OUTCOME + i] = t, 1.0 * surface, hits + 1.0, 1.0 * outcome
-    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = after
-    if not flags & (FATAL | ESCAPED) and hits < most:
-        return False
-    way = -1
-    if flags & ESCAPED and not flags & FATAL:
-        way = owner if owner >= 0 else int(table[THINGS])
-    if not flags & (FATAL | ESCAPED):
-        outcome |= TOO_MANY_IMPACTS
-    found.ways[at], found.hits[at], found.times[at], found.outcomes[at] = way, hits, t, outcome
-    return True
-
-
-def fly(
-    w: Any, job: Any, rounds: int, x: float, y: float, most: int, angles: Any, speeds: Any, table: Any, found: Found
-) -> None:  # fmt: skip
-    """Follow launches side by side, as :func:`launch` does each, for so many impacts of a ball at most.
-
-    ``job`` holds how many launches have begun, and how many of them have not ended: those are in the workspace. It is
-    called until there are none.
-    """
-    begin, n = job[0], job[1]
-    for _ in range(rounds):
-        while n < LANES and begin < len(angles):
-            begun(w, n, begin, x, y, angles[begin], speeds[begin])
-            begin, n = begin + 1, n + 1
-        if n == 0:
-            break
-        for i in range(n, (n + 7) // 8 * 8):
-            for row in range(W.X, W.SURFACE, LANES):
-                w[row + i] = w[row + n - 1]
-        contacts(w, (n + 7) // 8 * 8, table)
-        for i in range(n - 1, -1, -1):
-            if ended(w, i, most, table, found):
-                n -= 1
-                for row in range(W.X, W.SURFACE, LANES):  # the last one takes its place
-                    w[row + i] = w[row + n]
-    job[0], job[1] = begin, n
-
-
-@lru_cache(maxsize=1)
-def launcher() -> Callable[..., None]:
-    """Compile ``run(block, w, job, rounds, x, y, most, angles, speeds, ways, hits, times, outcomes)``: :func:`fly`."""
-
-    def run(
-        block: Any, w: Any, job: Any, rounds: int, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any,
-        hits: Any, times: Any, outcomes: Any,
-    ) -> None:  # fmt: skip
-        found = Found(ways, hits, times, outcomes)
-        fly(numbers(w), job, rounds, x, y, most, angles, speeds, numbers(block), found)
-
-    return compiled(run)
-
-
-def step_all(
-    w: Any, lanes: Any, c: Launch, angles: Any, speeds: Any, which: Any, found: Found, letters: Any, outcomes: Any
-) -> None:  # fmt: skip
-    """Take all states of lanes (2, n) one step further, as :func:`way_out` does each."""
-    m, table, job = 0, numbers_at(c.block), np.zeros(2, np.int64)
-    for j in range(lanes.shape[1]):
-        letters[j], outcomes[j] = stays(lanes[0, j], lanes[1, j], table), ESCAPED
-        if letters[j] < 0:
-            angles[m], speeds[m], which[m] = lanes[0, j], lanes[1, j], j
-            m += 1
-    while job[0] < m or job[1] > 0:
-        fly(w, job, ROUNDS, c.x, c.y, int(c.hits), angles[:m], speeds[:m], table, found)
-    for k in range(m):
-        j, way, outcomes[which[k]] = which[k], found.ways[k], found.outcomes[k]
-        lost = found.outcomes[k] & FATAL
-        lanes[0, j], lanes[1, j], letters[j] = (NAN, NAN, 0) if lost else (1.0 * way, 0.0, way)
-
-
-@lru_cache(maxsize=2)
-def flyer(arithmetic: str) -> Callable[..., None]:
-    """Compile the loop around a step of the map of launches, see :func:`grazing.kernel.lanes.loop_of`."""
-
-    def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
-        columns, n, keep, last = lanes.shape[0], lanes.shape[2], points.shape[1], outcomes.shape[1] - 1
-        angles, speeds, times = np.empty(n), np.empty(n), np.empty(n)
-        which, ways, hits = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
-        ends, letter, outcome = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
-        for q in range(columns):
-            c = Launch(rows[q, 0], rows[q, 1], rows[q, 2], rows[q, 3])
-            w = np.empty(room_for(int(numbers_at(c.block)[CIRCLES])))
-            for step in range(transient + keep):
-                step_all(
-                    numbers(w), lanes[q], c, angles, speeds, which, Found(ways, hits, times, ends), letter, outcome
-                )
-                i = max(step - transient, 0)
-                for j in range(n):
-                    outcomes[q, i if last > 0 else 0, j] |= outcome[j]
-                    if step >= transient:
-                        points[q, i, 0, j], points[q, i, 1, j] = lanes[q, 0, j], lanes[q, 1, j]
-                        letters[q, i, j] = letter[j]
-
-    return compiled(run, arithmetic)
 
 
 def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: int) -> tuple[int, int, float, int]:
@@ -280,7 +99,15 @@ class OfLaunches(Origin):
         n = len(self.table.params)
         addresses, blocks = blocks_of(self.table, rows[:, :n], arithmetic)
         numbers = np.hstack([addresses, rows[:, n:]])
-        return Derived(launched_derived, None, Launch, numbers, blocks, launched, flyer(arithmetic))
+        return Derived(
+            launched_derived,
+            None,
+            Launch,
+            numbers,
+            blocks,
+            launched,
+            compiled(abreast_loop(all_launched, 2), arithmetic),
+        )
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
