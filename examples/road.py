@@ -150,7 +150,7 @@ def machine():
     table = gz.read_table("classic")
     player = gz.flips(0.5, 0.15, {"left_flipper": 0.0, "right_flipper": 0.25})
     table = gz.table(table.objects, table.rho, table.g, table.tilt, player)
-    return OnTable("classic", table, "bumper2", lambda v: ((5.275, 0.7, 0.0, v), 0.0), 5, (16.27, 16.28))
+    return OnTable("classic", table, "bumper2", lambda v: ((5.275, 0.7, 0.0, v), 0.0), 1, (14.09, 14.1))
 
 
 def one_bumper():

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Usage: sh scripts/page.sh tools|types
-# tools: install what package.json pins for checking the explorer's page; types: check the page's types with it.
+# Usage: sh scripts/page.sh tools|types|d3
+# tools: install what package.json pins for the explorer's page; types: check the page's types with it; d3: bundle the
+# parts of d3 that scripts/d3.js names into the page, as one file that is shipped: whoever installs grazing needs no npm.
 # Only who changes the page needs node; where it is not, this says what is left out, and that is no failure.
 set -eu
 
@@ -34,8 +35,17 @@ types)
         say "the types of the page are not checked by tsc"
     fi
     ;;
+d3)
+    tools
+    {
+        printf '/* d3-scale, d3-selection, d3-zoom and what they need, bundled by sh scripts/page.sh d3.\n\n'
+        cat node_modules/d3-zoom/LICENSE node_modules/d3-ease/LICENSE
+        printf '*/\n'
+        node node_modules/esbuild/bin/esbuild scripts/d3.js --bundle --format=esm --minify --target=es2022 --legal-comments=none --log-level=warning
+    } >"${2:-src/grazing/explorer/page/d3.mjs}"
+    ;;
 *)
-    say "usage: sh scripts/page.sh tools|types"
+    say "usage: sh scripts/page.sh tools|types|d3"
     exit 1
     ;;
 esac

@@ -47,7 +47,7 @@ def measured(result: Any) -> Any:
     (-0.0012, 0.0012, 'x')
     """
     if type(result) in (list, tuple):
-        return [measured(one) for one in result]
+        return [one if type(one) in (list, tuple) else measured(one) for one in result]
     found = getattr(result, "dataset", result)
     attrs = getattr(found, "attrs", {})
     if not isinstance(attrs, dict) or STOP not in attrs or not hasattr(found, "variables"):

@@ -14,6 +14,7 @@ from __future__ import annotations
 import operator
 import os
 import reprlib
+import shlex
 import sys
 import traceback
 import unicodedata
@@ -87,13 +88,16 @@ _ADVICE = {
         "impact or no impact could not be decided in double precision",
         "treat the orbit as either of the two",
     ),
-    Outcome.stuck: ("the ball rests on the wall for a while", "nothing to do: the forcing releases it"),
+    Outcome.stuck: (
+        "the ball rests on the wall for a while; on a table it slides or rests on an object",
+        "nothing to do: the forcing releases it",
+    ),
     Outcome.chatter: (
         "infinitely many impacts in finite time, completed in closed form",
         "nothing to do: the ball then sticks until released",
     ),
     Outcome.no_impact: (
-        "no further impact within 1000 periods",
+        "no further impact within 1000 periods; on a table the ball rests, or slides to and fro, for ever",
         "use the stroboscopic map, which needs no impact",
     ),
     Outcome.diverged: ("the orbit left the region of interest", "look at the starting box and the parameters"),
@@ -102,9 +106,9 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more than 10,000 impacts in one period; on a table more than were allowed, or bounces too small to tell "
-        "apart: the ball begins to slide or rest, which is not followed",
-        "choose r < 1 or a larger V, or declare the contraction of the law; on a table r = 1 for inclined rails",
+        "more than 10,000 impacts in one period; on a table more than were allowed, a ball at rest on a level one, or "
+        "bounces too small to tell apart on a flipper that turns",
+        "choose r < 1 or a larger V, or declare the contraction of the law",
     ),
     Outcome.too_many_swings: (
         "more than 47,000 swings of the free ball in one period of the forcing; on a table more than a million turns "
@@ -193,6 +197,53 @@ def printable(text: str, newlines: bool = True) -> str:
         else letter.encode("unicode_escape").decode("ascii")
         for letter in text
     )  # fmt: skip
+
+
+def quoted(word: str) -> str:
+    r"""Return a word as a shell takes it, in one line that a terminal may have: the shell reads exactly this word.
+
+    What a terminal must not get, or cannot, is written in octal, as bash, zsh and POSIX of 2024 read it.
+
+    Examples
+    --------
+    >>> from grazing.outcome import quoted
+    >>> print(quoted("a b.nc"), quoted("a\nb.nc"))
+    'a b.nc' $'a\012b.nc'
+    """
+    lost = {letter for letter in word if not _shows(letter)}
+    if printable(word, newlines=False) == word and "\t" not in word and not lost:
+        return shlex.quote(word)
+    plain = {letter: letter for letter in word if letter.isprintable() and letter not in "\\'" and letter not in lost}
+    return "$'" + "".join(plain.get(one) or "".join(f"\\{byte:03o}" for byte in _bytes(one)) for one in word) + "'"
+
+
+def _shows(letter: str) -> bool:
+    """Say whether the standard output has a letter: one that it has not would be written as its number."""
+    try:
+        letter.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+    except (UnicodeEncodeError, LookupError, TypeError):
+        return False
+    return True
+
+
+def quoted_file(file: str) -> str:
+    """Return the name of a file as :func:`quoted` has words; what begins with - is no option.
+
+    Examples
+    --------
+    >>> from grazing.outcome import quoted_file
+    >>> quoted_file("a.nc"), quoted_file("-o.nc")
+    ('a.nc', './-o.nc')
+    """
+    return quoted(f"./{file}" if file.startswith("-") else file)
+
+
+def _bytes(letter: str) -> bytes:
+    """Return the bytes of a letter of a name: of one that no text has, those that the system gave."""
+    try:
+        return os.fsencode(letter)
+    except UnicodeEncodeError:
+        return letter.encode("utf-8", "surrogatepass")
 
 
 #: Items of a list, and letters of a word, that are written out where an object says what it is.

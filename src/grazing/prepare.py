@@ -40,10 +40,14 @@ SOURCES = ("kernel", "systems", "oscillator", "maps", "orbits", "studies", "prep
 
 
 def one_wave() -> None:
-    """Compile for forces of one harmonic: the pinball's kernels and those of all studies of them."""
+    """Compile for forces of one harmonic: the pinball's kernels and those of all studies of them, then other walls.
+
+    What is large the kernels of all walls share, so another process would compile it once more.
+    """
     import grazing as gz
 
     _studies(gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4), "d")
+    _walls()
 
 
 def two_waves() -> None:
@@ -54,8 +58,8 @@ def two_waves() -> None:
     _studies(gz.Oscillator(alpha=3, k=1, forcing=forcing, reset=gz.newton(0.8)), "offset")
 
 
-def walls() -> None:
-    """Compile for two walls, and one that moves, and a force of one harmonic."""
+def _walls() -> None:
+    """Run what is done between two walls, and over one that moves, with a force of one harmonic."""
     import numpy as np
 
     import grazing as gz
@@ -175,7 +179,6 @@ def _studies(m: Oscillator, name: str) -> None:
 PARTS: dict[str, Callable[[], None]] = {
     "one wave": one_wave,
     "two waves": two_waves,
-    "walls": walls,
     "formulas": formulas,
     "systems": systems,
 }

@@ -5,7 +5,7 @@ from math import atan2
 import numpy as np
 
 import grazing as gz
-from grazing.maps.collide import slopes
+from grazing.maps.collide import in_three, slopes
 from grazing.theory import Cycle
 from tests.billiard.tables import three_discs
 
@@ -36,7 +36,9 @@ def cycles_of_directions(distance, r, length):
         J = np.eye(3)
         for i in range(n):
             k, (nx, ny), (mx, my), (wx, wy) = (i + 1) % n, normal[i], normal[(i + 1) % n], out[i]
-            speeds = wx * mx + wy * my, -r * (wx * mx + wy * my), wy * mx - wx * my, 1.0, mx, my
-            state, before = (0.0, atan2(wy * nx - wx * ny, wx * nx + wy * ny), 1.0), (*(discs[k] + normal[k]), wx, wy)
-            J = np.array(slopes(state, (nx, ny, 1.0), far[i], before, speeds, -r, 0.0)).reshape(3, 3) @ J
+            speeds = wx * mx + wy * my, -r * (wx * mx + wy * my), wy * mx - wx * my, mx, my, 1.0, 0.0, 0.0, 0.0
+            angle, before = atan2(wy * nx - wx * ny, wx * nx + wy * ny), (*(discs[k] + normal[k]), wx, wy)
+            frame = nx, ny, 1.0, 0.0, 0.0, 0.0
+            step = in_three(slopes(angle, 1.0, frame, far[i], before, speeds, -r, 0.0))
+            J = np.array(step).reshape(3, 3) @ J
         yield Cycle(n, float(n), tuple(np.linalg.eigvals(J[:2, :2]).tolist()))

@@ -15,15 +15,15 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import column
 from grazing.kernel.primitives import numbers
 from grazing.maps.collide import Place, collision, timed_collision
-from grazing.maps.launch import ROUNDS, Found, fly, launch, launcher
+from grazing.maps.launch import ROUNDS, Found, fly, heading, launch, launcher
 from tests.billiard.tables import box, layout, mixed, three_discs
 
 
 def one_by_one(block, x, y, most, angles, speeds, ways, hits, times, outcomes):
     table = numbers(block)
     for i in range(len(angles)):
-        vx, vy = speeds[i] * cos(angles[i]), speeds[i] * sin(angles[i])
-        ways[i], hits[i], times[i], outcomes[i] = launch(x, y, vx, vy, most, table)
+        s, c = heading(angles[i])
+        ways[i], hits[i], times[i], outcomes[i] = launch(x, y, speeds[i] * c, speeds[i] * s, most, table)
 
 
 def room(n):

@@ -177,6 +177,12 @@ def test_wrong_usage_is_answered_with_what_to_do(report, capsys, tokens, said):
     assert all(words in err for words in said), err
 
 
+def from_another(error, cause):
+    """Return an error that comes from another one, and that from the first, as somebody's may."""
+    error.__cause__, cause.__context__ = cause, error
+    return error
+
+
 @pytest.mark.parametrize(
     ("error", "code", "said"),
     [
@@ -186,6 +192,9 @@ def test_wrong_usage_is_answered_with_what_to_do(report, capsys, tokens, said):
         (OSError(28, "No space left on device"), 1, "No space left on device"),
         (ImportError("No module named 'numba'"), 1, "numba"),
         (MemoryError(), 1, "out of memory"),
+        (from_another(ImportError("no module"), OSError("x.so: failed to map segment")), 1, "out of memory"),
+        (from_another(OSError("x.so not found"), ImportError("Cannot allocate memory")), 1, "out of memory"),
+        (from_another(ImportError("no module"), ImportError("No module named 'numba'")), 1, "'numba'); install"),
         (KeyboardInterrupt(), 130, "stopped: interrupted"),
         (ZeroDivisionError("by zero"), 1, "unexpected error: ZeroDivisionError: by zero\nThis is a defect in grazing"),
     ],

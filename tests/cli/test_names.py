@@ -1,12 +1,17 @@
 """Files of any name: what is said of them is one line, in which nothing moves the cursor of a terminal."""
 
+import io
+import os
 import pickle
+import random
+import shutil
+import subprocess
 
 import pytest
 
 from grazing.cli import main
 from grazing.config.problems import Problem, refusal
-from grazing.outcome import GrazingError, InputError, UserCodeError
+from grazing.outcome import GrazingError, InputError, UserCodeError, quoted
 
 NAMES = ["two\nlines", "a\x1b[2Jb", "\u202ereversed", "\r\n", "a\x85b", "a\u2028b", "\x7f"]
 COMMANDS = [
@@ -47,3 +52,39 @@ def test_a_message_has_a_line_for_each_argument_and_travels_as_it_is():
     for error in (several, InputError("a\nb"), UserCodeError("a", "b")):
         copy = pickle.loads(pickle.dumps(error))
         assert str(copy) == str(error) and copy.args == error.args and type(copy) is type(error)
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="reads words as bash does")
+def test_a_shell_reads_every_quoted_word_as_it_is():
+    rng = random.Random(1)
+    letters = [*map(chr, range(1, 256)), *"\u202e\u2028\u3000\u6f22\U0001f600\udcff\udc80", *"'\\$`!*-~\n\t01" * 3]
+    words = ["", *("".join(rng.choice(letters) for _ in range(rng.randrange(1, 9))) for _ in range(2000))]
+    line = "printf '%s\\0' " + " ".join(map(quoted, words))
+    assert all(letter.isprintable() or letter == "\u3000" or ord(letter) == 0xA0 for letter in line)
+    read = subprocess.run(["bash", "-c", os.fsencode(line)], capture_output=True, check=True, timeout=60)
+    assert [os.fsdecode(word) for word in read.stdout.split(b"\0")[:-1]] == words
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="reads words as bash does")
+@pytest.mark.parametrize("name", ["two\nlines.svg", "tab\t'.nc", "-o.svg", "a\x1b[2J.nc", "\u202e.svg", "a\udcff b.nc"])
+def test_the_command_in_a_file_writes_a_file_of_that_name(name, tmp_path, monkeypatch, capsys):
+    """It named another: a line end was printed as its escape, and - in front was an option."""
+    monkeypatch.chdir(tmp_path)
+    begin = ["cobweb", "x=0.3", *"--map gap --lam 0.5 --mu 0.1 --l 0.2 --steps 3".split()]
+    assert main([*begin, "-o", f"./{name}", "-q"]) == 0
+    capsys.readouterr()
+    assert main(["info", f"./{name}"]) == 0
+    command = capsys.readouterr().out.splitlines()[-1].removeprefix("again:     grazing ")
+    os.remove(name)
+    words = subprocess.run(["bash", "-c", f"printf '%s\\0' {command}"], capture_output=True, check=True, timeout=60)
+    assert main(["-q" if word == b"" else os.fsdecode(word) for word in words.stdout.split(b"\0")]) == 0
+    assert os.listdir() == [name]
+
+
+def test_a_letter_that_the_output_lacks_is_quoted_by_its_bytes(monkeypatch):
+    """A terminal without UTF-8 got the number of the letter, between quotes that keep it a number."""
+    assert quoted("\u6f22.svg") == "'\u6f22.svg'"
+    monkeypatch.setattr("sys.stdout", io.TextIOWrapper(io.BytesIO(), "ascii", "backslashreplace"))
+    assert quoted("\u6f22.svg") == r"$'\346\274\242.svg'"
+    monkeypatch.setattr("sys.stdout", None)
+    assert quoted("\u6f22.svg") == "'\u6f22.svg'"

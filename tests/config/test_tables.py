@@ -53,6 +53,9 @@ def test_a_file_says_all_that_calls_say(tmp_path):
         ("radius = 0.5, ", "", r"objects\.A has no radius; it needs kind, x, y, radius"),
         ('law = "active"', 'law = "mine.py:law"', r"objects\.A\.law = 'mine\.py:law'; allowed are newton, active"),
         ("V = 0.4 }", 'V = "much" }', "V = 'much' is not a real number"),
+        ("radius = 0.5", "radius = inf", r"objects\.A: radius = inf is not finite"),
+        ("r = 0.9", "r = 2.0", r"objects\.A: r = 2; allowed is 0 <= r <= 1"),
+        ("A = {", '"A.x" = {', r"objects\.A\.x: name of a disc is 'A\.x'"),
         ('"drain", ', '"drain", r = 1.0, ', r"objects\.out has 'r'; allowed are kind, x1"),
         ("y1 = -1.0", "y1 = nan", "nan is not finite"),
     ],
@@ -86,6 +89,22 @@ def test_a_name_of_no_table_is_told_from_a_file():
         gz.read_table("clasic")
     with pytest.raises(gz.InputError, match=r"nothing\.toml"):
         gz.read_table("nothing.toml")
+    with pytest.raises(gz.InputError, match="there is no file '9999"):
+        gz.read_table("9" * 10_000)  # no file system has such a name
+
+
+def test_a_file_of_very_many_objects_is_refused_at_once(tmp_path):
+    """Each is held against every other: 20,000 discs took minutes."""
+    disc = 'N{} = {{ kind = "disc", x = {}.0, y = 0.0, radius = 1.0, law = "newton", r = 0.9 }}\n'
+    many = "".join(disc.format(i, 3 * i) for i in range(20_000))
+    with pytest.raises(gz.InputError, match="has 20000 objects, 0 of them flippers; allowed are 2000"):
+        read(tmp_path, "[objects]\n" + many)
+    [flipper] = [line for line in GOOD.splitlines() if line.startswith("L")]
+    flippers = "".join(flipper.replace("L", f"L{i}", 1) + "\n" for i in range(21))
+    with pytest.raises(gz.InputError, match="has 21 objects, 21 of them flippers; allowed are"):
+        read(tmp_path, "[objects]\n" + flippers)
+    long = read(tmp_path, "[objects]\n" + disc.format("N" * 100_000, 0))
+    assert len(repr(long)) < 200
 
 
 def test_four_tables_ship():

@@ -11,6 +11,7 @@ from grazing.cli import main
 from grazing.config import checked, command_of, load_config, result_of, toml_of
 from grazing.config.maps import map_of, model_of
 from grazing.config.schema import json_schema
+from grazing.config.si import gaps_asked
 
 RATTLE = """study = "diagram"
 [walls]
@@ -240,6 +241,33 @@ def test_gaps_and_positions_say_the_same(capsys):
     one = ["--walls", "A=newton above", "--si", "m=0.8,c=2.4,k=3200,force=12.5,frequency=14,gap=1.2 mm", "--r", "0.7"]
     assert main(["trajectory", "u=0", "v=0", "--until", "0.2", *one, "--dump-config"]) == 0
     assert tomllib.loads(capsys.readouterr().out)["parameters"]["sigma"] == 1.2e-3
+
+
+@pytest.mark.parametrize(
+    ("varied", "low"),
+    [("A.gap=0.7 mm:0.9 mm:3", 0.7), ("B.gap=0.7 mm:0.9 mm:3", 0.7), ("A.sigma=-0.9 mm:-0.7 mm:3", -0.9)],
+)
+def test_tables_call_what_varies_between_walls_as_it_was_asked_for(varied, low, tmp_path, capsys):
+    """A gap was called a position, with the other sign."""
+    name, wall = varied.partition("=")[0], varied[0]
+    rest = "B.gap=1.2 mm" if wall == "A" else "A.gap=1.2 mm"
+    few = ["--starts", "2", "--transient", "20", "--keep", "9", "--units", "mm", "-q", "-o", f"{tmp_path}/a.svg"]
+    assert main(["diagram", varied, rest, *TWO_STOPS, *few]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith(f"orbit diagram of the stroboscopic map in {name}\n") and f"{name} (mm) from" in said
+    assert f"sizes:   {name} 3" in said
+    sign = "-" if wall == "A" else ""
+    assert f"$\\sigma^{{{wall}}}={sign}\\mathrm{{gap}}^{{{wall}}}$ (mm)" in (tmp_path / "a.svg").read_text()
+    assert main(["diagram", varied, rest, *TWO_STOPS, *few[:-2], "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["found"]
+    assert found["parameter"] == name
+    assert min(min(span) for row in found["attractors"] for span in row["ranges"]) == pytest.approx(low, rel=1e-12)
+
+
+def test_a_locus_between_walls_is_told_in_gaps():
+    asked = {"walls": "A=newton,B=newton above", "vary": {"B.gap": "1:2"}, "settings": {"locus": "A.gap=1:2"}}
+    assert gaps_asked(asked) == {"A.sigma": ("A.gap", -1.0), "B.sigma": ("B.gap", 1.0)}
+    assert gaps_asked({"walls": 3, "settings": 4, "vary": []}) == {}
 
 
 def test_a_base_and_a_load_between_stops_in_a_file():

@@ -163,7 +163,7 @@ def test_a_link_of_any_length_is_read_at_once(shown, address):
 
 def test_the_law_takes_its_parameters_with_it(shown, address):
     shown.open(f"{address}#version=1&view=oscillator&columns=8&bins=8&reduced=no&vary=V&reach=0.1:0.5")
-    law = shown.page.locator("label:has-text('reset law') + select")
+    law = shown.page.locator("label:has-text('bumper') + select")
     law.select_option("newton")
     shown.settle()
     assert (state(shown, "vary"), state(shown, "reach"), state(shown, "second")) == ("offset", [0.05, 0.16], "r")

@@ -2,6 +2,7 @@
 
 import http.client
 import os
+import re
 import signal
 import socket
 import struct
@@ -14,7 +15,7 @@ from contextlib import suppress
 
 import pytest
 
-from grazing.explorer.server import FOLDER, HOST, TYPES, copy_to, files, serve, server
+from grazing.explorer.server import FOLDER, HOST, TYPES, copy_to, files, rooted, serve, server
 from grazing.outcome import InputError
 
 
@@ -115,17 +116,21 @@ def test_a_port_in_use():
 
 def test_a_copy_for_any_server(tmp_path):
     page = copy_to(tmp_path / "site")
-    assert page.read_bytes() == (FOLDER / "page" / "index.html").read_bytes()
-    copied = {f"/{path.relative_to(tmp_path / 'site').as_posix()}" for path in page.parents[1].rglob("*.*")}
-    assert copied == files().keys() - {"/page/"}
+    assert page == tmp_path / "site" / "index.html"
+    inner = (FOLDER / "page" / "index.html").read_text(encoding="utf-8")
+    named = re.findall(r'(?:href|src)="([\w./]+)"', page.read_text(encoding="utf-8"))
+    assert named == [f"page/{name}" for name in re.findall(r'(?:href|src)="([\w./]+)"', inner)]
+    assert all((page.parent / name).is_file() for name in named)
+    copied = {f"/{path.relative_to(page.parent).as_posix()}" for path in page.parent.rglob("*.*")}
+    assert copied == files().keys() - {"/page/"} | {"/index.html"}
 
 
 def test_a_copy_is_renewed_and_other_files_stay(tmp_path):
     (tmp_path / "own.html").write_text("mine")
     page = copy_to(tmp_path)
     page.write_text("an older grazing explorer")
-    (page.parent / "gone.js").write_text("")
-    assert copy_to(tmp_path).read_bytes() == (FOLDER / "page" / "index.html").read_bytes()
+    (tmp_path / "page" / "gone.js").write_text("")
+    assert copy_to(tmp_path).read_text(encoding="utf-8") == rooted()
     assert (tmp_path / "own.html").read_text() == "mine"
 
 
@@ -170,11 +175,23 @@ def test_a_copy_that_was_interrupted_is_completed(monkeypatch, tmp_path):
     assert all((tmp_path / name.lstrip("/")).exists() for name in files() if not name.endswith("/"))
 
 
-@pytest.mark.parametrize("part", ["page", "kernels"])
-@pytest.mark.parametrize("made", ["file", "site"])
+@pytest.mark.parametrize(
+    ("part", "made"),
+    [
+        ("page", "file"),
+        ("page", "site"),
+        ("kernels", "file"),
+        ("kernels", "site"),
+        ("index.html", "file"),
+        ("index.html", "link"),
+    ],
+)
 def test_a_folder_of_somebody_else_is_not_written_to(tmp_path, part, made):
     if made == "file":
         (tmp_path / part).write_text("")
+    elif made == "link":
+        (tmp_path / "grazing").write_text("grazing")
+        (tmp_path / part).symlink_to(tmp_path / "grazing")
     else:
         (tmp_path / part).mkdir()
         (tmp_path / part / "index.html").write_text("<title>Another site</title>")

@@ -24,16 +24,29 @@ def test_tools_are_pinned_exactly_and_the_lock_agrees():
     asked = json.loads((ROOT / "package.json").read_text(encoding="utf-8"))
     assert asked.keys() & {"dependencies", "scripts"} == set() and asked["private"]
     pins = asked["devDependencies"]
-    assert set(pins) == {"axe-core", "typescript"}
+    checking, shipped_parts = {"axe-core", "typescript"}, {"d3-scale", "d3-selection", "d3-zoom"}
+    typed = {f"@types/{name}" for name in shipped_parts}
+    assert set(pins) == checking | shipped_parts | typed | {"esbuild"}
     assert all(re.fullmatch(r"\d+\.\d+\.\d+", pin) for pin in pins.values())
     found = {name.removeprefix("node_modules/"): each for name, each in lock().items() if name}
-    assert {name: each["version"] for name, each in found.items()} == pins
+    assert {name: found[name]["version"] for name in pins} == pins
     assert all(each["integrity"].startswith("sha512-") for each in found.values())
 
 
 def test_the_lock_names_no_address():
     text = (ROOT / "package-lock.json").read_text(encoding="utf-8")
     assert "resolved" not in text and "://" not in text
+
+
+@pytest.mark.skipif(
+    not (ROOT / "node_modules/esbuild").exists(), reason="no esbuild: sh scripts/page.sh tools brings it"
+)
+def test_the_bundle_is_what_the_pins_give(tmp_path):
+    """The parts of d3 in the page are made of the pinned packages, to the byte."""
+    made = tmp_path / "d3.mjs"
+    subprocess.run(["sh", "scripts/page.sh", "d3", str(made)], cwd=ROOT, check=True, capture_output=True)
+    assert made.read_bytes() == (FOLDER / "page" / "d3.mjs").read_bytes()
+    assert b"Permission to use, copy, modify" in made.read_bytes()  # and its license goes with it
 
 
 def test_all_files_of_the_page_are_checked_strictly():

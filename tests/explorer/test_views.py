@@ -446,16 +446,18 @@ def test_a_state_of_the_basins_is_thrown(shown, address):
 
 
 @pytest.mark.parametrize("scene", ZOOMED)
-def test_dragging_zooms_and_a_double_click_shows_all(shown, address, scene):
+def test_a_box_zooms_and_a_double_click_shows_all(shown, address, scene):
     canvas, keys = ZOOMED[scene]
     shown.open(f"{address}#version=1&{SCENES[scene]}")
     whole = [state(shown, key) for key in keys]
     box = shown.page.locator(f"#{canvas}").bounding_box()
     at = lambda x, y: (box["x"] + x * box["width"], box["y"] + y * box["height"])  # noqa: E731
+    shown.page.keyboard.down("Shift")
     shown.page.mouse.move(*at(0.35, 0.3))
     shown.page.mouse.down()
     shown.page.mouse.move(*at(0.7, 0.7), steps=4)
     shown.page.mouse.up()
+    shown.page.keyboard.up("Shift")
     shown.until(f"() => JSON.stringify(explorer.state().{keys[0]}) !== '{json.dumps(whole[0], separators=(',', ':'))}'")
     shown.settle()
     near = [state(shown, key) for key in keys]

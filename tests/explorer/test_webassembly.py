@@ -43,6 +43,7 @@ def test_the_linker_is_the_one_that_is_asked_for(monkeypatch):
 PROGRAM = """
 import sys
 from grazing.explorer.webassembly import Argument, Entry, exported
+from grazing.kernel.primitives import called
 from grazing.kernel.elementary import exp, log, power, sincos
 from math import floor, sqrt
 import math
@@ -64,10 +65,18 @@ def count(a, b):
 def lost(x):
     return math.gamma(x)
 
+def doubled(x, row):
+    return 2.0 * x + row[0]
+
+def at(where, x, row):
+    return called(where, x % 0.75, row)
+
 x, n, out = Argument("x", "float64"), Argument("n", "int64"), Argument("out", "float64", ("n",))
 entries = [
     Entry("mixed", mixed, (), (x, n, out), "float64"),
     Entry("count", count, (), (Argument("a", "int64"), Argument("b", "int64")), "int64"),
+    Entry("doubled", doubled, (), (x, Argument("row", "float64", (1,))), "float64", addressed=True),
+    Entry("at", at, (), (Argument("where", "float64"), x, Argument("row", "float64")), "float64"),
 ]
 if sys.argv[1] == "lost":
     entries = [Entry("lost", lost, (), (x,), "float64")]
@@ -110,6 +119,8 @@ def test_a_kernel_as_a_module(tmp_path):
     assert found == want[::-1]
     assert total == sum(found)
     assert exports["count"](store, 7, -6) == -43
+    where = exports["doubled"](store)  # of nothing: it says where the kernel lies
+    assert exports["at"](store, float(where), -10.4, float(place)) == 2.0 * (-10.4 % 0.75) + found[0]
     assert json.dumps(linker_version(linker())).startswith('"LLD ')
 
 

@@ -86,6 +86,7 @@ def soft(v, p):
 
 
 TABLE = gz.table([gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5)), gz.drain("out", (-9, -1), (9, -1))], rho=0.1, tilt=0.3)
+FLIPPER = gz.flipper("L", (1.2, 1.0), 1.4, (0.2, 0.1), -0.5, 0.6, gz.newton(0.5), up=14.0, down=9.0)
 OPEN = gz.collision_map(
     gz.table([gz.disc(name, (x, 3.0), 1.0, gz.newton(1.0)) for name, x in (("A", 3.0), ("B", 6.0), ("C", 9.0))])
 )
@@ -115,7 +116,22 @@ def calls():
         "segment": dict(name="A", start=(0.0, 2.0), stop=(1.0, 2.0), law=gz.newton(0.5)),
         "arc": dict(name="A", centre=(0.0, 2.0), radius=0.5, start=0.0, stop=3.0, law=gz.newton(0.5)),
         "drain": dict(name="A", start=(0.0, 2.0), stop=(1.0, 2.0)),
+        "flipper": dict(
+            name="L",
+            pivot=(1.2, 1.0),
+            length=1.4,
+            radius=(0.2, 0.1),
+            rest=-0.5,
+            raised=0.6,
+            law=gz.newton(0.5),
+            up=14.0,
+            down=9.0,
+        ),
+        "flips": dict(period=2.0, hold=0.3, phase={"L": 0.5}),
+        "presses": dict(L=[0.4, 0.7]),
+        "read_table": dict(source="one_bumper"),
         "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
+        "table, flipper": dict(objects=[FLIPPER], rho=0.1, g=1.0, tilt=0.3, player=gz.flips(2.0, 0.3)),
         "trajectory, table": dict(model=TABLE, state=(0.1, 3.0, 0.0, 0.0), start=0.0, until=9.0, samples=10),
         "collision_map": dict(table=TABLE, on="A"),
         "escape_rate": dict(P=OPEN, orbits=100, transient=1, steps=2, populations=2, stir=0.02, threads=1),
@@ -426,3 +442,26 @@ def test_extreme_arguments_are_answered():
 def test_very_many_extreme_arguments_are_answered(part):
     wrong = failures(range(1000 + 300 * part, 1300 + 300 * part))
     assert not wrong, "\n".join(wrong)
+
+
+HOLDS_ITSELF: list = []
+HOLDS_ITSELF.append(HOLDS_ITSELF)
+LOOPED: dict = {}
+LOOPED["a"] = LOOPED
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: gz.zdm_points(gz.pinball(), (0.0, 0.5)),
+        lambda: gz.boundaries(gz.gap_map(lam=0.5, mu=0.1, l=0.2), np.array([]), ("l", 0.0, 1.0), N=3),
+        lambda: gz.config.plan_of({"study": "diagram"}, code=np.zeros(2)),
+        lambda: gz.config.toml_of(LOOPED),
+        lambda: gz.theory.cycle_expansion([], per=np.zeros(2)),
+        lambda: gz.plot.density(HOLDS_ITSELF),
+    ],
+)
+def test_arrays_in_the_place_of_a_word_and_what_holds_itself_are_refused(call):
+    """A division by zero, RecursionError, and ValueError about the truth of an array."""
+    with pytest.raises(gz.GrazingError):
+        call()

@@ -2,6 +2,7 @@
 
 import ast
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -85,6 +86,22 @@ def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(al
     modules = set(done.stderr.split())
     assert {"flint", "grazing_checker"} <= modules
     assert not modules & {"grazing", "numpy", "scipy", "numba", "mpmath", "site"}
+
+
+@pytest.mark.parametrize("copied", [False, True], ids=["installed", "a copy beside"])
+def test_a_file_beside_a_certificate_is_not_run(tmp_path, copied):
+    """Python looks for packages in the folder where -m was said: a flint.py there was run by who checked a proof."""
+    for name in ("flint", "json", "hashlib", "fractions"):
+        (tmp_path / f"{name}.py").write_text("open('ran', 'a').write(__name__)\nraise SystemExit(7)\n")
+    (tmp_path / "free.json").write_text(json.dumps(documents()["free"]))
+    if copied:
+        shutil.copytree(FOLDER, tmp_path / "grazing_checker", ignore=shutil.ignore_patterns("__pycache__"))
+    env = {name: value for name, value in os.environ.items() if name not in ("PYTHONSAFEPATH", "PYTHONPATH")}
+    env |= {} if copied else {"PYTHONPATH": str(FOLDER.parent)}
+    asked = [sys.executable, "-m", "grazing_checker", "free.json"]
+    found = subprocess.run(asked, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=60)
+    assert not (tmp_path / "ran").exists() and found.returncode == 0, found.stderr
+    assert found.stdout.startswith("free.json: For the oscillator")
 
 
 def test_the_exit_code_says_whether_all_are_right(alone, tmp_path):

@@ -5,13 +5,17 @@ from collections import Counter
 from importlib.resources import files
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
+from mpmath import mp, mpf
 
 from grazing_checker import Rejected, check
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, TABLE_NAMES, bases
 from tests.grazing_checker.documents import NAMES
 from tests.grazing_checker.forgeries import elsewhere, forgeries
 from tests.grazing_checker.truth import is_true
+from tests.grazing_checker.truth_walls import entries_of, exponential
 
 WHOLE = Draft202012Validator(json.loads((files("grazing_checker") / "schema.json").read_text()))
 #: Forgeries of each kind in a short run and in a long one.
@@ -84,3 +88,14 @@ def test_no_forgery_of_very_many_is_accepted_that_is_false(kind):
 def test_there_are_500_and_10000():
     assert sum(SHORT.values()) >= 500 and min(SHORT.values()) >= 30
     assert sum(LONG.values()) >= 10_000 and min(LONG.values()) >= 500
+
+
+@given(st.lists(st.floats(-100.0, 100.0), min_size=25, max_size=25), st.floats(0.0, 1.3))
+def test_the_exponentials_by_which_truth_is_told_are_right(numbers, t):
+    M = mp.matrix([[mpf(x) for x in numbers[i : i + 5]] for i in range(0, 25, 5)])
+    with mp.workdps(36):
+        found = exponential(entries_of(M), mpf(t))
+    with mp.workdps(400):
+        right = mp.expm(M * mpf(t))
+        off, size = (max(abs(x) for x in one) for one in (found - right, right))
+    assert off <= mpf(10) ** -35 * size

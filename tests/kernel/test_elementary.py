@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.elementary import exp, length, log, power, sincos
+from grazing.kernel.elementary import arccos, arctan2, exp, length, log, power, remainder, sincos
 from grazing.kernel.primitives import exponent_of
 
 RNG = np.random.default_rng(20111)
@@ -120,3 +120,42 @@ def test_length_in_any_unit():
     assert length(3.0, -4.0) == 5.0 and length(0.0, 0.0) == 0.0 and length(math.inf, 1.0) == math.inf
     for unit in (5e-324 * 2.0**60, 2.0**-600, 2.0**600, 2.0**1000):
         assert length(-3.0 * unit, 4.0 * unit) == pytest.approx(5.0 * unit, rel=1e-15)
+
+
+@given(st.floats(), st.floats())
+def test_remainder_is_that_of_the_c_library(x, y):
+    found = remainder(x, y)
+    if math.isnan(x) or math.isnan(y) or math.isinf(x) or y == 0.0:
+        assert math.isnan(found)
+    else:
+        assert found == math.fmod(x, y)
+
+
+@pytest.mark.parametrize(("x", "y"), [(1e308, 5e-324), (1e308, 3.0), (-7.5, 2.0), (2.0, math.inf), (5e-324, 5e-324)])
+def test_remainder_at_the_ends_of_doubles(x, y):
+    assert remainder(x, y) == math.fmod(x, y) == compiled(remainder)(x, y)
+
+
+def test_angles_are_within_2_ulp():
+    with mp.workprec(400):
+        worst = 0.0
+        scale = np.exp(RNG.uniform(-30, 30, (2000, 2))) * RNG.choice([-1.0, 1.0], (2000, 2))
+        for y, x in [*scale, *RNG.normal(size=(3000, 2))]:
+            exact = mp.atan2(mp.mpf(float(y)), mp.mpf(float(x)))
+            worst = max(worst, float(abs(arctan2(float(y), float(x)) - exact)) / math.ulp(float(exact)))
+        assert worst < 2.0
+        for x in [*RNG.uniform(-1, 1, 2000), *(1.0 - np.exp(RNG.uniform(-36, 0, 500)))]:
+            exact = mp.acos(mp.mpf(float(x)))
+            worst = max(worst, float(abs(arccos(float(x)) - exact)) / math.ulp(float(exact)))
+    assert worst < 4.0
+
+
+@pytest.mark.parametrize(
+    ("y", "x"), [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), (-0.0, -1.0), (5e-324, 1e308)]
+)
+def test_angles_along_the_axes(y, x):
+    assert arctan2(y, x) == (math.atan2(y, x) if x or y else 0.0) == compiled(arctan2)(y, x)
+
+
+def test_ends_of_the_arccosine():
+    assert [arccos(x) for x in (1.0, 0.0, -1.0)] == [0.0, math.acos(0.0), math.pi]

@@ -11,7 +11,7 @@ import grazing
 from grazing.kernel import cache
 from grazing.kernel.compile import compiled
 from grazing.kernel.content import digest
-from grazing.kernel.primitives import unit
+from grazing.kernel.primitives import inlined, unit
 from grazing.kernel.wide import plain
 from grazing.parameter import parameter_tuple
 from tests.processes import python
@@ -19,15 +19,19 @@ from tests.processes import python
 pytestmark = pytest.mark.skipif(bool(plain()), reason=f"numba's own pipeline knows no units: {plain()}")
 
 
-def made(factor, sign="+"):
-    """Two callers of one unit, and the unit, as new functions: only the disk knows them from before."""
+def made(factor):
+    """Two callers of one unit, one out of an inlined function, and the unit: as functions that only the disk knows."""
 
     @unit
     def middle(x, c):
         return (factor * x[0] * c[1], x[1]), 3
 
+    @inlined
+    def within(x):
+        return middle((x, 2.0), (1.0, 2.0, 3.0))
+
     def first(x):
-        y, n = middle((x, 2.0), (1.0, 2.0, 3.0))
+        y, n = within(x)
         return y[0] + n
 
     def second(x):
@@ -96,17 +100,16 @@ from numba.core import event
 from grazing.kernel.compile import compiled
 from tests.kernel.test_units import Heard, made
 with event.install_listener("numba:compile", Heard()) as heard:
-    first, second, _middle = made(1.5)
-    found = [compiled(each)(2.0) for each in (first, second)]
+    found = [compiled(each)(2.0) for each in made(1.5)[:2] if each.__name__ in sys.argv[1:]]
 print(json.dumps([found, sorted({{n for n in heard.names if n in ("first", "second", "middle")}})]))
 """
 
 
-def in_a_process(folder):
+def in_a_process(folder, *callers):
     source, root = (str(Path(grazing.__file__).parents[1]), str(Path(__file__).parents[2]))
     program = PROGRAM.format(source=source, root=root)
     env = {**os.environ, "GRAZING_CACHE": str(folder)}
-    done = python(program, env=env)
+    done = python(program, *(callers or ("first", "second")), env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout), done.stderr
 
@@ -127,6 +130,16 @@ def test_files_of_a_unit_may_be_missing_or_damaged(tmp_path):
         file.unlink()
     assert in_a_process(folder)[0] == [right, ["first"]]
     assert in_a_process(folder)[0] == [right, []]
+
+
+def test_the_name_of_a_unit_does_not_depend_on_its_callers(tmp_path):
+    """What is not said of a function numba takes from its caller: files of others would name what is not there."""
+    folder = tmp_path / "kept"
+    assert in_a_process(folder, "first")[0] == [[9.0], ["first", "middle"]]
+    (file,) = folder.glob("middle-*")
+    file.unlink()
+    assert in_a_process(folder, "second")[0] == [[3.0], ["middle", "second"]]
+    assert in_a_process(folder)[0] == [[9.0, 3.0], []]
 
 
 def test_a_caller_that_names_a_unit_nobody_has_is_compiled_again(folder, monkeypatch):

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from inspect import unwrap
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +14,20 @@ from numba.core import event
 
 import grazing as gz
 from grazing.kernel import elementary
+from grazing.kernel.compile import _units as units_of
 from grazing.kernel.content import digest
 from grazing.maps import period
 from grazing.maps.ensemble import above_wall, ensemble, paced
 from grazing.maps.map import CHATTER_LETTER
 from grazing.maps.stroboscopic import step_of
+from grazing.maps.walled import between_walls
 from grazing.orbits.contacts import PIECES, addresses
 from grazing.oscillator import cells, contact, flight, taylor
+from grazing.oscillator.certificate import certify
+from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.pointed import law_addresses, pointed_model
 from grazing.oscillator.reset import active_law, difference_of, triggered_law
+from grazing.oscillator.still import find_cycles
 from grazing.outcome import BAD_LAW, CHATTER, FATAL, STUCK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 from tests.models import cubic
@@ -486,3 +492,14 @@ def test_plain_python_gives_the_bits_of_strict_compiled_code():
             a, b = np.array(ours), np.array(theirs)
             assert np.array_equal(a[same_bits], b[same_bits])
             assert np.allclose(a[COMPLEX].view(float), b[COMPLEX].view(float), rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_of_other_walls_what_is_large_is_not_compiled_anew(walls):
+    """Tables, impacts over a wall and questions to the certificate are units, which kernels of all walls share."""
+    over, walled = (
+        set(units_of(unwrap(getattr(entry, "py_func", entry))))
+        for entry in (ensemble(setting, 1, "strict") for setting in (above_wall(1), between_walls(1, walls)))
+    )
+    assert {cells.fill_table, certify, find_cycles} <= over & walled
+    assert (impacts_of(1) in over) and (impacts_of(1) in walled) is (walls == 1)

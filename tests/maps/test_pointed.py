@@ -9,7 +9,7 @@ import grazing as gz
 from grazing.kernel.compile import jit_disabled
 from grazing.kernel.lanes import BLOCK, runner
 from grazing.maps.columns import empty_columns, run_columns, step_tasks
-from grazing.maps.derivative import differences_of, extended, units_of
+from grazing.maps.derivative import Derived, differences_of, extended, tangent_runner, units_of
 from grazing.maps.map import Map
 from grazing.maps.pointed import Place, pointed_derivative, pointed_tangent
 from grazing.studies.growth import stretcher
@@ -45,7 +45,7 @@ def test_a_derivative_by_address_gives_the_bits_of_one_that_is_compiled_in():
     rows, states = np.tile(P.packed()[1], (n, 1)), rng.uniform(-0.2, 0.2, (n, 2, 1))
     direct = extended(differences_of(P._full_step, 2, units_of(P.box)))
     kind = P.packed()[0]
-    pointed = pointed_derivative(direct, kind, 2, rows, "the step")
+    pointed = pointed_derivative(Derived(direct, None, kind, rows, rows), 2, "the step")
     results = []
     for tangent, fields, given in ((direct, kind, rows), (pointed_tangent(2), Place, pointed.rows)):
         lanes, frames, areas = states.copy(), np.tile(np.eye(2), (n, 1, 1, 1)), np.zeros((n, 1))
@@ -57,6 +57,26 @@ def test_a_derivative_by_address_gives_the_bits_of_one_that_is_compiled_in():
     for one, other in zip(*results, strict=True):
         assert np.array_equal(one, other, equal_nan=True)
     assert np.isfinite(results[0][3]).all() and (results[0][3] != 1.0).all()
+
+
+@pytest.mark.parametrize("walls", [0, 2])
+def test_what_is_prepared_for_a_step_is_read_by_it_at_its_address(walls):
+    """Constants of an oscillator, of both frames between walls: the bits are those of a step that gets them itself."""
+    m = gz.Oscillator(0.2, 1.1, gz.Forcing(1.7, offset=-0.1), reset=gz.newton(0.8))
+    if walls:
+        pair = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.7))
+        m = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=pair)
+    P, found = gz.stroboscopic_map(m), []
+    rows = np.array([list(P.replace(offset=value).params.values()) for value in (-0.1, 0.02, 0.1)])
+    for derived in (P.origin.derivative(rows), P.derivative(rows)):
+        run = tangent_runner(derived.tangent, derived.prepare, derived.kind, 2)
+        for row in derived.rows:
+            state, J = np.array([[0.11], [-0.6]]), np.empty((2, 2))
+            found.append((run(row, state, J), state, J))
+    assert len(found) == 6
+    for one, other in zip(found[:3], found[3:], strict=True):
+        assert all(map(np.array_equal, one, other)) and np.isfinite(one[2]).all()
+    assert len({float(J[0, 0]) for _outcome, _state, J in found}) == 3
 
 
 @pytest.mark.skipif(jit_disabled(), reason="nothing is compiled")

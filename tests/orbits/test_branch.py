@@ -374,7 +374,7 @@ def test_the_table_of_a_branch_has_every_impact():
 
 def test_a_branch_of_the_impact_map_has_the_points_of_the_strobe():
     P = gz.impact_map(gz.pinball(d=0.12, V=0.4))
-    [orbit] = gz.periodic_orbits(P, 1)
+    [orbit] = gz.periodic_orbits(P, 1, starts=200)
     branch = continuation(P, orbit, "d", (0.11, 0.13))
     table = branch.dataset
     np.testing.assert_array_equal(table.u.values[5], list(branch)[5].points[:, 0])

@@ -366,7 +366,7 @@ NORMAL = gz.Map(
 def only(P, word, name, bounds, kind):
     """The only special point of a kind on the branch of an orbit."""
     (orbit,) = gz.periodic_orbits(P, word=word)
-    (special,) = [one for one in continuation(P, orbit, name, bounds).special if one.type == kind]
+    (special,) = [one for one in continuation(P, orbit, name, bounds, limit=200).special if one.type == kind]
     return special
 
 

@@ -64,7 +64,7 @@ def test_inside_a_window_flights_follow_the_word_and_beyond_its_edges_none_does(
         for value, inside in ((float(row.low) + room, True), (float(row.high) - room, True),
                               (float(row.low) - room, False), (float(row.high) + room, False)):  # fmt: skip
             P = gz.stroboscopic_map(rattle()).replace(**{"B.r": value})
-            stable = [one for one in gz.periodic_orbits(P, 1, starts=300) if one.stable]
+            stable = [one for one in gz.periodic_orbits(P, 1, starts=60) if one.stable]
             near = [one for one in stable if sorted(one.walls) == sorted(str(row.word.values))]
             if inside:
                 last = P.iterate(near[0].points[0] + 1e-7, 400)[-1]

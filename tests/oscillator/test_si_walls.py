@@ -86,7 +86,7 @@ def test_results_carry_units_and_convert_to_those_of_the_rig():
     assert swept["B.sigma"].values.tolist() == pytest.approx([1e-3, 1.5e-3], rel=1e-15)
     assert gz.in_units(swept, "mm")["B.sigma"].values.tolist() == pytest.approx([1.0, 1.5])
     assert swept.attrs["mass"] == M
-    branch = gz.continuation(P, gz.periodic_orbits(P, word="(BA)")[0], "omega", (0.98 * W, 1.02 * W))
+    branch = gz.continuation(P, gz.periodic_orbits(P, word="(BA)", starts=50)[0], "omega", (0.98 * W, 1.02 * W))
     assert branch.dataset.omega.attrs["units"] == "rad/s" and branch.dataset.attrs["mass"] == M
 
 
@@ -107,7 +107,7 @@ def test_a_base_keeps_its_amplitude_while_the_frequency_varies():
 def test_a_branch_in_the_frequency_follows_the_base():
     shaken = gz.Oscillator.from_si(m=M, c=C, k=K, base="2 mm", frequency=14.0, walls=STOPS)
     P = gz.stroboscopic_map(shaken)
-    branch = gz.continuation(P, gz.periodic_orbits(P, period=1)[0], "omega", (0.97 * W, 1.03 * W))
+    branch = gz.continuation(P, gz.periodic_orbits(P, period=1, starts=50)[0], "omega", (0.97 * W, 1.03 * W))
     last = list(branch)[-1]
     own = P.replace(omega=last.map.params["omega"])
     assert own.params == last.map.params

@@ -31,6 +31,12 @@ def test_a_branch_without_special_points_is_lines_alone(plain):
         assert drawn["lines"] and not drawn["markers"] and not drawn["names"]
 
 
+def test_a_coordinate_that_is_no_name_is_refused(plain):
+    for wrong in ("z", 3, np.zeros(4), np.array(["x"])):
+        with pytest.raises(gz.InputError, match="allowed are x"):
+            gz.plot.branch(plain, coordinate=wrong)
+
+
 def test_grazes_carry_the_name_of_their_wall():
     walls = gz.wall(-0.4, gz.newton(0.7)), gz.wall(0.3, gz.newton(0.6))
     P = gz.stroboscopic_map(gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7, cos=(1.0,)), walls=walls))

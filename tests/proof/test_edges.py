@@ -1,5 +1,6 @@
 """Proofs of the edges of windows."""
 
+import numpy as np
 import pytest
 
 import grazing as gz
@@ -36,3 +37,30 @@ def test_the_proof_of_a_graze_is_of_the_wall_that_the_window_names():
         table[f"{side}_wall"].values[w] = {"A": "B", "B": "A"}[named]
     wrong = {(w, side): proof for w, side, proof in edge_proofs(model, table)}
     assert all("the proof is of a graze of the wall" in str(wrong[at]) for at in grazes)
+
+
+def test_two_orbits_that_end_at_one_value_are_proven_each():
+    """The true period of the force is T/2: each orbit has a copy T/2 later, in a window of the same ends."""
+    half = gz.Forcing(omega=1.1, offset=0.12, cos=(0.0, 1.0))
+    model = gz.Oscillator(alpha=3.0, k=1.0, forcing=half, reset=gz.active(r=0.8, V=0.4))
+    table = gz.windows(model, "offset", 1, (-0.9, 0.9), samples=200)
+    assert table.sizes["window"] == 2
+    times = {}
+    for w, side, proof in edge_proofs(model, table):
+        phase = 1.1 * float(proof.claims["box"][0][0]) % (2 * np.pi)
+        assert phase == pytest.approx(float(table[f"{side}_phase"].values[w]), abs=1e-7)
+        times[w, side] = float(proof.claims["box"][0][0])
+    for side in ("low", "high"):
+        assert abs(times[0, side] - times[1, side]) == pytest.approx(np.pi / 1.1)
+
+
+def test_a_proof_of_another_value_or_orbit_is_none_of_the_edge():
+    model = gz.pinball(V=0.4)
+    table = gz.windows(model, "d", 3, (0.09, 0.13), samples=100)
+    for shift in (1e-11, -1e-11):  # a part of 4e-10 of the window's width
+        beside = table.assign(low=table.low + shift, high=table.high + shift)
+        said = [proof for _w, _side, proof in edge_proofs(model, beside)]
+        assert len(said) == 2 and all(str(one).startswith("the proof is of another value") for one in said)
+    turned = table.assign(low_phase=table.low_phase + 0.01, high_phase=table.high_phase - 0.01)
+    said = [proof for _w, _side, proof in edge_proofs(model, turned)]
+    assert len(said) == 2 and all(str(one).startswith("the proof is of another orbit") for one in said)

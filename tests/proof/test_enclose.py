@@ -164,3 +164,17 @@ def test_the_certificate_says_what_it_encloses():
     assert "d = 0.123281449643921 to within" in repr(certificate)
     middle, reach = (Fraction(part.rstrip(">")) for part in repr(certificate).split("d = ")[1].split(" to within "))
     assert middle - reach <= Fraction(low) and Fraction(high) <= middle + reach  # no less than what is proven
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e6])
+def test_an_enclosure_is_as_narrow_in_any_unit_of_length(unit):
+    """In nanometres all windows once lay in one enclosure."""
+    force = gz.Forcing(omega=2.0, offset=0.1 * unit, cos=(unit,))
+    ball = gz.Oscillator(alpha=3.0, k=1.0, forcing=force, reset=gz.active(r=0.8, V=0.4 * unit))
+    proofs = [
+        (edge, enclose(orbit, kind, "offset")) for kind, edge, (orbit,) in edges(ball, "offset", [2], samples=200)
+    ]
+    assert len(proofs) == 2
+    for edge, proof in proofs:
+        low, high = checked(proof).value
+        assert low <= edge <= high and high - low < 1e-12 * unit

@@ -97,3 +97,14 @@ def test_over_one_wall_at_rest_no_value_of_a_negative_damping_is_enclosed():
     assert not enclose(still, "pd", "alpha").proven
     certificate, _low, high = enclosed(moving, "pd", "alpha")
     assert -0.04 < high < 0 and certificate.document["kind"] == "bifurcation value with walls"
+
+
+def test_no_value_is_enclosed_that_the_force_of_a_base_depends_on():
+    """With its amplitude kept the base's force grows with omega: one of the same force is the value of another rig."""
+    stops = [gz.wall(-0.8e-3, gz.newton(0.7)), gz.wall(1.2e-3, gz.newton(0.7))]
+    rig = gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, base=1e-3, moves="both", frequency=14, walls=stops)
+    orbit = found_in(rig, "(BA)")
+    for name in ("omega", "alpha", "k", "cos1"):
+        with pytest.raises(gz.InputError, match="does not know that the force of a base depends on it"):
+            enclose(orbit, "gr", name)
+    assert enclose(orbit, "gr", "A.sigma").title.startswith("gr of the periodic orbit")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.exact import exact_contact
-from grazing.billiard.flown import BEFORE, COLUMNS, FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FIRST, FLAGS, LAST, LEFT, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
 from grazing.billiard.objects import DISC, DRAIN, FLIPPER
 from grazing.billiard.roots import Undecided
 from grazing.billiard.table import Table
@@ -43,20 +43,21 @@ def check(table: Table, states: int, seed: int) -> int:
     for _ in range(states):
         (x, y), angle = free_place(table, random), random.uniform(0.0, 2.0 * pi)
         fast = random.uniform(0.1, 1.0) * speed
-        left, clock = -1, 0.0
+        clock = 0.0
         for flight in flights_of(table, (x, y, fast * cos(angle), fast * sin(angle)), 0.0, np.inf, FLIGHTS):
-            _check_flight(table, block, flight, left, clock, extent)
-            left, clock, seen = int(flight[SURFACE]), clock + float(flight[TIME]), seen + 1
+            if flight[PATH] < 0.0:
+                _check_flight(table, block, flight, clock, extent)
+            clock, seen = clock + float(flight[TIME]), seen + 1
     return seen
 
 
-def _check_flight(table: Table, block: Floats, flight: Floats, left: int, clock: float, extent: float) -> None:
+def _check_flight(table: Table, block: Floats, flight: Floats, clock: float, extent: float) -> None:
     state, flags = flight[FIRST:LAST], int(flight[FLAGS])
     said = f"the flight from {tuple(state.tolist())}{f' at t = {clock!r}' if clock else ''}"
     if flags & (FATAL | AMBIGUOUS):
         return
     try:
-        surface, t, _graze = exact_contact(block, tuple(state.tolist()), left, clock)
+        surface, t, _graze = exact_contact(block, tuple(state.tolist()), float(flight[LEFT]), clock)
     except Undecided:
         return
     assert surface == int(flight[SURFACE]), f"{said} ends at surface {int(flight[SURFACE])}; exact is {surface}"
@@ -79,7 +80,7 @@ def _check_flight(table: Table, block: Floats, flight: Floats, left: int, clock:
     assert abs(gap) <= size, f"{said} ends at {name}, but {gap:.1e} away from it"
     law = table.objects[int(flight[OWNER])].law
     assert law is not None
-    after, before = flight[NEXT + 2 : COLUMNS], flight[LAST + 2 : NEXT]
+    after, before = flight[NEXT + 2 : PATH], flight[LAST + 2 : NEXT]
     if table.objects[int(flight[OWNER])].kind == FLIPPER:  # which gives energy, or takes it
         kick = law(float(flight[BEFORE])) - float(flight[BEFORE])
         assert abs(float(np.hypot(*(after - before))) - kick) <= 1e-9 * (kick + np.hypot(*before)), (

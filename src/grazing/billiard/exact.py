@@ -9,15 +9,16 @@ turn are in :mod:`grazing.billiard.turning_exact`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from math import inf, nextafter
 
 import numpy as np
 from flint import fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.faces import body_of, face_corner
-from grazing.billiard.march import side_corner
-from grazing.billiard.roots import Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
+from grazing.billiard.faces import beside_face, body_of, face_corner
+from grazing.billiard.march import beside_circle, side_corner
+from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
@@ -49,8 +50,8 @@ Floats = NDArray[np.float64]
 BITS = (128, 512, 2048, 8192)
 
 
-def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]:
-    """Yield the gaps of all surfaces along the flight from a state."""
+def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = False) -> Iterator[Gap]:
+    """Yield the gaps of all surfaces along the flight from a state; ``slid``: it slid off the surface that it left."""
     x, y, vx, vy = map(exact, state)
     fall = -exact(block[GRAVITY]) / 2
     faces, circles, sides = (int(block[i]) for i in (FACES, CIRCLES, SIDES))
@@ -62,6 +63,8 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
         within: tuple[fmpq_poly, ...]
         owner, size = int(row[OWNER]), fmpq_poly([exact(row[SIZE])])
         spread = abs(state[0] - row[PX]) + abs(state[1] - row[PY]) + row[SIZE]
+        if slid and i < faces and left // 2 == i:
+            continue
         if i < faces:
             ex, ey = exact(row[EX]), exact(row[EY])
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
@@ -70,7 +73,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
             corner, way = face_corner(row, state[0], state[1], state[2], state[3], body) if bare else (False, 0.0)
             for side, sign in enumerate((-1, 1)):
                 surface = 2 * i + side
-                if corner and sign * way < 0.0:
+                if (corner and sign * way < 0.0) or (slid and beside_face(row, float(sign), *state)):
                     continue
                 if corner:
                     off -= off[0]
@@ -78,7 +81,11 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
                 yield made(surface, owner, sign * off - size, within, fresh, spread)
             continue
         surface, h = faces + i, dx * dx + dy * dy - size * size
-        if i < faces + circles:
+        if slid and (surface == left or (i >= faces + circles and beside_circle(row, *state))):
+            within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
+            sign = int(row[SIGN]) if i >= faces + circles else 1
+            yield slid_off(surface, owner, sign * h, within if i >= faces + circles else (), spread)
+        elif i < faces + circles:
             yield made(surface, owner, h, (), left == surface, spread * spread)
         else:
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
@@ -91,8 +98,17 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int) -> Iterator[Gap]
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 
+def slid_off(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], spread: float) -> Gap:
+    """Return the gap of a circle off which the ball slid, h/s^2, as h and h' are 0 at the begin; h'' is not below 0."""
+    rest = fmpq_poly([h[i] for i in range(2, 5)])
+    pressed = (
+        float(Fraction(int(rest[0].p), int(rest[0].q))) < -SHARE * spread
+    )  # where an arc ends below a ball without a radius
+    return made(surface, owner, rest, within, rest[0] <= 0 and not pressed, 0.0)
+
+
 def exact_contact(
-    block: Floats, state: tuple[float, ...], left: int, clock: float = 0.0
+    block: Floats, state: tuple[float, ...], left: float, clock: float = 0.0
 ) -> tuple[int, float, int]:  # fmt: skip
     """Return (surface, t, flags): what a ball hits first, -1 for nothing, and whether it grazed something before.
 
@@ -106,13 +122,16 @@ def exact_contact(
     """
     faces, others = int(block[FACES]), int(block[CIRCLES]) + int(block[SIDES])
     base = 2 * faces + others
-    gaps = list(gaps_of(block, state, left if left < base else -1))
+    last, slid = int(left), left > int(left)
+    gaps = list(gaps_of(block, state, last if last < base else -1, slid))
     rows = block[HEAD + THING * int(block[THINGS]) + WIDTH * (faces + others) :]
 
-    def turning(end: float, last: bool) -> Iterator[Root]:
-        return turning_roots(
-            rows, int(block[FLIPPERS]), state, float(block[GRAVITY]), left - base, base, clock, end, last
-        )
+    if slid and last >= base:  # off the tip of a flipper: that it comes back to that at once is not decided here
+        raise Undecided
+    number = last - base
+
+    def turning(end: float, final: bool) -> Iterator[Root]:
+        return turning_roots(rows, int(block[FLIPPERS]), state, float(block[GRAVITY]), number, base, clock, end, final)
 
     for bits in BITS:
         with precision(bits):

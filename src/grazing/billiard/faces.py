@@ -8,12 +8,14 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import Any
 
-from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root
+from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root, rests, touches
 from grazing.billiard.rows import EX, EY, LONG, MX, MY, OWNER, PX, PY, SIZE, WIDTH
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, TOO_MANY_IMPACTS
+from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
 
 INFINITY = float("inf")
+#: Flags with which the search for a contact ends.
+STOP = FATAL | STUCK
 #: Errors of a gap within which a ball without a radius is in a corner.
 CORNER = 4.0
 
@@ -64,6 +66,14 @@ def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -
 
 
 @inlined
+def beside_face(row: Any, sign: float, x: float, y: float, vx: float, vy: float) -> Any:
+    """Say whether a ball that slides off something slides off the end of a side of a face, too."""
+    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
+    h, e = sign * (ey * dx - ex * dy) - row[SIZE], GAP * EPS * (abs(dx) + abs(dy) + row[SIZE])
+    return touches(h, ey * vx - ex * vy, e, abs(vx) + abs(vy))
+
+
+@inlined
 def inside_face(off: float, foot: float, size: float, long: float, e: float) -> Any:
     """Say whether a ball is surely nearer to a face than it can be."""
     return size - abs(off) - DEEP * e > 0.0 and foot > e and foot < long - e
@@ -86,9 +96,10 @@ def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end:
 
 @inlined
 def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, last: float) -> Any:
-    """Return (t, surface): when the side of a face on which a ball is seems to be met, infinity for never.
+    """Return (t, surface, stuck): when the side of a face on which a ball is seems to be met, infinity for never.
 
-    Nothing of this is sure. ``left`` and ``right`` are the numbers of its sides.
+    Nothing of this is sure, but ``stuck``: it just left that side, and bounces by less than can be told. ``left`` and
+    ``right`` are the numbers of the sides.
     """
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     off, fresh = ey * dx - ex * dy, last == left or last == right
@@ -102,7 +113,8 @@ def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, la
     over, under = 2.0 * h if down else -0.5 * (dh + root), root - dh if down else bend
     t = over / (under if meets else 1.0)
     foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
-    return t if meets and t >= 0.0 and foot >= 0.0 and foot <= long else INFINITY, surface
+    stuck = fresh and rests(dh, bend, GAP * EPS * (abs(dx) + abs(dy) + size))
+    return t if meets and t >= 0.0 and foot >= 0.0 and foot <= long else INFINITY, surface, stuck
 
 
 @inlined
@@ -149,7 +161,10 @@ def of_some_face(
     for i in range(faces):
         row = behind(rows, WIDTH * i)
         face = row[EX], row[EY], row[SIZE], row[LONG]
-        t, surface = guess((x - row[PX], y - row[PY]), (vx, vy), face, g, 2.0 * i, 2.0 * i + 1.0, 1.0 * last)
+        along = x - row[PX], y - row[PY]
+        t, surface, stuck = guess(along, (vx, vy), face, g, 2.0 * i, 2.0 * i + 1.0, 1.0 * last)
+        if stuck:
+            return ended(found, last, 0.0, STUCK)
         if t < soonest:
             soonest, best = t, surface
     if best < 0.0:
@@ -161,24 +176,27 @@ def of_some_face(
 
 
 def of_other_faces(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, circles: int, rows: Any
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, faces: int, circles: int,
+    rows: Any,
 ) -> Any:  # fmt: skip
-    """Return the first contact with any face, or what was found before that."""
+    """Return the first contact with any face, or what was found before that; ``slid``: it slid off what it left."""
     for i in range(faces):
+        if slid and last >= 0 and last // 2 == i:  # it has no radius, and is beyond its end
+            continue
         row = behind(rows, WIDTH * i)
         along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
         end, left = found[1] + found[2], 2.0 * i
         if found[0] // 2 == i or passes(along, (vx, vy), face, g, left, left + 1.0, 1.0 * last, end):
             continue
-        if not found[4] & FATAL:
-            found = of_face(found, x, y, vx, vy, g, last, i, faces, circles, rows)
+        if not found[4] & STOP:
+            found = of_face(found, x, y, vx, vy, g, last, slid, i, faces, circles, rows)
     return found
 
 
 @inlined
 def of_face(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, i: int, faces: int, circles: int,
-    rows: Any,
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, i: int, faces: int,
+    circles: int, rows: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with a face, or what was found before that.
 
@@ -198,11 +216,11 @@ def of_face(
         sign, surface = 2.0 * side - 1.0, 2 * i + side
         if size == 0.0 and last == 2 * i + 1 - side:
             continue  # both sides are one line, and it leaves that from the other one
-        if corner and sign * way < 0.0:
+        if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
             continue
         h, rate, k = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
         t, late, said = face_crossing(max(sign * off, 0.0) if corner else h, rate, k, e, d, last == surface)
-        if said & TOO_MANY_IMPACTS:
+        if said & STUCK:
             return ended(found, surface, 0.0, said)
         face = ex, ey, size, row[LONG]
         on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, found[1] + found[2])

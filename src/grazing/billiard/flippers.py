@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.players import Piece
+from grazing.kernel.elementary import sincos
 
 Floats = NDArray[np.float64]
 #: Of a row: pivot, R_h + rho, the object; where places on its left side begin, and how long that is.
@@ -26,6 +27,8 @@ TIP, ARM, RIGHT, ROUND, SINE, COSINE, REACH, PERIOD, PIECES, AT, FLIPPER_WIDTH =
 BEGIN, CX, CY, OMEGA, PIECE_WIDTH = range(5)
 #: Surfaces of a flipper: left and right as seen from the pivot, and the tip. Its hub is a circle like any other.
 LEFT_SIDE, RIGHT_SIDE, AT_TIP, KINDS = range(4)
+#: Angles beyond which those sines are not meant.
+FAR = 1e5
 #: Steps of a search for the least distance from a line, each of which leaves 0.618 of it.
 SHRUNK = 80
 
@@ -50,7 +53,9 @@ def places_of(row: Sequence[float]) -> float:
 
 def piece_row(one: Piece) -> list[float]:
     """Return a piece as kernels get it."""
-    return [one.begin, cos(one.angle), sin(one.angle), one.omega]
+    # the sines of kernels, so that a table in a browser has the same bits
+    s, c = sincos(one.angle) if abs(one.angle) < FAR else (sin(one.angle), cos(one.angle))
+    return [one.begin, c, s, one.omega]
 
 
 def distance_from(shape: Mapping[str, float], x: float, y: float, angle: float) -> float:

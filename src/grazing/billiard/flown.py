@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import impact, next_impact
+from grazing.billiard.contact import landed, next_event, slid_on
+from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.roots import Undecided
 from grazing.kernel.compile import call, compiled
@@ -24,6 +25,7 @@ from grazing.outcome import (
     FATAL,
     GRAZE,
     INSIDE_WALL,
+    NO_IMPACT,
     TOO_MANY_IMPACTS,
     TOO_MANY_SWINGS,
     InputError,
@@ -43,42 +45,49 @@ INFINITY = float("inf")
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
-#: after, flags; then the states at its begin, at its end and just after the impact there.
-TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS, FIRST, LAST, NEXT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 10, 14, 18
+#: after, flags; then the states at its begin, at its end and just after the impact there; the surface on which it is a
+#: slide, -1 for a flight; the surface left at its begin, as kernels know it.
+TIME, SURFACE, OWNER, BEFORE, AFTER, FLAGS = range(6)
+FIRST, LAST, NEXT, PATH, LEFT, COLUMNS = 6, 10, 14, 18, 19, 20
 #: What the outcome of a trajectory is called, by the first bit that is set; one that ends at its last impact allowed
 #: has too many, others too small ones.
 TOO_MANY = "too many impacts"
 WORDS = (
     (TOO_MANY_IMPACTS, "bounces too small to tell apart"), (DIVERGED, "diverged"), (ESCAPED, "escaped"),
-    (INSIDE_WALL, "inside an object"), (TOO_MANY_SWINGS, "followed for too long"), (GRAZE, "grazing"),
+    (NO_IMPACT, "stays for ever"), (INSIDE_WALL, "inside an object"), (TOO_MANY_SWINGS, "followed for too long"),
+    (GRAZE, "grazing"),
 )  # fmt: skip
+
+
+def record(block: Any, now: Any, flights: Any, until: float) -> int:
+    """Fill rows with flights and slides, up to a time or a doubt, and return how many.
+
+    The count is negative where none follows, or the last one is in doubt. ``now`` holds the time, the surface just left
+    and the state; it is moved along, not beyond a flight in doubt.
+    """
+    table, t, left = numbers(block), now[0], now[1]
+    x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
+    while going and count < flights.shape[0]:
+        (surface, owner, length, flags, on), before, after, speeds = next_event(x, y, vx, vy, left, t, table)
+        row = flights[count]
+        row[PATH], row[LEFT] = slid_on(left, t, table), left
+        row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
+        row[BEFORE], row[AFTER] = speeds[0], speeds[1]
+        row[FIRST], row[FIRST + 1], row[FIRST + 2], row[FIRST + 3] = x, y, vx, vy
+        for i in range(4):
+            row[LAST + i], row[NEXT + i] = before[i], after[i]
+        count += 1
+        doubt = flags & AMBIGUOUS and row[PATH] < 0.0
+        going = t + length <= until and not flags & (FATAL | ESCAPED) and not doubt
+        if going:
+            t, left, (x, y, vx, vy) = t + length, on, after
+    now[0], now[1], now[2], now[3], now[4], now[5] = t, left, x, y, vx, vy
+    return count if going else -count
 
 
 @lru_cache(maxsize=1)
 def recorder() -> Any:
-    """Compile ``record(block, now, flights, until) -> count``: fill rows with flights, up to a time or a doubt.
-
-    ``now`` holds the time, the surface just left and the state; it is moved along, not beyond a flight in doubt.
-    """
-
-    def record(block: Any, now: Any, flights: Any, until: float) -> int:
-        table, t, left = numbers(block), now[0], now[1]
-        x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
-        while going and count < flights.shape[0]:
-            (surface, owner, length, flags), before, after, speeds = next_impact(x, y, vx, vy, left, t, table)
-            row = flights[count]
-            row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
-            row[BEFORE], row[AFTER] = speeds[0], speeds[1]
-            row[FIRST], row[FIRST + 1], row[FIRST + 2], row[FIRST + 3] = x, y, vx, vy
-            for i in range(4):
-                row[LAST + i], row[NEXT + i] = before[i], after[i]
-            count += 1
-            going = owner >= 0 and t + length <= until and not flags & (FATAL | ESCAPED | AMBIGUOUS)
-            if going:
-                t, left, (x, y, vx, vy) = t + length, 1.0 * surface, after
-        now[0], now[1], now[2], now[3], now[4], now[5] = t, left, x, y, vx, vy
-        return count
-
+    """Compile :func:`record`."""
     return compiled(record)
 
 
@@ -87,10 +96,10 @@ def lander() -> Any:
     """Compile ``land(block, surface, t, state, clock, row)``: fill the row of a flight that ends there after t."""
 
     def land(block: Any, surface: int, t: float, state: Any, clock: float, row: Any) -> None:
-        (owner, flags), before, after, speeds = impact(
+        (owner, flags, left), before, after, speeds = landed(
             surface, t, state[0], state[1], state[2], state[3], clock, numbers(block)
         )
-        row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = t, surface, owner, flags
+        row[TIME], row[SURFACE], row[OWNER], row[FLAGS], row[PATH] = t, left, owner, flags, -1.0
         row[BEFORE], row[AFTER] = speeds[0], speeds[1]
         for i in range(4):
             row[FIRST + i], row[LAST + i], row[NEXT + i] = state[i], before[i], after[i]
@@ -98,52 +107,85 @@ def lander() -> Any:
     return compiled(land)
 
 
-def decided(block: Floats, state: Floats, left: int, clock: float = 0.0) -> Floats | None:
+def decided(block: Floats, state: Floats, left: float, clock: float = 0.0) -> Floats | None:
     """Return the row of a flight that is decided exactly, from a state that has just left a surface; None if not."""
     try:
         surface, t, flags = exact_contact(block, tuple(state.tolist()), left, clock)
     except Undecided:
         return None
     flight: Floats = np.full(COLUMNS, np.nan)
-    flight[FIRST:LAST] = flight[LAST:NEXT] = flight[NEXT:COLUMNS] = state
+    flight[FIRST:LAST] = flight[LAST:NEXT] = flight[NEXT:PATH] = state
     flight[TIME], flight[SURFACE], flight[OWNER], flight[FLAGS] = INFINITY, -1, -1, ESCAPED
+    flight[PATH], flight[LEFT] = -1, left
     if surface >= 0:
         call(lander(), block, surface, t, state, clock, flight)
     flight[FLAGS] = int(flight[FLAGS]) | flags
     return flight
 
 
+def followed(block: Floats, now: Floats, until: float, most: int) -> tuple[Floats, bool]:
+    """Return flights and slides from ``now`` on, at least one, and whether another one follows.
+
+    ``now`` holds the time, the surface left as kernels know it, and the state; it is moved along to the next one.
+    """
+    flights = np.empty((min(CAPACITY, most), COLUMNS))
+    count = call(recorder(), block, now, flights, until)
+    flights, going = flights[: abs(count)], count > 0
+    last = flights[-1]
+    if int(last[FLAGS]) & AMBIGUOUS and last[PATH] < 0.0 and not int(last[FLAGS]) & FATAL:
+        exact = decided(block, last[FIRST:LAST].copy(), float(now[1]), float(now[0]))
+        last[:] = last if exact is None else exact
+        going = exact is not None and now[0] + last[TIME] <= until and not int(last[FLAGS]) & (FATAL | ESCAPED)
+        if going:
+            now[:] = now[0] + last[TIME], last[SURFACE], *last[NEXT:PATH]
+    return flights, going
+
+
 def flights_of(table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS) -> Floats:
-    """Return all flights of a trajectory, columns as named at the top of this file.
+    """Return all flights and slides of a trajectory, columns as named at the top of this file.
 
     The last one ends at or after ``until``, or is one after which none follows: its flags say why.
     """
     block = table.blocks(table.row())[0]
-    now, found, count = np.array([start, -1.0, *state]), [], 0
-    while True:
-        flights = np.empty((min(CAPACITY, most - count), COLUMNS))
-        flights = flights[: call(recorder(), block, now, flights, until)]
-        last = flights[-1]
+    now, found, count, going = np.array([start, -1.0, *state]), [], 0, True
+    while going:
+        flights, going = followed(block, now, until, most - count)
         found.append(flights)
         count += len(flights)
-        if int(last[FLAGS]) & AMBIGUOUS and not int(last[FLAGS]) & FATAL:
-            exact = decided(block, last[FIRST:LAST].copy(), int(now[1]), float(now[0]))
-            last[:] = last if exact is None else exact
-            if last[OWNER] >= 0.0 and now[0] + last[TIME] <= until and not int(last[FLAGS]) & (FATAL | ESCAPED):
-                now[:] = now[0] + last[TIME], last[SURFACE], *last[NEXT:COLUMNS]
-                if count < most:
-                    continue
+        last = flights[-1]
         if int(last[FLAGS]) & BAD_LAW:
             law = table.objects[int(last[OWNER])].law
             assert law is not None
             checked_velocity(law, float(last[BEFORE]), law.params)
             raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
-        if last[OWNER] < 0.0 or now[0] + last[TIME] > until or int(last[FLAGS]) & (FATAL | ESCAPED):
-            break
-        if count >= most:
+        if going and count >= most:
             last[FLAGS] = int(last[FLAGS]) | TOO_MANY_IMPACTS
             break
     return np.concatenate(found)
+
+
+@lru_cache(maxsize=1)
+def slider() -> Any:
+    """Compile ``along(block, surface, state, clock, times, found)``: where a ball is that slides on a surface."""
+
+    def along(block: Any, surface: int, state: Any, clock: float, times: Any, found: Any) -> None:
+        x, y, vx, vy, last = state[0], state[1], state[2], state[3], 0.0
+        for i in range(len(times)):
+            x, y, vx, vy = slid(surface, x, y, vx, vy, times[i] - last, clock, numbers(block))
+            last = times[i]
+            found[i, 0], found[i, 1], found[i, 2], found[i, 3] = x, y, vx, vy
+
+    return compiled(along)
+
+
+def way_along(table: Table, slide: Floats, clock: float, times: Floats) -> Floats:
+    """Return states of a ball at times of a slide, (times, 4)."""
+    found, block = np.empty((len(times), 4)), table.blocks(table.row())[0]
+    if slide[SURFACE] < 0.0:  # it rests
+        found[:] = slide[LAST:NEXT]
+    else:
+        call(slider(), block, int(slide[PATH]), slide[FIRST:LAST].copy(), clock, times, found)
+    return found
 
 
 def table_trajectory(table: Table, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
@@ -156,7 +198,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     flights = flights_of(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])
-    if int(flights[-1, FLAGS]) & FATAL:
+    if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT:
         flights[-1, TIME] = 0.0
     ends = np.minimum(begins + flights[:, TIME], until)
     each = [
@@ -169,6 +211,11 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     a = table.gravity
     with np.errstate(over="ignore", invalid="ignore"):  # of a ball that has diverged
         path = dict(zip(names, (x + vx * s, y + (vy - 0.5 * a * s) * s, vx, vy - a * s), strict=True))
+    for k in np.flatnonzero(flights[:, PATH] >= 0.0):
+        here = number == k
+        states = way_along(table, flights[k], float(begins[k]), s[here])
+        for name, values in zip(names, states.T, strict=True):
+            path[name][here] = values
     hits = ~np.isnan(flights[:, BEFORE]) & (begins + flights[:, TIME] <= until)
     gone = bool(flags & ESCAPED) and (flights[-1, OWNER] < 0.0 or begins[-1] + flights[-1, TIME] <= until)
     flags = flags if gone else flags & ~ESCAPED
@@ -193,7 +240,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
             ),
             "after": (
                 ("impact", "coordinate"),
-                flights[hits, NEXT:COLUMNS],
+                flights[hits, NEXT:PATH],
                 {"long_name": "state just after an impact"},
             ),
             "exit": ((), way, {"long_name": "drain through which it left, or away"}),

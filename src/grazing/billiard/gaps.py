@@ -11,7 +11,7 @@ from typing import Any
 
 from grazing.billiard.rows import COSINE, MX, MY, PX, PY, SIGN, SIZE
 from grazing.kernel.primitives import inlined
-from grazing.outcome import AMBIGUOUS, DIVERGED, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+from grazing.outcome import AMBIGUOUS, DIVERGED, GRAZE, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
 EPS = 2.0**-52
@@ -19,6 +19,8 @@ EPS = 2.0**-52
 GAP = 16.0
 #: Errors of a gap by which a ball may begin below a surface.
 DEEP = 64.0
+#: A share of the speed that is none: a ball that moves along a surface.
+ALONG = 2.0**-40
 #: Looks at one surface in one flight after which it ends by name.
 LOOKS = 10_000
 #: A step shorter than so many widths of the rounding error is none.
@@ -66,6 +68,12 @@ def safe_step(h: float, dh: float, k: float) -> float:
 def rests(dh: float, k: float, e: float) -> bool:
     """Say whether a ball that leaves a surface at rate dh and is pulled back rises by less than can be told."""
     return k < 0.0 and dh * dh <= -4.0 * k * e
+
+
+@inlined
+def touches(h: float, dh: float, e: float, speed: float) -> bool:
+    """Say whether a gap and its rate are 0 up to rounding: a ball that slides off beside the end of a surface."""
+    return abs(h) <= DEEP * e and abs(dh) <= ALONG * speed
 
 
 @inlined
@@ -191,7 +199,7 @@ def crossing(
 def face_root(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
     """Return what :func:`face_crossing` does but for flights that hardly come down to 0: those are PRESSED."""
     if fresh and rests(dh, k, e):
-        return 0.0, 0.0, TOO_MANY_IMPACTS
+        return 0.0, 0.0, STUCK
     D = dh * dh - 4.0 * k * h
     unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
     if k >= 0.0 and (fresh or dh >= 0.0):
@@ -234,7 +242,7 @@ def first_step(dx: float, dy: float, vx: float, vy: float, g: float, size: float
     if fresh:
         low, fall = 0.0, max(fall, 0.5 * dh)
         if rests(dh, vx * vx + vy * vy - g * dy, e):
-            return 0.0, TOO_MANY_IMPACTS
+            return 0.0, STUCK
     elif h < -DEEP * e:
         return 0.0, INSIDE_WALL
     return safe_step(low, fall, k) * (1.0 - GAP * EPS), OK
@@ -251,7 +259,7 @@ def side_contact(
     t, flags, far2 = 0.0, OK, dx * dx + dy * dy
     e = GAP * EPS * (2.0 * far2 + size * size)
     if fresh and rests(sign * 2.0 * (dx * vx + dy * vy), sign * (vx * vx + vy * vy - g * dy), e):
-        return 0.0, 0.0, TOO_MANY_IMPACTS
+        return 0.0, 0.0, STUCK
     # else it is on the other side of the circle, beyond the ends of the arc
     outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
     fresh = fresh or passed
@@ -269,3 +277,21 @@ def side_contact(
                 return t, late, flags | AMBIGUOUS if inside <= unsure else flags
         outside, fresh = not outside, True
     return t, 0.0, flags | TOO_MANY_SWINGS
+
+
+def slid_off(dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float) -> Any:
+    """Return (t, late, flags): when a ball that has slid off a circle at t = 0 comes back to it, infinity for never.
+
+    There h and h' are 0: so h = s^2 (k + c3 s + a4 s^2), and k >= 0 up to rounding, but for one without a radius that
+    comes to the end of an arc.
+    """
+    k, c3, a4 = sign * (vx * vx + vy * vy - g * dy), -sign * g * vy, sign * 0.25 * g * g
+    b = GAP * EPS * (vx * vx + vy * vy + g * (abs(dx) + abs(dy) + size))
+    k = k if abs(k) > b else 0.0
+    if a4 >= 0.0 and (c3 >= 0.0 or k < 0.0):
+        return INFINITY, 0.0, OK
+    D, unsure = c3 * c3 - 4.0 * a4 * k, GAP * EPS * c3 * c3 + 4.0 * abs(a4) * b
+    if D <= unsure and (a4 > 0.0 or k < 0.0):
+        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
+    t = 2.0 * k / (sqrt(D) - c3) if c3 <= 0.0 and k > 0.0 else -(c3 + sqrt(D)) / (2.0 * a4)
+    return (t, b / sqrt(D) + 4.0 * EPS * t, OK) if t > 0.0 else (INFINITY, 0.0, OK)

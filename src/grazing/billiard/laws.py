@@ -14,19 +14,19 @@ from grazing.parameter import parameter_tuple
 
 
 @lru_cache(maxsize=256)
-def _at(law: Callable[..., float], kind: type) -> Callable[[float, Any], float]:
+def law_at(law: Callable[..., float], kind: type) -> Callable[[float, Any], float]:
     """Return a law, or its slope, that gets its parameters as numbers in a row."""
     unpack = unpacker(kind)
 
-    def law_at(v: float, row: Any) -> float:
+    def law_at_row(v: float, row: Any) -> float:
         return 1.0 * law(v, unpack(row))
 
-    return law_at
+    return law_at_row
 
 
 @lru_cache(maxsize=256)
 def _in_python(law: Callable[..., float], kind: type) -> float:
-    pointed.append(_at(in_python(law), kind))
+    pointed.append(law_at(in_python(law), kind))
     return float(len(pointed) - 1)
 
 
@@ -39,6 +39,6 @@ def addresses(law: Reset | None, arithmetic: str) -> tuple[float, float]:
         return _in_python(law.law, kind), _in_python(law.slope, kind)
     who = f"the reset law {law.name}"
     return (
-        address(_at(law.law, kind), "value", arithmetic, who),
-        address(_at(law.slope, kind), "value", arithmetic, f"the slope of {law.name}"),
+        address(law_at(law.law, kind), "value", arithmetic, who),
+        address(law_at(law.slope, kind), "value", arithmetic, f"the slope of {law.name}"),
     )

@@ -6,18 +6,31 @@ what is surely free until then nothing more is asked.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
-from grazing.billiard.faces import CORNER, body_of, ended, nearer, of_other_faces, of_some_face
+from grazing.billiard.faces import CORNER, STOP, body_of, ended, nearer, of_other_faces, of_some_face
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
-from grazing.billiard.gaps import EPS, GAP, crossing, first_step, lowest, side_contact
+from grazing.billiard.gaps import (
+    EPS,
+    GAP,
+    crossing,
+    first_step,
+    lowest,
+    side_contact,
+    slid_off,
+    touches,
+)
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
+    COSINE,
     FACES,
     FLIPPERS,
     GRAVITY,
     HEAD,
+    MX,
+    MY,
     OWNER,
     PX,
     PY,
@@ -47,7 +60,8 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: 
     x, y, vx, vy : float
         Place and velocity of its centre.
     left : float
-        The surface that it just left, -1 for none. A float: a literal would be a type of its own.
+        The surface that it just left, -1 for none; OFF more for one off which it slid. Where it bounces on that by less
+        than can be told, it *sticks*. A float: a literal would be a type of its own.
     clock : float
         The time at the begin of the flight: it says where flippers are.
     table : pointer to numbers
@@ -64,19 +78,51 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: 
     turns = last - surfaces  # of a flipper, if it is one
     if turns >= 0:
         last = -1
-    found = of_some_face((-1, INFINITY, 0.0, -1.0, OK), x, y, vx, vy, g, last, faces, rows)
-    if not found[4] & FATAL:
+    found, off, slid = (-1, INFINITY, 0.0, -1.0, OK), -1, left > int(left)
+    if slid and last >= 0:
+        off = last
+        found = back_on(found, off, x, y, vx, vy, g, faces, circles, rows)
+    if not slid:
+        found = of_some_face(found, x, y, vx, vy, g, last, faces, rows)
+    if not found[4] & STOP:
         rows = behind(rows, WIDTH * faces)
-        found = of_circles(found, x, y, vx, vy, g, last, 2 * faces, circles, rows)
-    if not found[4] & FATAL:
+        found = of_circles(found, x, y, vx, vy, g, last, off, 2 * faces, circles, rows)
+    if not found[4] & STOP:
         rows = behind(rows, WIDTH * circles)
-        found = of_sides(found, x, y, vx, vy, g, last, faces, circles, int(table[SIDES]), rows, start)
-    if table[FLIPPERS] > 0.0 and not found[4] & FATAL:
+        found = of_sides(found, x, y, vx, vy, g, last, off, slid, faces, circles, int(table[SIDES]), rows, start)
+    if table[FLIPPERS] > 0.0 and not found[4] & STOP:
         rows = behind(rows, WIDTH * int(table[SIDES]))
-        found = of_flippers(found, x, y, vx, vy, g, turns, surfaces, clock, int(table[FLIPPERS]), rows)
-    if not found[4] & FATAL:
-        found = of_other_faces(found, x, y, vx, vy, g, last, faces, circles, start)
+        found = of_flippers(found, x, y, vx, vy, g, turns, slid, surfaces, clock, int(table[FLIPPERS]), rows)
+    if not found[4] & STOP:
+        found = of_other_faces(found, x, y, vx, vy, g, last, slid, faces, circles, start)
     return found[0], found[1], found[4]
+
+
+@inlined
+def beside_circle(row: Any, x: float, y: float, vx: float, vy: float) -> Any:
+    """Say whether a ball that slides off something slides off the end of a side of an arc, too."""
+    dx, dy, size = x - row[PX], y - row[PY], row[SIZE]
+    far = sqrt(dx * dx + dy * dy)
+    return touches(far - size, (dx * vx + dy * vy) / far, GAP * EPS * (far + size), abs(vx) + abs(vy))
+
+
+def back_on(
+    found: Any, off: int, x: float, y: float, vx: float, vy: float, g: float, faces: int, circles: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return when a ball comes back to the circle off which it slid; a face off which it slid it never meets."""
+    if off < 2 * faces:
+        return found
+    row = behind(rows, WIDTH * (off - faces))
+    side = off >= 2 * faces + circles
+    t, late, said = slid_off(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], row[SIGN] if side else 1.0)
+    found = found[0], found[1], found[2], found[3], found[4] | said
+    if not t < INFINITY:
+        return found
+    if side:
+        px, py = x - row[PX] + vx * t, y - row[PY] + (vy - 0.5 * g * t) * t
+        if px * row[MX] + py * row[MY] < row[COSINE] * row[SIZE]:
+            return found
+    return nearer(found, off, row[OWNER], t, late)
 
 
 @inlined
@@ -93,7 +139,8 @@ def side_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -
 
 
 def of_circles(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, circles: int, rows: Any
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, off: int, base: int, circles: int,
+    rows: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with a circle, or what was found before that; ``base`` is the first one's number.
 
@@ -102,6 +149,8 @@ def of_circles(
     first, soonest, speed2 = -1, found[1] + found[2], vx * vx + vy * vy
     least = speed2 + lowest(-g * vy, 0.25 * g * g, soonest)
     for i in range(circles):
+        if off == base + i:
+            continue
         row = behind(rows, WIDTH * i)
         step, said = first_step(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], last == base + i, least)
         if said:
@@ -110,7 +159,7 @@ def of_circles(
             first, soonest = i, step
     for n in range(circles + 1 if first >= 0 else 0):
         i = first if n == 0 else n - 1
-        if n > 0 and i == first:
+        if (n > 0 and i == first) or off == base + i:
             continue
         row, step, end = behind(rows, WIDTH * i), soonest, found[1] + found[2]
         if n > 0:
@@ -128,8 +177,8 @@ def of_circles(
 
 
 def of_sides(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, circles: int, sides: int,
-    rows: Any, start: Any,
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, off: int, slid: bool, faces: int,
+    circles: int, sides: int, rows: Any, start: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with a side of an arc, or what was found before; ``start`` are the rows of all surfaces.
 
@@ -137,6 +186,11 @@ def of_sides(
     """
     base = 2 * faces + circles
     for i in range(sides):
+        if off == base + i:
+            continue
+        if slid and beside_circle(behind(rows, WIDTH * i), x, y, vx, vy):
+            found = back_on(found, base + i, x, y, vx, vy, g, faces, circles, start)
+            continue
         row, fresh, passed = behind(rows, WIDTH * i), last == base + i, False
         if not fresh and last >= base:  # without a radius both sides are one circle
             other = behind(rows, WIDTH * (last - base))
@@ -146,7 +200,7 @@ def of_sides(
             if behind_it:
                 continue
         t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, found[1] + found[2])
-        if said & FATAL:
+        if said & STOP:
             return ended(found, base + i, t, said)
         found = found[0], found[1], found[2], found[3], found[4] | said
         if t < INFINITY:
@@ -155,8 +209,8 @@ def of_sides(
 
 
 def of_flippers(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, base: int, clock: float, flippers: int,
-    rows: Any,
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, base: int, clock: float,
+    flippers: int, rows: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with a flipper but for its hub, or what was found before that."""
     for i in range(flippers):
@@ -165,8 +219,8 @@ def of_flippers(
         if left >= KINDS:
             left = -1
         end = found[1] + found[2]
-        kind, t, late, said = of_flipper(x, y, vx, vy, g, left, clock, row, behind(rows, int(row[AT])), end)
-        if said & FATAL:
+        kind, t, late, said = of_flipper(x, y, vx, vy, g, left, slid, clock, row, behind(rows, int(row[AT])), end)
+        if said & STOP:
             return ended(found, base + KINDS * i + kind, t, said)
         found = found[0], found[1], found[2], found[3], found[4] | said
         if t < INFINITY:

@@ -6,9 +6,10 @@ vectors. What that does not settle is in doubt, and goes to :func:`grazing.billi
 
 from __future__ import annotations
 
+from math import floor
 from typing import Any
 
-from grazing.billiard.contact import contact, next_impact
+from grazing.billiard.contact import flight_to, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
 from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_step, look, lowest, nearer_root
 from grazing.billiard.hit import first_turning, rows_of
@@ -17,7 +18,7 @@ from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LON
 from grazing.billiard.workspace import LANES, W
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.kernel.turns import eights
-from grazing.outcome import OK
+from grazing.outcome import ESCAPED, FATAL, OK
 
 INFINITY = float("inf")
 #: Fewer balls are asked one by one, which is quicker.
@@ -61,10 +62,12 @@ def of_others(
     x, y, vx, vy, sides = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], int(table[SIDES])
     found = int(w[W.SURFACE + i]), w[W.TIME + i], w[W.LATE + i], w[W.WHO + i], OK
     beyond = behind(around, WIDTH * circles)
-    found = of_sides(found, x, y, vx, vy, g, int(w[W.LAST + i]), faces, circles, sides, beyond, rows)
+    found = of_sides(found, x, y, vx, vy, g, int(w[W.LAST + i]), -1, False, faces, circles, sides, beyond, rows)
     if found[4] == OK:
         turns, beyond = int(w[W.LEFT + i]) - surfaces, behind(beyond, WIDTH * sides)
-        found = of_flippers(found, x, y, vx, vy, g, turns, surfaces, w[W.CLOCK + i], int(table[FLIPPERS]), beyond)
+        found = of_flippers(
+            found, x, y, vx, vy, g, turns, False, surfaces, w[W.CLOCK + i], int(table[FLIPPERS]), beyond
+        )
     w[W.SURFACE + i], w[W.TIME + i] = 1.0 * found[0], found[1]
     w[W.LATE + i], w[W.WHO + i] = found[2], found[3]
     w[W.DOUBT + i] = 1.0 if found[4] != OK else 0.0
@@ -73,10 +76,13 @@ def of_others(
 @inlined
 def impact_of(w: Any, i: int, table: Any) -> Any:
     """Return what :func:`grazing.billiard.contact.next_impact` does, of a ball whose contact was looked for."""
-    x, y, vx, vy, clock = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], w[W.CLOCK + i]
-    if w[W.DOUBT + i] > 0.0:
-        return next_impact(x, y, vx, vy, w[W.LEFT + i], clock, table)
-    return contact(int(w[W.SURFACE + i]), w[W.TIME + i], OK, x, y, vx, vy, clock, table)
+    x, y, vx, vy, left, clock = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], w[W.LEFT + i], w[W.CLOCK + i]
+    if not w[W.DOUBT + i] > 0.0:
+        found = flight_to(int(w[W.SURFACE + i]), w[W.TIME + i], OK, (x, y, vx, vy), left, clock, table)
+        (_surface, owner, _t, flags, _on), _before, _after, _speeds = found
+        if owner >= 0 or flags & (FATAL | ESCAPED):  # else it begins to slide
+            return found
+    return next_impact(x, y, vx, vy, left, clock, table)
 
 
 @inlined
@@ -86,6 +92,7 @@ def begin(w: Any, width: int, g: float, surfaces: int) -> None:
         i = eights(k)
         fast = abs(w[W.VX + i]) + abs(w[W.VY + i])
         fits = abs(w[W.X + i]) + abs(w[W.Y + i]) <= MOST and fast <= MOST and (g != 0.0 or fast >= LEAST)
+        fits = fits and w[W.LEFT + i] == floor(w[W.LEFT + i])  # else it slides, or slid off something
         w[W.DOUBT + i] = 0.0 if fits else 1.0
         w[W.SURFACE + i], w[W.TIME + i], w[W.LATE + i], w[W.WHO + i] = -1.0, INFINITY, 0.0, -1.0
         w[W.LAST + i] = -1.0 if w[W.LEFT + i] >= surfaces else w[W.LEFT + i]
@@ -141,7 +148,7 @@ def of_other_faces(w: Any, width: int, faces: int, circles: int, rows: Any, g: f
             if w[W.ONE + i] > 0.0 and not w[W.DOUBT + i] > 0.0:
                 x, y, vx, vy, last = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], int(w[W.LAST + i])
                 found = int(w[W.SURFACE + i]), w[W.TIME + i], w[W.LATE + i], w[W.WHO + i], OK
-                found = of_face(found, x, y, vx, vy, g, last, f, faces, circles, rows)
+                found = of_face(found, x, y, vx, vy, g, last, False, f, faces, circles, rows)
                 w[W.SURFACE + i], w[W.TIME + i] = 1.0 * found[0], found[1]
                 w[W.LATE + i], w[W.WHO + i] = found[2], found[3]
                 w[W.DOUBT + i] = 1.0 if found[4] != OK else 0.0
@@ -154,7 +161,8 @@ def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
     for k in range(width):
         i = eights(k)
         along, v, left = (w[W.X + i] - px, w[W.Y + i] - py), (w[W.VX + i], w[W.VY + i]), 2.0 * f
-        t, surface = guess(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i])
+        t, surface, stuck = guess(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i])
+        w[W.DOUBT + i] = 1.0 if stuck else w[W.DOUBT + i]
         soonest = w[W.STEP + i]
         w[W.STEP + i] = t if t < soonest else soonest
         w[W.FIRST + i] = surface if t < soonest else w[W.FIRST + i]

@@ -33,15 +33,22 @@ class Piece(NamedTuple):
     omega: float
 
 
+def switched(begin: float, angle: float, omega: float, t: float, goal: float, rate: float) -> tuple[float, float]:
+    """Return the angle at t of a flipper in a piece of its motion, and when it is at ``goal`` if it turns from there.
+
+    ``rate`` is the angular velocity with which it does. A kernel, and plain Python too.
+    """
+    now = angle + omega * (t - begin) if omega != 0.0 else angle
+    return now, t + (goal - now) / rate
+
+
 def pieces_of(shape: Mapping[str, float], times: Sequence[float]) -> list[Piece]:
     """Return the motion of a flipper whose button is pressed at the first time, released at the second, and so on."""
     way = copysign(1.0, shape["raised"] - shape["rest"])
     found = [Piece(0.0, shape["rest"], 0.0)]  # since ever
     for i, (begin, end) in enumerate(pairwise([*times, inf])):
         goal, speed = (shape["rest"], -shape["down"]) if i % 2 else (shape["raised"], shape["up"])
-        last = found[-1]
-        angle = last.angle + last.omega * (begin - last.begin) if last.omega else last.angle
-        there = begin + (goal - angle) / (way * speed)
+        angle, there = switched(*found[-1], begin, goal, way * speed)
         if there > begin:
             found.append(Piece(begin, angle, way * speed))
         if there < end:

@@ -79,8 +79,10 @@ def roots_of(gap: Gap) -> list[Root]:
     """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
     h: Any = gap.h
     found: list[Root] = []
-    if not gap.fresh and h[0] <= 0 and h[1] < 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
-        found.append(Root(arb(0), gap, False))
+    if not gap.fresh and h[0] <= 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
+        h -= h[0]
+        if h[1] < 0 or (h[1] == 0 and h[2] < 0):
+            found.append(Root(arb(0), gap, False))
     if h.degree() < 1:
         return found
     roots: Any = h.numer().complex_roots()

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES, piece_row, places_of, row_of
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.players import NOBODY, Player
+from grazing.kernel.elementary import sincos
 
 Floats = NDArray[np.float64]
 #: The head of a block: gravity along -y, how many faces, circles, sides of arcs and objects there are, the length of
@@ -45,6 +46,11 @@ SIGN, MX, MY, COSINE, BARE = 7, 8, 9, 10, 11
 WIDTH = 12
 #: Ends that differ by this share of their coordinates are one: those of arcs are rounded.
 SAME = 2.0**-50
+
+
+def gravity_of(g: float, tilt: float) -> float:
+    """Return what pulls a ball down a table, for tilts up to pi/2: g sin(tilt), with the sine of kernels."""
+    return g * sincos(tilt)[0]
 
 
 class Surfaces(NamedTuple):

@@ -19,10 +19,10 @@ from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
 from grazing.billiard.players import NOBODY, Flips, Player, Presses, angle_at
-from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, surfaces_of
+from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravity_of, surfaces_of
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
-from grazing.outcome import InputError, listed, shown
+from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import Parameter, checked_params, unknown, updated
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ OWN = {one.name: one for one in (RHO, G, TILT)}
 COORDINATES = ("x", "y", "vx", "vy")
 #: What a ball does that leaves for good without meeting anything: no object can be called so.
 AWAY = "away"
+#: Objects of a table, and flippers among them: each is held against every other.
+MOST_OBJECTS, MOST_FLIPPERS = 2_000, 20
 #: Objects that touch may overlap by so much of their size: rounding.
 SLACK = 1e-12
 
@@ -67,10 +69,16 @@ class Table(ByValue):
             raise InputError(
                 f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc, gz.flipper, gz.drain"
             )
+        turning = sum(one.kind == FLIPPER for one in objects)
+        if len(objects) > MOST_OBJECTS or turning > MOST_FLIPPERS:
+            raise InputError(
+                f"the table has {len(objects)} objects, {turning} of them flippers; allowed are {MOST_OBJECTS}, and "
+                f"{MOST_FLIPPERS} flippers, as each is held against every other"
+            )
         names = [one.name for one in objects]
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"two objects are called {name!r}; give each a name of its own")
+                raise InputError(f"two objects are called {shown(name)}; give each a name of its own")
             if name in (*OWN, AWAY):
                 raise InputError(f"an object is called {name!r}, which means something else; give it another name")
         object.__setattr__(self, "objects", objects)
@@ -100,7 +108,7 @@ class Table(ByValue):
 
     def __repr__(self) -> str:
         own = ", ".join(f"{name}={getattr(self, name):g}" for name in OWN)
-        return f"<Table {listed(self.names)}; {own}>"
+        return f"<Table {listed(map(abridged, self.names))}; {own}>"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,7 +118,7 @@ class Table(ByValue):
     @property
     def gravity(self) -> float:
         """What pulls the ball down the table, along -y: g sin(tilt)."""
-        return self.g * sin(self.tilt)
+        return gravity_of(self.g, self.tilt)
 
     @property
     def period(self) -> float:
@@ -167,7 +175,7 @@ class Table(ByValue):
         for row in rows:
             values = dict(zip(names, row.tolist(), strict=True))
             surfaces = surfaces_of(self.objects, values["rho"], values, self.player)
-            block = block_of(self.objects, surfaces, values["g"] * sin(values["tilt"]))
+            block = block_of(self.objects, surfaces, gravity_of(values["g"], values["tilt"]))
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
         laws = np.array([addresses(one.law, arithmetic) for one in self.objects])
@@ -345,7 +353,7 @@ def table(
     objects : sequence of Thing
         What stands on it: :func:`grazing.disc`, :func:`grazing.segment`, :func:`grazing.arc`, :func:`grazing.flipper`,
         and the lines through which the ball leaves, :func:`grazing.drain`. Of two that are hit at once the first one in
-        the list acts first.
+        the list acts first. At most 2000, and 20 flippers.
     rho : float
         Radius of the ball, >= 0. A ball without a radius never meets the ends of segments and arcs.
     g : float
@@ -365,8 +373,8 @@ def table(
     Raises
     ------
     InputError
-        For no objects, names that collide, a value out of range, a disc that overlaps something, or segments that
-        cross.
+        For no objects or too many, names that collide, a value out of range, a disc that overlaps something, or
+        segments that cross.
 
     Examples
     --------

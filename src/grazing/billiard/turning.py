@@ -6,7 +6,7 @@ second derivative 2 k now and a bound 6 B of the third one on what is left of th
 
 from __future__ import annotations
 
-from math import cos, floor, sin, sqrt
+from math import floor, sqrt
 from typing import Any
 
 from grazing.billiard.flippers import (
@@ -29,10 +29,11 @@ from grazing.billiard.flippers import (
     TIP,
 )
 from grazing.billiard.flippers import COSINE as LEAN
-from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, ROOTS, crossing, rests, safe_step
+from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, ROOTS, crossing, rests, safe_step, slid_off, touches
 from grazing.billiard.gaps import LEAST as SHORT
+from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
 #: Pieces of a flipper's motion that are looked at in one flight, after which it ends by name.
@@ -81,7 +82,7 @@ def direction_at(t: float, begin: float, piece: Any) -> Any:
     if piece[OMEGA] == 0.0:
         return cx, cy, 0.0
     turned = piece[OMEGA] * (t - begin)
-    c, s = cos(turned), sin(turned)
+    s, c = sincos(turned)
     return c * cx - s * cy, s * cx + c * cy, abs(turned)
 
 
@@ -230,7 +231,7 @@ def at_surface(
     (h, dh, k), (e, d, _b), _at = look(start, flight, kind, row, begin, piece)
     if fresh:
         if rests(dh, k, e):
-            return start, 0.0, TOO_MANY_IMPACTS
+            return start, 0.0, TOO_MANY_IMPACTS if piece[OMEGA] != 0.0 else STUCK
         if dh <= 0.0:  # it has begun to move towards the ball
             return start, e / max(-dh, d), OK
     if kind == AT_TIP and piece[OMEGA] == 0.0:
@@ -286,11 +287,12 @@ def comes_near(t: float, flight: Any, row: Any, end: float) -> Any:
 
 
 def of_flipper(
-    x: float, y: float, vx: float, vy: float, g: float, last: int, clock: float, row: Any, pieces: Any, end: float
+    x: float, y: float, vx: float, vy: float, g: float, last: int, off: bool, clock: float, row: Any, pieces: Any,
+    end: float,
 ) -> Any:  # fmt: skip
     """Return (kind, t, late, flags): the first contact with a flipper before ``end``, infinity for none.
 
-    ``last`` is the kind of the surface of this flipper that the ball just left, -1 for none.
+    ``last`` is the kind of the surface of this flipper that the ball just left, -1 for none; ``off``: it slid off that.
     """
     flight, phase, t, flags = (x - row[PX], y - row[PY], vx, vy, g, x, y), clock_of(clock, row), 0.0, OK
     if last < 0:
@@ -305,9 +307,12 @@ def of_flipper(
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
         kind, first, slack = -1, INFINITY, 0.0
         for i in range(KINDS):
-            found, late, said = at_surface(flight, i, row, begin, piece, t, last == i and t == 0.0, until)
+            if off and t == 0.0 and piece[OMEGA] == 0.0 and beside(flight, i, last == i, row, begin, piece):
+                found, late, said = off_tip(flight, i, row, piece, until)
+            else:
+                found, late, said = at_surface(flight, i, row, begin, piece, t, last == i and t == 0.0, until)
             flags |= said
-            if said & FATAL:
+            if said & (FATAL | STUCK):
                 return i, found, 0.0, flags
             if found < first:
                 kind, first, slack = i, found, late
@@ -321,6 +326,24 @@ def of_flipper(
         if not t < end:
             return -1, INFINITY, 0.0, flags
     return -1, t, 0.0, flags | TOO_MANY_SWINGS
+
+
+@inlined
+def beside(flight: Any, kind: int, left: bool, row: Any, begin: float, piece: Any) -> Any:
+    """Say whether a ball that has slid off something slid off this surface of a flipper, or off the end of it."""
+    (h, dh, _k), (e, _d, _b), _at = look(0.0, flight, kind, row, begin, piece)
+    return left or (kind != AT_TIP and touches(h, dh, e, abs(flight[2]) + abs(flight[3])))
+
+
+@inlined
+def off_tip(flight: Any, kind: int, row: Any, piece: Any, end: float) -> Any:
+    """Return when a ball that slid off a flipper at rest comes back to its tip before ``end``; to sides it does not."""
+    if kind != AT_TIP:
+        return INFINITY, 0.0, OK
+    _dx, _dy, vx, vy, g, x, y = flight
+    cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
+    t, late, said = slid_off(x - cx, y - cy, vx, vy, g, row[TIP], 1.0)
+    return (t, late, said) if t < end else (INFINITY, 0.0, said)
 
 
 def is_inside(flight: Any, phase: float, row: Any, pieces: Any) -> bool:

@@ -26,6 +26,8 @@ from grazing.parameter import called_here
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Columns between which help is written: in one or two its writer never ends, in 10^30 it fails.
 NARROW, WIDE = 20, 10_000
+#: What packages say that find no memory while they are imported: of a library of their own that is not loaded, for one.
+NO_MEMORY = ("Cannot allocate memory", "failed to map segment")
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
 #: Studies whose commands have commands of their own.
@@ -146,19 +148,8 @@ def _guarded(tokens: list[str]) -> int:
         return _fail(
             f"code of your own, or of a package, called sys.exit({shown(stop.code)}); leave that away.", FAILED
         )
-    except ImportError as error:
-        return _fail(f"a package that grazing needs cannot be imported ({error}); install grazing again.", FAILED)
-    except OSError as error:
-        if error.errno == errno.ENAMETOOLONG:
-            return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
-        if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EIO):  # writers name their file
-            return _fail(f"cannot write to the standard output: {error.strerror}; send it elsewhere.", FAILED)
-        return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
-    except MemoryError:
-        return _fail(
-            "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
-            FAILED,
-        )
+    except (ImportError, OSError, MemoryError) as error:
+        return _failed(error)
     except BaseException as error:  # of whatever kind: a class of the user's may raise any
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
@@ -173,6 +164,35 @@ def _guarded(tokens: list[str]) -> int:
             FAILED,
             "unexpected error",
         )
+
+
+def _failed(error: ImportError | OSError | MemoryError) -> int:
+    """Say what the machine, or what is installed on it, did not do."""
+    causes = _causes(error)
+    if any(isinstance(one, MemoryError) or any(said in raised(one) for said in NO_MEMORY) for one in causes):
+        return _fail(
+            "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
+            FAILED,
+        )
+    if not isinstance(error, OSError):
+        return _fail(
+            f"a package that grazing needs cannot be imported ({raised(causes[-1])}); install grazing again.", FAILED
+        )
+    if error.errno == errno.ENAMETOOLONG:
+        return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
+    if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EIO):  # writers name their file
+        return _fail(f"cannot write to the standard output: {error.strerror}; send it elsewhere.", FAILED)
+    return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
+
+
+def _causes(error: BaseException) -> list[BaseException]:
+    """Return an error, what it came from, and so on; somebody else's may come from itself."""
+    found: list[BaseException] = []
+    one: BaseException | None = error
+    while one is not None and not any(one is other for other in found):
+        found.append(one)
+        one = one.__cause__ or one.__context__
+    return found
 
 
 def _prepare_environment() -> None:

@@ -21,7 +21,9 @@ def explore(
     out: Annotated[
         Path | None,
         Parameter(
-            alias="-o", converter=as_written, help="Write the page to this folder instead, for any web server, and end."
+            alias="-o",
+            converter=as_written,
+            help="Write the page to this folder, for any web server, or to one file FILE.html, and end.",
         ),
     ] = None,
 ) -> int:
@@ -34,15 +36,18 @@ def explore(
     no_open
         Open no browser.
     out
-        Folder for a copy of the page.
+        Folder for a copy of the page, which a web server serves; a name that ends in .html, for all of it in one file.
     """
+    from grazing.explorer import onefile
     from grazing.explorer.server import copy_to, serve
     from grazing.outcome import InputError
 
     if out is not None:
         if not str(out).strip():
-            raise InputError("--out names no folder; give one, for example --out page")
-        print(output.named([str(copy_to(Path(out)))]))
+            raise InputError("--out names no folder; give one, for example --out page, or a file, --out page.html")
+        to = Path(out)
+        written = onefile.write_to(to) if to.suffix.lower() == ".html" else copy_to(to)
+        print(output.named([str(written)]))
         return 0
 
     def opened(address: str) -> None:

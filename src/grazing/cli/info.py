@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from grazing.cli import output
-from grazing.outcome import GrazingError, InputError, printable
+from grazing.outcome import GrazingError, InputError, printable, quoted_file
 
 #: Letters of a command beyond which a file says it better.
 LONGEST = 4000
@@ -119,7 +119,7 @@ def certificate(path: Path) -> dict[str, Any]:
     from grazing.proof.check import opened_certificate
 
     document = opened_certificate(path)
-    why = f"a certificate is checked, not made again: grazing orbit check {path}"
+    why = f"a certificate is checked, not made again: grazing orbit check {quoted_file(str(path))}"
     return {
         "kind": "certificate, not checked here",
         "title": document["statement"],

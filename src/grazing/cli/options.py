@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from inspect import Parameter as Argument
 from inspect import Signature
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from cyclopts import Group, Parameter
 
@@ -25,6 +25,7 @@ from grazing.config.parameters import AMPLITUDES, GAP, parameter_names
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import MAPS, config_of
 from grazing.config.settings import settings_of, text_of
+from grazing.config.si import gaps_asked
 from grazing.config.values import DEFAULT, other_range
 from grazing.config.walls import flat, last_of
 from grazing.outcome import GrazingError
@@ -178,10 +179,17 @@ class Given:
         return flag(path[-1])
 
 
-def recipe_from(
+class Asked(NamedTuple):
+    """The recipe that a command line asks for, and what it calls otherwise: see :func:`gaps_asked`."""
+
+    recipe: Recipe
+    gaps: dict[str, tuple[str, float]]
+
+
+def asked_from(
     study: str, tokens: Sequence[str], options: Mapping[str, str | bool | None], file: str | Path | None
-) -> Recipe:
-    """Return the recipe that a command line asks for: a file gives defaults, options override.
+) -> Asked:
+    """Return what a command line asks for: a file gives defaults, options override.
 
     Parameters
     ----------
@@ -234,7 +242,7 @@ def recipe_from(
         raise refusal([*problems, *further], "", given.label) from None
     if problems:
         raise refusal(problems, "", given.label)
-    return recipe
+    return Asked(recipe, gaps_asked(mapping))
 
 
 def put(given: Given, path: Place, value: Any) -> None:

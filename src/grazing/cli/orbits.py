@@ -28,7 +28,8 @@ def check(
     model: Annotated[
         Path | None,
         Parameter(
-            help="file.py:name of a gz.Oscillator whose reset law is compared with the proven ones.", metavar="NAME"
+            help="file.py:name of a gz.Oscillator that the proofs must be about, with its law and values.",
+            metavar="NAME",
         ),
     ] = None,
     json: Annotated[
@@ -44,16 +45,16 @@ def check(
     for file in files:
         if not os.path.isfile(file):
             raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
-    law = None
+    own = None
     if model is not None:
         from grazing.config.maps import own_model
         from grazing.config.own import Named
 
-        law = own_model(Named(str(model))).reset.law
+        own = own_model(Named(str(model)))
     every = True
     for file in files:
         try:
-            said, good = check_certificate(file, law=law), True
+            said, good = check_certificate(file, model=own), True
         except InputError as error:
             said, good = str(error), False
         every = every and good

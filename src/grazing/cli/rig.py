@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from grazing.measured import STOP, WALLS
@@ -10,15 +10,17 @@ from grazing.outcome import InputError
 from grazing.units import TURN
 
 #: The rig's own names of parameters of the model.
-NAMES = {"sigma": "gap", "omega": "frequency"}
-#: The attribute that lists which of them a result no longer has.
+NAMES = {"omega": "frequency"}
+#: The attribute that holds those that a result no longer has, each with the name in its place.
 GIVEN = "given"
 #: Attributes that hold a range of the parameter.
 RANGES = ("span", "bounds")
 
 
-def as_given(result: Any, units: Sequence[str] = ()) -> Any:
+def as_given(result: Any, units: Sequence[str] = (), gaps: Mapping[str, tuple[str, float]] | None = None) -> Any:
     """Return a result of a rig whose sigma has become gap = -sigma, and whose omega has become frequency, in Hz.
+
+    Between walls a position becomes a gap where that is what was asked for.
 
     Parameters
     ----------
@@ -26,27 +28,33 @@ def as_given(result: Any, units: Sequence[str] = ()) -> Any:
         Of a study; one that is not of a rig is returned as it is, and so is one with derivatives in its parameters.
     units : sequence of str
         The result is in them already. With rad/s among them omega stays.
+    gaps : mapping of str to (str, float), optional
+        Between walls: of each position that was asked for as a gap, that name and the sign of the position.
     """
     if STOP not in result.attrs or "derivative" in result:
         return result
-    omegas = _of(result, r"\omega")
+    omegas = _of(result, "omega")
     if omegas and "rad/s" not in units:
-        result = _named(_in_turns(result, omegas), "omega")
-    sigmas = _of(result, r"\sigma") if result.attrs[STOP] != WALLS else []
-    return _named(_turned(result, sigmas), "sigma") if sigmas else result
+        result = _named(_in_turns(result, omegas), "omega", NAMES["omega"])
+    for old, (new, sign) in ((gaps or {}) if result.attrs[STOP] == WALLS else {"sigma": ("gap", -1.0)}).items():
+        sigmas = _of(result, old)
+        if sigmas:
+            result = _named(_turned(result, sigmas) if sign < 0.0 else result, old, new)
+    return result
 
 
 def given_names(result: Any, recipe: Any) -> dict[str, Any]:
     """Return a recipe that calls what varies as a result of :func:`as_given` does."""
-    new = {old: NAMES[old] for old in result.attrs.get(GIVEN, ())}
+    new = result.attrs.get(GIVEN, {})
     return {**recipe, "vary": {new.get(name, name): values for name, values in recipe["vary"].items()}}
 
 
-def _of(result: Any, symbol: str) -> list[str]:
+def _of(result: Any, name: str) -> list[str]:
     """Return the variables that hold values of a parameter; a wall over time is none."""
+    front, _dot, last = name.rpartition(".")
+    symbol = f"\\{last}^{{{front}}}" if front else f"\\{last}"
     symbols = {str(name): str(one.attrs.get("symbol", "")) for name, one in result.variables.items()}
-    found = [name for name, said in symbols.items() if said.removesuffix(TURN) == symbol]
-    name = symbol.removeprefix("\\")
+    found = [one for one, said in symbols.items() if said.removesuffix(TURN).partition("=")[0] == symbol]
     about = [str(key) for key in ("before", "after") if key in result and name in result.dims]
     return [one for one in [*found, *about] if one != "wall"]
 
@@ -78,10 +86,9 @@ def _turned(result: Any, sigmas: Sequence[str]) -> Any:
     return turned.assign(swapped).assign_attrs(ranges)
 
 
-def _named(result: Any, old: str) -> Any:
+def _named(result: Any, old: str, new: str) -> Any:
     """Return a result that calls a parameter as the rig does, in names, titles and what lists its names."""
-    new = NAMES[old]
-    if old == "omega" and any(result[name].attrs.get("units") == "rad/s" for name in _of(result, r"\omega")):
+    if old == "omega" and any(result[name].attrs.get("units") == "rad/s" for name in _of(result, old)):
         return result
     names = {
         name: f"{str(name).removesuffix(old)}{new}"
@@ -94,4 +101,4 @@ def _named(result: Any, old: str) -> Any:
             attrs[key] = str(attrs[key]).replace(old, new)
     title = str(attrs.get("title", ""))
     attrs["title"] = title.replace(f" in {old}", f" in {new}").replace(f" and {old}", f" and {new}")
-    return result.rename(names).assign_attrs(attrs | {GIVEN: (*attrs.get(GIVEN, ()), old)})
+    return result.rename(names).assign_attrs(attrs | {GIVEN: {**attrs.get(GIVEN, {}), old: new}})

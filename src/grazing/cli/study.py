@@ -22,7 +22,7 @@ from grazing.catalogue.words import words_of
 from grazing.cli import output, progress
 from grazing.cli.certificates import certificates_at, proof_lines, written_proofs
 from grazing.cli.figures import style_of
-from grazing.cli.options import RUN, recipe_from, signature_of
+from grazing.cli.options import RUN, Asked, asked_from, signature_of
 from grazing.cli.rig import as_given, given_names
 from grazing.cli.summary import lines
 from grazing.cli.whole import whole_number
@@ -79,7 +79,8 @@ def command(study: Study) -> Callable[..., int]:
         save: Path | None = None,
         **options: str | bool | None,
     ) -> int:
-        recipe = recipe_from(study.name, given, options, config)
+        asked = asked_from(study.name, given, options, config)
+        recipe = asked.recipe
         if dump_config:
             print(toml_of(recipe), end="")
             return DONE
@@ -88,7 +89,7 @@ def command(study: Study) -> Callable[..., int]:
         if dry_run:
             return estimated(plan_of(recipe), threads, json, seconds_of_curves(recipe))
         files, shown = output.targets(out, endings(study)), output.checked_units(recipe.get("units"))
-        return compute(study, recipe, files, threads, shown, json, quiet, certify or save is not None, save)
+        return compute(study, asked, files, threads, shown, json, quiet, certify or save is not None, save)
 
     run.__signature__ = signature_of(study.name, run_arguments(study))  # type: ignore[attr-defined]
     run.__annotations__ = {name: item.annotation for name, item in run.__signature__.parameters.items()}  # type: ignore[attr-defined]
@@ -103,10 +104,11 @@ def endings(study: Study) -> tuple[str, ...]:
 
 
 def compute(
-    study: Study, recipe: Mapping[str, Any], files: Sequence[Path], threads: int | None, units: Sequence[str],
-    json: bool, quiet: bool, certify: bool = False, save: Path | None = None,
+    study: Study, asked: Asked, files: Sequence[Path], threads: int | None, units: Sequence[str], json: bool,
+     quiet: bool, certify: bool = False, save: Path | None = None,
 ) -> int:  # fmt: skip
     """Compute a recipe, write its files, prove what is to be proven, and say what was found."""
+    recipe = asked.recipe
     drawn = [str(file) for file in files if file.suffix in output.FIGURES]
     if drawn and study.undrawn and not recipe["vary"]:
         raise InputError(f"-o {drawn[0]}: {study.undrawn}; vary a parameter, or give -o a.nc")
@@ -121,7 +123,7 @@ def compute(
         else:
             made = made_of(recipe, threads, show)
     result = output.converted_as_far(made.result, units)
-    given = as_given(result, units)
+    given = as_given(result, units, asked.gaps)
     found = told(study, given)
     if certify and study.prove is not None:
         with progress.said("proving", quiet):

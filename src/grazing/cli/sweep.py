@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json as text
 import re
-import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -18,7 +17,7 @@ from cyclopts import App, Parameter
 from grazing.cli import progress
 from grazing.cli.own import OwnMap, OwnModel, named_here
 from grazing.cli.whole import whole_number
-from grazing.outcome import InputError, printable, shown
+from grazing.outcome import InputError, printable, quoted_file, shown
 
 DONE, FAILED, INCOMPLETE = 0, 1, 3
 
@@ -104,7 +103,7 @@ def run(
     """
     from grazing import sweep
     from grazing.catalogue import studies
-    from grazing.cli.options import recipe_from
+    from grazing.cli.options import asked_from
     from grazing.config import plan_of
     from grazing.config.files import read_toml
 
@@ -112,7 +111,7 @@ def run(
     study = read_toml(config).get("study")
     if not isinstance(study, str) or study not in studies():
         raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(studies())}")
-    plan = plan_of(recipe_from(study, given, {"map": map, "model": model}, config))
+    plan = plan_of(asked_from(study, given, {"map": map, "model": model}, config).recipe)
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)
         return _say(asdict(found), str(found), json)
@@ -251,7 +250,7 @@ def resumable(store: str | Path) -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {shlex.quote(str(store))}'."
+            f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {quoted_file(str(store))}'."
         ) from None
 
 
@@ -306,7 +305,7 @@ def _executor(kind: str | None, workers: int | None, options: list[str] | None) 
 def _report(status: Any, json: bool, hint: bool = True) -> int:
     """Print how far a sweep is, and say by the exit code whether it is complete."""
     summary = asdict(status) | {"complete": status.complete}
-    go_on = f"\nnot complete: 'grazing sweep resume {shlex.quote(str(status.path))}' goes on"
+    go_on = f"\nnot complete: 'grazing sweep resume {quoted_file(str(status.path))}' goes on"
     _say(summary, str(status) + (go_on if hint and not status.complete else ""), json)
     return DONE if status.complete else INCOMPLETE
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.compare.bifurcation_diagram import Search, documented, merged, same_attractor, with_limit
+from grazing.compare.bifurcation_diagram import documented, with_limit
+from grazing.compare.search import Search, merged, same_attractor
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece

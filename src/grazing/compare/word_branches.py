@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from grazing.compare.bifurcation_diagram import merged, same_points
+from grazing.compare.search import merged, same_points
 from grazing.maps.map import Map
 from grazing.orbits.branch import Branch, checked_bounds, continuation
 from grazing.orbits.branch_table import branch_table

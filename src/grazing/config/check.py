@@ -82,7 +82,7 @@ def checked(
     """
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
-    raw: Recipe = named(_plain(mapping, source), code)
+    raw: Recipe = named(plain_of(mapping, source), code)
     raw |= {key: flat(raw[key]) for key in ("parameters", "vary") if key in raw}
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
@@ -97,14 +97,14 @@ def checked(
     return config
 
 
-def _plain(value: Any, source: str, depth: int = 0) -> Any:
+def plain_of(value: Any, source: str = "", depth: int = 0) -> Any:
     """Return a copy made of tables with texts as keys and of lists; a configuration holds few of them in each other."""
     if depth > DEEPEST:
         raise InputError(f"{source or 'the configuration'} has more than {DEEPEST} tables and lists in each other")
     if isinstance(value, Mapping):
-        return {str(key): _plain(item, source, depth + 1) for key, item in value.items()}
+        return {str(key): plain_of(item, source, depth + 1) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item, source, depth + 1) for item in value]
+        return [plain_of(item, source, depth + 1) for item in value]
     return value
 
 
@@ -144,7 +144,7 @@ def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
 
 def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
     """Return a configuration without what is wrong in it; in place of what must be given stands something sound."""
-    left: Recipe = _plain(raw, "")
+    left: Recipe = plain_of(raw, "")
     for problem in problems:
         at: Any = left
         for depth, part in enumerate(problem.path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -13,7 +12,7 @@ from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
 from grazing.config.values import DEFAULT
 from grazing.maps.discontinuity import discontinuity_map
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, quoted, quoted_file, shown
 
 #: What a configuration says beside study, parameters, ranges and settings, with what is meant if it does not.
 KEYS = {
@@ -45,7 +44,7 @@ def command_of(config: Mapping[str, Any], out: Sequence[str] = ()) -> str:
     Returns
     -------
     str
-        Quoted for a POSIX shell.
+        Quoted for a shell, in one line: bash, zsh, or what reads as POSIX says.
 
     Examples
     --------
@@ -56,10 +55,8 @@ def command_of(config: Mapping[str, Any], out: Sequence[str] = ()) -> str:
     if isinstance(out, (str, bytes)) or not isinstance(out, Sequence) or not all(isinstance(file, str) for file in out):
         raise InputError(f"out is {shown(out)}; give a list of names of files")
     recipe = checked(config)
-    tokens = ["grazing", recipe["study"], *tokens_of(recipe)]
-    for file in out:
-        tokens += ["-o", file]
-    return " ".join(shlex.quote(token) for token in tokens)
+    words = [quoted(token) for token in ("grazing", recipe["study"], *tokens_of(recipe))]
+    return " ".join([*words, *(f"-o {quoted_file(file)}" for file in out)])
 
 
 def tokens_of(recipe: Recipe) -> Iterator[str]:

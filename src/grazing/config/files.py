@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grazing.config.check import Recipe, checked
+from grazing.config.check import Recipe, checked, plain_of
 from grazing.outcome import InputError, shown
 from grazing.paths import opened, path_of
 
@@ -121,6 +121,7 @@ def toml_of(config: Mapping[str, Any]) -> str:
     """
     if not isinstance(config, Mapping):
         raise InputError(f"the configuration is {shown(config)}; give a table of keys and values")
+    config = plain_of(config)
     plain = [f"{_key(name)} = {_value(value)}\n" for name, value in config.items() if not isinstance(value, Mapping)]
     tables = [
         f"\n[{_key(name)}]\n" + "".join(f"{_key(key)} = {_value(item)}\n" for key, item in value.items())

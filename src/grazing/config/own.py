@@ -10,7 +10,6 @@ from __future__ import annotations
 import importlib.machinery
 import importlib.util
 import os
-import shlex
 import stat
 import sys
 from collections.abc import Mapping
@@ -21,7 +20,7 @@ from grazing.copies import OWN_MODULE
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.walled import Walled
-from grazing.outcome import GrazingError, InputError, UserCodeError, raised, shown
+from grazing.outcome import GrazingError, InputError, UserCodeError, quoted, raised, shown
 from grazing.systems.contract import System
 
 #: What a model of one's own may be.
@@ -68,8 +67,10 @@ def named(config: Mapping[str, Any], code: str | None) -> dict[str, Any]:
     InputError
         If ``code`` is anything else but None.
     """
-    if code not in (None, TRUST):
-        raise InputError(f"code = {code!r}; allowed are None, which runs none, and {TRUST!r}, which runs what is named")
+    if not (code is None or (isinstance(code, str) and code == TRUST)):
+        raise InputError(
+            f"code = {shown(code)}; allowed are None, which runs none, and {TRUST!r}, which runs what is named"
+        )
     found = dict(config)
     for key in KEYS if code == TRUST else ():
         if isinstance(found.get(key), str) and is_own(found[key]):
@@ -98,7 +99,7 @@ def not_named(text: str, key: str) -> NotNamed:
     text = _cut(text)
     return NotNamed(
         f"{key} = {text!r} is code that a file names, and reading a file runs no code. If you trust it, name it in "
-        f"this call: --{key} {shlex.quote(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
+        f"this call: --{key} {quoted(text)}; in Python code={TRUST!r}, or give the plan or the map itself"
     )
 
 

@@ -80,7 +80,7 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
         their place stands something sound, so that the rest can be checked.
     """
     found = {name: value for name, value in raw.items() if name != "si"}
-    gaps = _gaps(raw.get("walls"))
+    gaps = gaps_of(raw.get("walls"))
     table, faults = _table(raw["si"], gaps)
     read = bool(table)
     if gaps is None and "side" not in table and "stop" in found:
@@ -164,7 +164,7 @@ def _least_gap(found: Mapping[str, Any], stops: Mapping[str, float]) -> float:
     return max(0.0, min(gaps))
 
 
-def _gaps(walls: Any) -> dict[str, Own] | None:
+def gaps_of(walls: Any) -> dict[str, Own] | None:
     """Return the gap of each wall of a configuration, by its name, as the position it is; None without walls."""
     if walls is None:
         return None
@@ -175,6 +175,21 @@ def _gaps(walls: Any) -> dict[str, Own] | None:
     sides = sides_of(named)
     fronts = {name: front_of(named, name) for name in named}
     return {f"{fronts[one]}gap": Own(f"{fronts[one]}sigma", -SIDES[sides[one]]) for one in named}
+
+
+def gaps_asked(config: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
+    """Return the positions between walls whose gap varies in a configuration: that name, and the sign of the position.
+
+    Examples
+    --------
+    >>> from grazing.config.si import gaps_asked
+    >>> gaps_asked({"walls": "A=newton,B=newton", "vary": {"A.gap": "1 mm:2 mm:5", "B.sigma": "1:2:5"}})
+    {'A.sigma': ('A.gap', -1.0)}
+    """
+    locus = _mapping(config.get("settings")).get("locus") or {}
+    names = [locus.partition("=")[0].strip()] if isinstance(locus, str) else [*_mapping(locus)]
+    varied = {*_mapping(config.get("vary")), *names}
+    return {own.name: (gap, own.factor) for gap, own in (gaps_of(config.get("walls")) or {}).items() if gap in varied}
 
 
 def _places(placed: Mapping[str, Any], gaps: Mapping[str, Own]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from grazing.billiard.players import NOBODY, Player, flips, presses
 from grazing.billiard.table import OWN, Table, table
 from grazing.config.files import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
-from grazing.outcome import InputError, listed, shown
+from grazing.outcome import InputError, abridged, listed, shown
 
 #: Where the tables lie that ship with the library.
 HOME = Path(__file__).parent / "tables"
@@ -46,7 +46,17 @@ def _one_of(given: Mapping[str, Any], key: str, allowed: Mapping[str, Any], wher
     return found
 
 
-def _object(name: str, given: Any, where: str) -> Thing:
+def _object(name: str, given: Any) -> Thing:
+    """Return an object of a table, or raise InputError that says which is wrong."""
+    where = f"objects.{abridged(name)}"
+    try:
+        return _made(name, given, where)
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith(where) else f"{where}: {said}") from None
+
+
+def _made(name: str, given: Any, where: str) -> Thing:
     """Return an object of a table."""
     if not isinstance(given, Mapping):
         raise InputError(f"{where} is {shown(given)}; give its kind, its numbers and its law")
@@ -90,14 +100,14 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     """
     known = isinstance(source, str) and source in shipped()
     path = HOME / f"{source}.toml" if known else source
-    if isinstance(source, str) and not known and not source.endswith(".toml") and not Path(source).exists():
+    if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
     said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS], str(source))
     if all(name in said for name in PLAYERS):
         raise InputError(f"{source} has {listed(list(PLAYERS))}; give one of them")
     if not isinstance(said["objects"], Mapping):
         raise InputError(f"objects is {shown(said['objects'])}; give a table of objects by their names")
-    things = [_object(name, given, f"objects.{name}") for name, given in said["objects"].items()]
+    things = [_object(name, given) for name, given in said["objects"].items()]
     player: Player = NOBODY
     if "flips" in said:
         player = flips(**_keys(said["flips"], ["period", "hold"], ["phase"], "flips"))

@@ -23,6 +23,7 @@ from grazing.explorer import webassembly
 from grazing.explorer.gap import gap_module
 from grazing.explorer.oscillator import oscillator_module
 from grazing.explorer.sources import file_digest, source_digest
+from grazing.explorer.table import described_tables, table_module
 from grazing.explorer.webassembly import Entry, exported, linker, linker_version
 from grazing.kernel import export
 from grazing.kernel.export import ENVIRONMENT
@@ -34,7 +35,9 @@ from grazing.studies.classify import APERIODIC, ENDED, TOLERANCE, UNDECIDED
 #: Where the modules lie, shipped with the package.
 FOLDER = Path(__file__).parent / "kernels"
 DESCRIPTION = "kernels.json"
-MODULES = {"gap": gap_module, "oscillator": oscillator_module}
+#: The tables that ship, as the page gets them.
+TABLES = "tables.json"
+MODULES = {"gap": gap_module, "oscillator": oscillator_module, "table": table_module}
 
 
 def described_parameter(parameter: Parameter) -> dict[str, Any]:
@@ -58,9 +61,10 @@ def described_entry(entry: Entry) -> dict[str, Any]:
         "meaning": entry.meaning,
         "sizes": list(entry.sizes),
         "arguments": [
-            {"name": a.name, "kind": a.kind, "shape": list(a.shape), "meaning": a.meaning} for a in entry.arguments
+            {"name": a.name, "kind": a.kind, "shape": list(a.shape), "meaning": a.meaning}
+            for a in (() if entry.addressed else entry.arguments)
         ],
-        "result": entry.result,
+        "result": "int64" if entry.addressed else entry.result,
         "source": source_digest(entry.kernel),
     }
 
@@ -115,6 +119,7 @@ def build(folder: Path) -> None:
         (folder / f"{name}.wasm").write_bytes(code)
         text["modules"][name] |= {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
         print(f"{name}.wasm: {len(code)} bytes", file=sys.stderr, flush=True)
+    (folder / TABLES).write_text(tables_text(), encoding="utf-8")
     (folder / DESCRIPTION).write_text(json.dumps(text, indent=0, sort_keys=True) + "\n", encoding="utf-8")
 
 
@@ -167,7 +172,17 @@ def stale() -> list[str]:
             key: old.get(key) for key in ("fields", "coordinates", "letters")
         }:
             found.append(f"the description of {name}")
-    return found
+    return found if tables_text() == _read(TABLES) else [*found, TABLES]
+
+
+def tables_text() -> str:
+    """Return the tables that ship as text for the page."""
+    return json.dumps(described_tables(), separators=(",", ":"), sort_keys=True) + "\n"
+
+
+def _read(name: str) -> str:
+    file = FOLDER / name
+    return file.read_text(encoding="utf-8") if file.exists() else ""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,6 +6,7 @@ It knows the folders ``page`` and ``kernels`` and nothing else, so there is noth
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import stat
 import sys
@@ -241,23 +242,29 @@ def ours(file: Path) -> bool:
         return False
 
 
+def rooted() -> str:
+    """Return the page as it stands beside its folder, and not in it."""
+    text = (FOLDER / "page" / "index.html").read_text(encoding="utf-8")
+    return re.sub(r'(href|src)="(?=[\w.]+\.(?:css|js|html)")', r'\1="page/', text)
+
+
 def copy_to(folder: str | Path) -> Path:
-    """Copy the page and its kernels to a folder, for any web server; return the page.
+    """Copy the page and its kernels to a folder, for any web server; return the page, at its root.
 
     A copy that is there already is renewed; other files in the folder stay.
 
     Raises
     ------
     InputError
-        If the folder cannot be written to, or holds a ``page`` or ``kernels`` of somebody else.
+        If the folder cannot be written to, or holds an ``index.html``, ``page`` or ``kernels`` of somebody else.
     """
     source, to = files(), path_of(folder)
     first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
+    root = to / PARTS["page"]
     try:
-        for part, needed in PARTS.items():
-            there = to / part
+        for there, mark in [(root, root), *((to / part, to / part / needed) for part, needed in PARTS.items())]:
             taken = any(there.iterdir()) if os.path.isdir(there) else os.path.exists(there)
-            if os.path.islink(there) or (taken and not ours(there / needed)):
+            if os.path.islink(there) or (taken and not ours(mark)):
                 raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
         for name, path in sorted(source.items(), key=lambda item: item[0] not in first):
             if not name.endswith("/"):
@@ -267,8 +274,10 @@ def copy_to(folder: str | Path) -> Path:
                     raise shutil.SameFileError("its page is the same file")
                 with whole_file(goal) as new:
                     shutil.copyfile(path, new)
+        with whole_file(root) as new:
+            new.write_text(rooted(), encoding="utf-8", newline="\n")
     except OSError as error:
         raise InputError(
             f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"
         ) from None
-    return to / "page" / "index.html"
+    return root

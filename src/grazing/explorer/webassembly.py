@@ -155,6 +155,9 @@ class Entry:
     result : str
         ``float64``, ``int64`` (returned as 32 bits), or empty.
     meaning : str
+    addressed : bool
+        Whether the function that is exported, of nothing, says where the kernel lies, for those that call kernels by
+        address.
     """
 
     name: str
@@ -163,6 +166,7 @@ class Entry:
     arguments: tuple[Argument, ...]
     result: str = ""
     meaning: str = ""
+    addressed: bool = False
 
 
 def linker() -> list[str] | None:
@@ -244,6 +248,10 @@ def _door(entry: Entry, name: str) -> str:
         else:
             outer.append(f"{kind} %a{i}")
             inner.append(f"{kind} %a{i}")
+    declared = f"declare i32 @{_quoted(name)}({', '.join(types)})"
+    if entry.addressed:
+        head = f'define i32 @grazing_{entry.name}() "wasm-export-name"="{entry.name}" {{'
+        return "\n".join([declared, head, f"  ret i32 ptrtoint (ptr @{_quoted(name)} to i32)", "}", ""])
     room = KINDS[entry.result] if entry.result else "ptr"
     given = {"": "void", "float64": "double", "int64": "i32"}[entry.result]
     back = {
@@ -253,7 +261,7 @@ def _door(entry: Entry, name: str) -> str:
     }[entry.result]
     return "\n".join(
         [
-            f"declare i32 @{_quoted(name)}({', '.join(types)})",
+            declared,
             "declare void @llvm.trap()",
             f'define {given} @grazing_{entry.name}({", ".join(outer)}) "wasm-export-name"="{entry.name}" {{',
             f"  %result = alloca {room}",

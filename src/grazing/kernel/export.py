@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.elementary import exp, log, power
+from grazing.kernel.elementary import exp, log, power, remainder
 from grazing.outcome import InputError
 
 #: Of a process that exports: the code must not be optimised for the machine it runs on.
@@ -37,7 +37,12 @@ FEATURES = "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext"
 SPEED = 2
 
 #: Functions of the C library, what stands for them, and of how many numbers: a module has no library.
-OWN: dict[str, tuple[Callable[..., float], int]] = {"exp": (exp, 1), "log": (log, 1), "pow": (power, 2)}
+OWN: dict[str, tuple[Callable[..., float], int]] = {
+    "exp": (exp, 1),
+    "log": (log, 1),
+    "pow": (power, 2),
+    "fmod": (remainder, 2),
+}
 
 
 def refuse_elsewhere() -> None:
@@ -141,6 +146,8 @@ def _for_machine(text: str) -> str:
     text = re.sub(r"^attributes (#\d+) = \{ noinline \}", r"attributes \1 = { alwaysinline }", text, flags=re.MULTILINE)
     for name in ("sqrt", "floor", "ceil"):
         text = re.sub(rf"@{name}\(", f"@llvm.{name}.f64(", text)
+    text, many = re.subn(r"= frem double ([^,\n]+), ([^,\n]+)", r"= call double @fmod(double \1, double \2)", text)
+    text += "\ndeclare double @fmod(double, double)\n" if many else ""
     for name in OWN:
         text = re.sub(rf"@(llvm\.{name}\.f64|{name})\(", f"@grazing_own_{name}(", text)
     return text.replace("@llvm.smul.with.overflow.i64(", "@grazing_product(")

@@ -96,6 +96,20 @@ def numbers_at(row: float) -> Any:
     return (ctypes.c_double * 1_000).from_address(int(row))
 
 
+def room_of(value: Any) -> int:
+    """Return how many numbers have the room that compiled code needs to write a value down; none in plain Python."""
+    return 0
+
+
+def written(place: Any, value: Any) -> None:
+    """Write a value of any type down at the address of a number, for :func:`found_at` of code for the same machine."""
+
+
+def found_at(place: Any, function: Callable[..., Any], p: Any) -> Any:
+    """Return ``function(p)``, which was :func:`written` down at a place: compiled code reads it there."""
+    return function(p)
+
+
 def built(kind: Any, items: tuple[float, ...]) -> Any:
     """Build a named tuple of type ``kind`` from a plain tuple of its fields."""
     return kind(*items)
@@ -238,6 +252,30 @@ def register() -> None:
             return builder.gep(args[0], [args[1]])
 
         return items(items, types.int64), code
+
+    @compiled_form(room_of)
+    def counted(_context: Any, value: Any) -> Any:
+        def code(ctx: Any, _builder: Any, _signature: Any, _args: Any) -> Any:
+            return ir.Constant(ir.IntType(64), -(-ctx.get_abi_sizeof(ctx.get_value_type(value)) // 8))
+
+        return types.int64(value), code
+
+    @compiled_form(written)
+    def write(_context: Any, place: Any, value: Any) -> Any:
+        def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            builder.store(args[1], builder.bitcast(args[0], args[1].type.as_pointer()))
+            return ctx.get_dummy_value()
+
+        return types.void(place, value), code
+
+    @compiled_form(found_at)
+    def read(context: Any, place: Any, function: Any, p: Any) -> Any:
+        kind = function.get_call_type(context, (p,), {}).return_type
+
+        def code(ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            return builder.load(builder.bitcast(args[0], ctx.get_value_type(kind).as_pointer()))
+
+        return kind(place, function, p), code
 
     @compiled_form(built)
     def named(_context: Any, kind: Any, items: Any) -> Any:

@@ -13,7 +13,7 @@ from grazing.billiard.packed import impact_of, padded_contacts
 from grazing.billiard.rows import CIRCLES, GRAVITY, LENGTH, THINGS
 from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.primitives import inlined, numbers, numbers_at, replaced
-from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE
+from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE, STUCK
 
 NAN = float("nan")
 LOST = (NAN,) * 16
@@ -55,7 +55,7 @@ def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
     found = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
     new, t, letter, flags = arrived(found, clock, table)
     J = NOTHING if flags & ESCAPED else LOST
-    if with_tangent and not flags & (FATAL | ESCAPED | GRAZE | AMBIGUOUS):
+    if with_tangent and not flags & (FATAL | ESCAPED | GRAZE | AMBIGUOUS | STUCK):
         _where, before, _after, speeds = found
         if speeds[0] < 0.0 and new[2] > 0.0:
             J = slopes(angle, speed, frame, t, before, speeds, slope_of(letter, speeds[0], table), table[GRAVITY])
@@ -65,7 +65,7 @@ def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
 @inlined
 def arrived(found: Any, clock: float, table: Any) -> Any:
     """Return (state, t, letter, outcome) after a flight from the time ``clock`` on and the impact that ends it."""
-    (surface, owner, t, flags), _before, after, speeds = found
+    (surface, owner, t, flags, _on), _before, after, speeds = found
     if flags & FATAL:
         return (NAN, NAN, NAN), NAN, 0, flags
     if flags & ESCAPED:

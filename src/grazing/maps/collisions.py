@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.flown import COLUMNS, FLAGS, NEXT, SURFACE, TIME, decided
+from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
@@ -39,7 +39,7 @@ from grazing.maps.hits import Names
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
-from grazing.outcome import ESCAPED, InputError, shown
+from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
 from grazing.parameter import Parameter
 
 Floats = NDArray[np.float64]
@@ -125,22 +125,31 @@ class OfTable(Origin):
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
-        clock = state[3] if self.table.period else 0.0
-        left = int(call(placer(), block, np.array(state), clock, start))
-        flight = decided(block, start, left, clock) if left >= 0 else None
-        if flight is None:
+        clock, flags, going = state[3] if self.table.period else 0.0, OK, True
+        left = float(call(placer(), block, np.array(state), clock, start))
+        if left < 0.0:
             return None
-        flags, owner = int(flight[FLAGS]), int(flight[FLOWN_OWNER])
+        now = np.array([clock, left, *start])
+        while going:
+            (flight,), going = followed(block, now, INFINITY, 1)
+            flags |= int(flight[FLAGS])
+            if not np.isnan(flight[BEFORE]):
+                break
+        owner, surface = int(flight[FLOWN_OWNER]), int(flight[SURFACE])
+        if flags & FATAL:
+            return None
         if flags & ESCAPED:
             away, way = gone(owner, block)
             return Settled((*away, 0.0) if self.table.period else away, way, flags, INFINITY, INFINITY)
-        surface, t, (x, y, vx, vy) = int(flight[SURFACE]), float(flight[TIME]), flight[NEXT:COLUMNS].tolist()
-        _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, t, clock, block)
+        if not going:
+            return None
+        t, (x, y, vx, vy) = float(now[0]), flight[NEXT:PATH].tolist()
+        _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, 0.0, t, block)
         away, along = vx * nx + vy * ny, vy * nx - vx * ny
         new: tuple[float, ...]
-        new = float(place_at(surface, x, y, t, clock, block)), atan2(along, away), hypot(along, away)
+        new = float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)
         if self.table.period:
-            new = *new, (clock + t) % self.table.period
+            new = *new, t % self.table.period
         return Settled(new, owner, flags, INFINITY, INFINITY)
 
 

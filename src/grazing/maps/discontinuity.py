@@ -289,11 +289,12 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     p = parameters(params)
     c = constants_of(model.harmonics, section_phase)(p)
     y = u - model.sigma
+    if not v < 0.0:
+        raise OutsideForm(f"no impact follows from (u, v) = ({u:g}, {v:g}): v = {v:g} must be negative")
     x, delta, A, root, V2, U3, V3 = zero_time_of(lambda speed, _p: model.reset(speed))(y, v, c)
-    if not (v < 0.0 and x >= 0.0):
+    if not x >= 0.0:
         raise OutsideForm(
-            f"no impact follows from (u, v) = ({u:g}, {v:g}): v = {v:g} must be negative and "
-            f"v^2 - 2A(u - sigma) = {x:g} must not"
+            f"no impact follows from (u, v) = ({u:g}, {v:g}): v^2 - 2A(u - sigma) = {x:g} must not be negative"
         )
     rows = [(y, v), (0.0, -root), (0.0, V2), (U3, V3)]
     return ZeroTime(np.array(rows) + np.array([model.sigma, 0.0]), delta, A, x)

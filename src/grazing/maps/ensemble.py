@@ -89,7 +89,7 @@ def above_wall(harmonics: int) -> Setting:
 
     def fill(t: Any, s: Any, x: Any, c: Any, blocks: int) -> bool:
         t[LAW] = c.p.row
-        return blocks != 0 and fill_table(t, x, c, c.p.ratio)
+        return blocks != 0 and fill_table(t, x, c, c.p.ratio, 0.0, 0.0)
 
     prepare, period = constants_of(harmonics, section_phase), period_of(*POINTED, False)
     return Setting(1, flight_kind(harmonics), prepare, period, fill, impacts_of(harmonics))

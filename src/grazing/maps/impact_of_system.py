@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import lru_cache, partial
 from typing import Any
 
@@ -14,13 +15,14 @@ from grazing.maps.derivative import Derived
 from grazing.maps.hits import LATER, Names, Struck
 from grazing.maps.map import Map, ending
 from grazing.maps.of_system import INFINITY, NAN, OfSystem, kind_of, widths_after
+from grazing.maps.origin import Origin
 from grazing.maps.returning import MAX_PERIODS
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, NO_IMPACT, OK, InputError
 from grazing.parameter import Parameter
 from grazing.systems.contact import Asked, asked_of
 from grazing.systems.contract import System
-from grazing.systems.march import WHICHEVER
+from grazing.systems.march import RISING, WHICHEVER
 from grazing.systems.pointed import Place, pointed_of
 from grazing.systems.saltation import derivative_of, flow_of, moment_of, product_of, saltation_of
 from grazing.systems.trajectory import flights_of
@@ -32,8 +34,10 @@ PHASE = Parameter("tau", r"\tau", "phase of the impact")
 
 
 @lru_cache(maxsize=256)
-def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool) -> Callable[..., Any]:
+def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool, origin: float) -> Callable[..., Any]:
     """Return ``fly(state, widths, p) -> (state, letter, outcome, J)``: to just after the next impact.
+
+    ``origin`` says what flights leave, :data:`grazing.systems.march.WHICHEVER` or :data:`grazing.systems.march.RISING`.
 
     ``timed`` says that the phase stands in front of the n numbers of a state, else flights begin at t = 0. Starting
     later by dtau is starting at -flow dtau in the flight's own time.
@@ -80,7 +84,7 @@ def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool) -> Callable
             tau, end, most = state[0] - T * (state[0] // T), T, MAX_PERIODS
         for i in range(n):
             x = replaced(x, i, state[first + i])
-        start, begin, left, strobes, outcome, A, J = x, tau, WHICHEVER, 0, OK, same, lost
+        start, begin, left, strobes, outcome, A, J = x, tau, origin, 0, OK, same, lost
         j, at, before, after = -1, tau, x, x
         while strobes <= most:
             j, at, flags, _broken, _rate, _away, before, after = contact(begin, x, end, left, p)
@@ -111,7 +115,7 @@ def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool) -> Callable
 @lru_cache(maxsize=256)
 def return_step_of(n: int, timed: bool, T: Any, *parts: Any) -> Callable[..., Any]:
     """Return the step of the map, as a formula of its own."""
-    fly, widths = return_of(asked_of(T, *parts), n, timed, False), (0.0,) * n
+    fly, widths = return_of(asked_of(T, *parts), n, timed, False, WHICHEVER), (0.0,) * n
 
     def step(state: Any, p: Any) -> Any:
         new, letter, outcome, _J = fly(state, widths, p)
@@ -124,7 +128,7 @@ def return_step_of(n: int, timed: bool, T: Any, *parts: Any) -> Callable[..., An
 @lru_cache(maxsize=256)
 def return_tangent_of(widths: tuple[float, ...], timed: bool, T: Any, *parts: Any) -> Callable[..., Any]:
     """Return the step of the map with its Jacobian, as a formula of its own."""
-    fly = return_of(asked_of(T, *parts), len(widths), timed, True)
+    fly = return_of(asked_of(T, *parts), len(widths), timed, True, WHICHEVER)
 
     def tangent(state: Any, p: Any) -> Any:
         return fly(state, widths, p)
@@ -134,10 +138,10 @@ def return_tangent_of(widths: tuple[float, ...], timed: bool, T: Any, *parts: An
 
 
 @lru_cache(maxsize=16)
-def pointed_return(n: int, timed: bool) -> tuple[Callable[..., Any], Callable[..., Any], type]:
+def pointed_return(n: int, timed: bool, origin: float) -> tuple[Callable[..., Any], Callable[..., Any], type]:
     """Return step and derivative of the map of whatever system lies at a place, and the kind of what they need."""
     asked, zero = pointed_of(n // 2), (0.0,) * n
-    alone, both = return_of(asked, n, timed, False), return_of(asked, n, timed, True)
+    alone, both = (return_of(asked, n, timed, slopes, origin) for slopes in (False, True))
     widths_of = widths_after(HEAD, n)
 
     def step(state: Any, c: Any) -> Any:
@@ -154,11 +158,11 @@ def pointed_return(n: int, timed: bool) -> tuple[Callable[..., Any], Callable[..
 class Returned(OfSystem):
     """The origin of the impact map of a system of one's own that does not depend on time."""
 
-    timed = False
+    timed, leaves = False, WHICHEVER
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the map, compiled once for all systems with as many positions."""
-        return self._derived(pointed_return(len(self.system.coordinates), self.timed), rows, arithmetic)
+        return self._derived(pointed_return(len(self.system.coordinates), self.timed, self.leaves), rows, arithmetic)
 
     def start_of(self, state: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         """Return the time at which a state stands, and the coordinates of the system."""
@@ -166,7 +170,14 @@ class Returned(OfSystem):
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface."""
-        self.system.refuse_inside(*self.start_of(state), params)
+        if self.leaves == WHICHEVER:
+            self.system.refuse_inside(*self.start_of(state), params)
+
+    def eased(self) -> Origin:
+        """Return the origin of the map that goes on smoothly from points on a surface to those just inside it."""
+        found = copy(self)
+        found.leaves = RISING
+        return found
 
     def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
         """Say what a function of the system did wrong in the step from a state."""
@@ -194,6 +205,12 @@ class TimedReturned(Returned):
         """Return the period at each row of parameters."""
         names = list(self.system.params)
         return np.array([self.system.period_at(dict(zip(names, row, strict=True))) for row in rows.tolist()])
+
+    def rounds(self, rows: Floats) -> Floats:
+        """Return after how much each coordinate comes round: the phase after a period."""
+        found = np.full((len(rows), 1 + len(self.system.box)), INFINITY)
+        found[:, 0] = self.periods(rows)
+        return found
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""

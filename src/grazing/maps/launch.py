@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import cos, sin
+from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,10 +15,13 @@ from grazing.billiard.packed import impact_of, padded_contacts
 from grazing.billiard.rows import CIRCLES, THINGS
 from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.compile import compiled
+from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import inlined, numbers, numbers_at
 from grazing.outcome import ESCAPED, FATAL, OK, TOO_MANY_IMPACTS
 
 NAN = float("nan")
+#: Angles beyond which the sines of kernels are not meant.
+FAR = 1e5
 #: Impacts of each ball in one call of the kernel, in which nothing stops it.
 ROUNDS = 10_000
 
@@ -37,14 +40,14 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
     """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
     left, t, outcome = -1.0, 0.0, OK
     for hits in range(most + 1):
-        (surface, owner, length, flags), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
+        (_surface, owner, length, flags, on), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
         outcome |= flags
         t += length
         if flags & FATAL:
             return -1, hits, t, outcome
         if flags & ESCAPED:
             return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
-        left, (x, y, vx, vy) = 1.0 * surface, after
+        left, (x, y, vx, vy) = on, after
     return -1, most, t, outcome | TOO_MANY_IMPACTS
 
 
@@ -62,7 +65,8 @@ def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     way = stays(angle, speed, table)
     if way >= 0:
         return (1.0 * way, 0.0), way, ESCAPED
-    way, _hits, _t, outcome = launch(x, y, speed * cos(angle), speed * sin(angle), most, table)
+    s, c = heading(angle)
+    way, _hits, _t, outcome = launch(x, y, speed * c, speed * s, most, table)
     if outcome & FATAL:
         return (NAN, NAN), 0, outcome
     return (1.0 * way, 0.0), way, outcome
@@ -90,6 +94,24 @@ def plain_tangent(state: Any, c: Any) -> Any:
     return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
 
 
+def heading(angle: float) -> tuple[float, float]:
+    """Return sine and cosine of an angle, with the bits of a browser; beyond 1e5 whole turns are taken off first."""
+    return sincos(angle if abs(angle) < FAR else angle % (2.0 * pi))
+
+
+def fan(
+    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
+    outcomes: Any,
+) -> None:  # fmt: skip
+    """Launch a ball at all angles and speeds of two lists."""
+    table = numbers(block)
+    for i in range(len(angles)):
+        s, c = heading(angles[i])
+        for j in range(len(speeds)):
+            vx, vy = speeds[j] * c, speeds[j] * s
+            ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
+
+
 class Found(NamedTuple):
     """Where a kernel writes what :func:`launch` returns, launch by launch."""
 
@@ -102,17 +124,18 @@ class Found(NamedTuple):
 @inlined
 def begun(w: Any, i: int, number: int, x: float, y: float, angle: float, speed: float) -> None:
     """Put a launch into a workspace."""
-    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = x, y, speed * cos(angle), speed * sin(angle)
+    s, c = heading(angle)
+    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = x, y, speed * c, speed * s
     w[W.CLOCK + i], w[W.LEFT + i], w[W.NUMBER + i], w[W.HITS + i], w[W.OUTCOME + i] = 0.0, -1.0, 1.0 * number, 0.0, 0.0
 
 
 @inlined
 def ended(w: Any, i: int, most: int, table: Any, found: Found) -> bool:
     """Take a ball over its next impact; write down what becomes of it, if that is the end."""
-    (surface, owner, length, flags), _before, after, _speeds = impact_of(w, i, table)
+    (_surface, owner, length, flags, on), _before, after, _speeds = impact_of(w, i, table)
     at, hits, t = int(w[W.NUMBER + i]), int(w[W.HITS + i]), w[W.CLOCK + i] + length
     outcome = int(w[W.OUTCOME + i]) | flags
-    w[W.CLOCK + i], w[W.LEFT + i], w[W.HITS + i], w[W.OUTCOME + i] = t, 1.0 * surface, hits + 1.0, 1.0 * outcome
+    w[W.CLOCK + i], w[W.LEFT + i], w[W.HITS + i], w[W.OUTCOME + i] = t, on, hits + 1.0, 1.0 * outcome
     w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = after
     if not flags & (FATAL | ESCAPED) and hits < most:
         return False

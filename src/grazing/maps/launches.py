@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import islice
-from math import cos, pi, sin
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.flown import FLAGS, OWNER, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FLAGS, OWNER, TIME, flights_of
 from grazing.billiard.objects import two_of
 from grazing.billiard.rows import CIRCLES
 from grazing.billiard.table import AWAY, Table
@@ -25,6 +25,7 @@ from grazing.maps.launch import (
     ROUNDS,
     Launch,
     all_launched,
+    heading,
     launched,
     launched_derived,
     launcher,
@@ -67,11 +68,13 @@ OWN = {
 
 def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: int) -> tuple[int, int, float, int]:
     """Return what :func:`launch` does, each flight that doubles cannot decide being decided exactly."""
-    flights = flights_of(table, (x, y, speed * cos(angle), speed * sin(angle)), 0.0, INFINITY, most + 1)
+    s, c = heading(angle)
+    flights = flights_of(table, (x, y, speed * c, speed * s), 0.0, INFINITY, most + 1)
     last, flags = flights[-1], int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     owner = int(last[OWNER])
     way = -1 if not flags & ESCAPED else (owner if owner >= 0 else len(table.objects))
-    return way, min(len(flights) - 1, most), float(flights[:, TIME].sum()), flags
+    hits = int((~np.isnan(flights[:, BEFORE])).sum())
+    return way, min(hits, most), float(flights[:, TIME].sum()), flags
 
 
 class OfLaunches(Origin):

@@ -456,7 +456,7 @@ class Map(ByValue):
         """Return the derivative of the step at parameter values ``rows`` (columns, parameters), ready to compile.
 
         That is the map's ``tangent``, compiled once for all reset laws or systems where there is one, else central
-        differences.
+        differences. Where a step is long, or one's own, kernels get no more of it than an address.
         """
         if self.origin.derivative is not None:
             given = self.origin.derivative(rows)
@@ -466,9 +466,8 @@ class Map(ByValue):
                 known = differences_of(self._full_step, self.dimension, units_of(self.box))
             flat = np.ascontiguousarray(rows)
             given = Derived(extended(known), self.prepare, self.packed()[0], flat, flat)
-        if self._linked:
-            who = f"the step of {self.name}"
-            return pointed_derivative(given.tangent, given.kind, self.dimension, given.rows, who)
+        if self._linked or given.prepare is not None:
+            return pointed_derivative(given, self.dimension, f"the step of {self.name}")
         return given
 
     def _start(self, state: ArrayLike) -> NDArray[np.float64]:
@@ -556,6 +555,12 @@ def swift(P: Map) -> Map:
     For states that are guesses, or lie at a cut that is bisected to rounding: there either decision is right.
     """
     return P if P.origin.settle is None else replace(P, origin=P.origin.unsettled())
+
+
+def eased(P: Map) -> Map:
+    """Return the map with images beside its orbits too, where no orbit may begin: for Newton's method."""
+    origin = P.origin.eased()
+    return P if origin is P.origin else replace(P, origin=origin)
 
 
 def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:

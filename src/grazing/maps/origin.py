@@ -47,6 +47,9 @@ class Origin(ByValue):
         from the first states to the last ones (columns, dim, n), ``letters`` (columns, n) being their sum.
     boxes : callable, optional
         ``boxes(rows)``: the box at each row of parameters, shape (columns, dim, 2), where it moves with them.
+    rounds : callable, optional
+        ``rounds(rows)``: after how much each coordinate comes round, as a phase does after a period, shape
+        (columns, dim); infinite for those that do not.
     orbits : callable, optional
         ``orbits(word, params)``: all periodic orbits of a word, admissible and virtual, solved by algebra.
     exact : bool
@@ -75,6 +78,7 @@ class Origin(ByValue):
     explain: Explain | None = None
     clock: Callable[..., Floats] | None = None
     boxes: Callable[[Floats], Floats] | None = None
+    rounds: Callable[[Floats], Floats] | None = None
     orbits: Callable[[str, Mapping[str, float]], Sequence[WordOrbit]] | None = None
     exact: bool = True
     sized: ClassVar[bool] = False
@@ -114,6 +118,10 @@ class Origin(ByValue):
         found = copy(self)
         found.settle = None
         return found
+
+    def eased(self) -> Origin:
+        """Return the origin of the map that has images beside its orbits too, where no orbit may begin."""
+        return self
 
     @property
     def followers(self) -> tuple[str, ...]:

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.compile import address
+from grazing.kernel.compile import address, call, compiled
 from grazing.kernel.lanes import advancer, runner_at, unpacker
-from grazing.kernel.primitives import derived_at, replaced
+from grazing.kernel.primitives import behind, derived_at, found_at, numbers, replaced, room_of, written
 from grazing.maps.derivative import Derived
 
 Floats = NDArray[np.float64]
@@ -59,15 +59,22 @@ def pointed_tangent(dimension: int) -> Callable[..., Any]:
 
 
 @lru_cache(maxsize=256)
-def tangent_address(tangent: Callable[..., Any], kind: type, dimension: int, who: str) -> float:
+def tangent_address(
+    tangent: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int, who: str
+) -> float:
     """Compile the derivative of a step, in strict arithmetic; return where its code lies."""
-    unpack, zero = unpacker(kind), (0.0,) * dimension
+    unpack, zero, fields = unpacker(kind), (0.0,) * dimension, len(kind._fields)  # type: ignore[attr-defined]
+
+    def prepared(row: Any) -> Any:
+        return found_at(behind(row, fields), prepare, unpack(row))  # type: ignore[arg-type]
+
+    constants = unpack if prepare is None else prepared
 
     def derive(before: Any, row: Any, found: Any, said: Any) -> None:
         state = zero
         for i in range(dimension):
             state = replaced(state, i, before[i])
-        new, letter, outcome, J = tangent(state, unpack(row))
+        new, letter, outcome, J = tangent(state, constants(row))
         for i in range(dimension):
             found[i] = new[i]
         for i in range(len(J)):
@@ -77,22 +84,50 @@ def tangent_address(tangent: Callable[..., Any], kind: type, dimension: int, who
     return address(derive, "derivative", "strict", who)
 
 
-def pointed_derivative(tangent: Callable[..., Any], kind: type, dimension: int, rows: Floats, who: str) -> Derived:
-    """Return the derivative of a step at rows of parameters, for kernels that know no more of it than its address.
+@lru_cache(maxsize=256)
+def preparer(prepare: Callable[..., Any], kind: type) -> Callable[..., int]:
+    """Compile ``run(table, kept) -> room``: write behind the parameters of each row what a step gets of them, prepared.
+
+    ``room`` is how many numbers it takes; unless ``kept`` nothing is written.
+    """
+    unpack, fields = unpacker(kind), len(kind._fields)  # type: ignore[attr-defined]
+
+    def run(table: Any, kept: bool) -> int:
+        room = 0
+        for q in range(table.shape[0]):
+            c = prepare(unpack(table[q]))
+            room = room_of(c)
+            if kept:
+                written(behind(numbers(table), q * table.shape[1] + fields), c)
+        return room
+
+    return compiled(run)
+
+
+def prepared_rows(prepare: Callable[..., Any], kind: type, rows: Floats, who: str) -> Floats:
+    """Return rows of parameters with what a step gets of them behind: prepared once for all steps."""
+    run, fields = preparer(prepare, kind), rows.shape[1]
+    table = np.empty((len(rows), fields + call(run, rows[:1], False, who=who)))
+    table[:, :fields] = rows
+    call(run, table, True, who=who)
+    return table
+
+
+def pointed_derivative(given: Derived, dimension: int, who: str) -> Derived:
+    """Return the derivative of a step for kernels that know no more of it than its address.
 
     Parameters
     ----------
-    tangent : callable
-        ``tangent(state, p) -> (state, letter, outcome, J)``, J as :class:`grazing.maps.derivative.Derived` says.
-    kind : type
-        The named tuple of the parameters p.
+    given : Derived
+        As it would be compiled into them; ``rows`` in one piece.
     dimension : int
-    rows : ndarray, shape (columns, parameters)
-        In one piece; must live as long as the result is used.
     who : str
         Who is to blame if it does not compile.
     """
-    code = tangent_address(tangent, kind, dimension, who)
+    tangent, prepare, kind, rows, source, *_loops = given
+    code = tangent_address(tangent, prepare, kind, dimension, who)
+    if prepare is not None:
+        rows = prepared_rows(prepare, kind, rows, who)
     where = rows.ctypes.data + rows.strides[0] * np.arange(len(rows), dtype=np.float64)
     places = np.column_stack([np.full(len(rows), code), where])
-    return Derived(pointed_tangent(dimension), None, Place, np.ascontiguousarray(places), rows)
+    return Derived(pointed_tangent(dimension), None, Place, np.ascontiguousarray(places), (rows, source))

@@ -277,7 +277,7 @@ def _range(value: Any, which: str) -> Range:
     wanted = f"{which} is {shown(value)}; give (name, low, high), such as ('d', 0.05, 0.16), or (name, values)"
     try:
         name, *rest = value
-    except TypeError:
+    except (TypeError, ValueError):  # nothing is in it
         raise InputError(wanted) from None
     if isinstance(value, str) or not isinstance(name, str) or len(rest) not in (1, 2):
         raise InputError(wanted)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -41,13 +42,15 @@ class Ending(NamedTuple):
     """What a path meets where its equations end.
 
     The type, empty if nothing is known; which point; by how much the scaled parameter may be off; and the equations
-    that hold beyond, with a point next to their solution, if the map is smooth there.
+    that hold beyond, with a point next to their solution, if the map is smooth there. ``turned`` is what unknowns lose
+    there that come round, as phases do.
     """
 
     type: str
     where: int
     error: float
     beyond: tuple[Equations, Floats, Floats] | None = None
+    turned: float | Floats = 0.0
 
 
 class Equations(ABC):
@@ -132,12 +135,11 @@ class Equations(ABC):
         The last by differences of fourth order; one-sided at the end of a range.
         """
         h = 1e-3 * np.minimum(self.spans, np.maximum(np.abs(p), 1e-3 * self.spans))
-        shifts = np.diag(h)
-        F, J = self.evaluated(*beside(x, p, np.concatenate([0.0 * shifts[:1], *(one * shifts for one in AROUND)])))
+        F, J = self.evaluated(*beside(x, p, around(len(h)) * h))
         forward, back, ahead, behind = F[1:].reshape(len(AROUND), len(h), -1)
         columns = (8.0 * (forward - back) - (ahead - behind)) / (12.0 * h[:, None])
         for j in np.flatnonzero(~np.isfinite(columns).all(axis=1)):
-            columns[j] = self._one_sided(x, p, shifts[j], float(h[j]))
+            columns[j] = self._one_sided(x, p, np.eye(len(h))[j] * h, float(h[j]))
         return F[0], J[0], columns.T
 
     def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:
@@ -148,6 +150,12 @@ class Equations(ABC):
                 found = -25.0 * F[0] + 48.0 * F[1] - 36.0 * F[2] + 16.0 * F[3] - 3.0 * F[4]
                 return np.asarray(side * found / (12.0 * h))
         return np.full(len(x), np.nan)
+
+
+@lru_cache(maxsize=16)
+def around(names: int) -> Floats:
+    """Return where each parameter is moved to by itself, in its own distance: nowhere, then :data:`AROUND`."""
+    return np.concatenate([np.zeros((1, names)), *(one * np.eye(names) for one in AROUND)])
 
 
 def beside(x: Floats, p: Floats, shifts: Floats) -> tuple[Floats, Floats]:

@@ -57,6 +57,7 @@ class FlightEquations(Equations):
         self._places = [[list(params).index(one) for one in named_by(name, params)] for name in names]
         self._base = np.array(list(params.values()))
         self._kept: dict[tuple[int, bytes], Prepared] = {}
+        self._held: tuple[bytes, Model] | None = None
 
     @property
     def own(self) -> Floats:
@@ -94,7 +95,10 @@ class FlightEquations(Equations):
 
     def model_at(self, p: Floats) -> Model:
         """Return the model with these values of the parameters that vary."""
-        return self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+        key = p.tobytes()
+        if self._held is None or self._held[0] != key:
+            self._held = key, self.model.replace(**dict(zip(self.names, map(float, p), strict=True)))
+        return self._held[1]
 
     def period_at(self, p: Floats) -> float:
         """Return the period of the forcing, which changes with its frequency."""

@@ -83,7 +83,10 @@ class ImpactEquations(FlightEquations):
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
-        self._at = [[i for i, one in enumerate(self.walls) if one == wall] for wall in range(len(walls_of(model)))]
+        several = len(walls_of(model)) > 1
+        self._at: list[Any] = (
+            [np.flatnonzero(np.equal(self.walls, wall)) for wall in (0, 1)] if several else [slice(None)]
+        )
         sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
         self._force = self.own_frames.a.force or 1.0
@@ -97,8 +100,9 @@ class ImpactEquations(FlightEquations):
         """
         k = len(seen[0])
         laws = np.repeat(self._codes[None], k, axis=0)
-        for j, one in enumerate(seen):
-            laws[:, self._at[j], 2] += (one.ctypes.data + one.strides[0] * np.arange(k))[:, None]
+        for at, one in zip(self._at, seen, strict=True):
+            first = one.__array_interface__["data"][0]
+            laws[:, at, 2] += np.arange(first, first + k * one.strides[0], one.strides[0])[:, None]
         return laws
 
     @cached_property
@@ -145,19 +149,21 @@ class ImpactEquations(FlightEquations):
 
         All are in units of their size.
         """
-        return tuple(Test(type, float(values[0]), where) for type, where, values in self._tested(x[None], p[None]))
+        at = self.prepared(p[None])
+        found = self._tested(x[None], at, *self._profiles(x[None], at))
+        return tuple(Test(type, float(values[0]), where) for type, where, values in found)
 
     def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
         """Return a test function at several points."""
         if (x[:, self.n :] == 0.0).any():  # there a test of the force comes in between
             return super().heights(x, p, index, kind)
-        type, where, values = self._tested(x, p)[index]
+        at = self.prepared(p)
+        type, where, values = self._tested(x, at, *self._profiles(x, at))[index]
         return values if (type, where) == kind else np.full(len(x), np.nan)
 
-    def _tested(self, x: Floats, p: Floats) -> list[tuple[str, int, Floats]]:
-        """Return all test functions at several points, each with its type and what it is about."""
-        at = self.prepared(p)
-        table, (trace, det, scale) = (one.T for one in self._profiles(x, at))
+    def _tested(self, x: Floats, at: Prepared, tables: Floats, out: Floats) -> list[tuple[str, int, Floats]]:
+        """Return all test functions at several points with these profiles, each with its type and what it is about."""
+        table, (trace, det, scale) = tables.T, out.T
         sign = -1.0 if self.n % 2 else 1.0  # sign scale > 0 while all v < 0
         found = [
             ("pd", -1, sign * (scale + trace + det)),
@@ -202,12 +208,11 @@ class ImpactEquations(FlightEquations):
 
     def halved(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
-        n, T = self.n, self.period_at(p)
-        h = n // 2
-        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
-        if n % 2 or turns * self.N % 2 or self.pieces[:h] != self.pieces[h:]:
+        h = self.n // 2
+        if self.n % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
-        return self.uneven(x, T)
+        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
+        return None if turns * self.N % 2 else self.uneven(x, self.period_at(p))
 
     def mirrored(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same.
@@ -215,13 +220,13 @@ class ImpactEquations(FlightEquations):
         The image of an orbit is half a period T later, at the other wall each time. One that is its own image repeats
         itself so after N/2 periods, and as many impacts: N is odd.
         """
-        h, T = self.n // 2, self.period_at(p)
+        h = self.n // 2
         if self.n % 2 or self.N % 2 == 0 or [1 - wall for wall in self.walls[h:]] != self.walls[:h]:
             return None
         if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
             return None
         model = self.model_at(p)
-        return self.uneven(x, T) if isinstance(model, Walled) and model.symmetric else None
+        return self.uneven(x, self.period_at(p)) if isinstance(model, Walled) and model.symmetric else None
 
     def uneven(self, x: Floats, T: float) -> Floats:
         """Return by how much the second half of the impacts differs from the first one, scaled."""
@@ -241,9 +246,9 @@ class ImpactEquations(FlightEquations):
 
     def orbit(self, x: Floats, p: Floats) -> ImpactOrbit:
         """Return the orbit of a solution: admissible if the exact advance from each impact ends at the next one."""
-        n, N, c, model = self.n, self.N, self.frames(p), self.model_at(p)
-        T, profile = c.a.T, self.profile(x, p, contacts=True)
-        table = profile.table
+        n, N, c, model, at = self.n, self.N, self.frames(p), self.model_at(p), self.prepared(p[None])
+        tables, out = self._profiles(x[None], at, contacts=True)
+        T, table, (trace, det, scale) = c.a.T, tables[0], out[0].tolist()
         times, outgoing, incoming = x[:n] - T * floor(x[0] / T), x[n:], np.roll(table[:, ENDING], 1)
         late = np.abs(table[:, CONTACT] - np.diff(np.append(times, times[0] + N * T)))
         next_walls = np.roll(self.walls, -1)
@@ -251,18 +256,18 @@ class ImpactEquations(FlightEquations):
         with np.errstate(divide="ignore"):
             arrives = (table[:, ENDING] < 0.0) & (late <= 1e-9 * T + 1e-14 * size / np.abs(table[:, ENDING]))
         arrives &= table[:, STRUCK] == next_walls
-        tests = [test.value for test in self.tests(x, p) if test.type in ("law", "st")]
+        tests = [values[0] for type, _i, values in self._tested(x[None], at, tables, out) if type in ("law", "st")]
         flown = Flown(times, outgoing, self.walls, N)
         points, letters = strobed(flown, model, c, 0.0)
         J = monodromy(flown, incoming, np.roll(table[:, SLOPE], 1), c)
-        scale = profile.scale if profile.scale != 0.0 else np.nan
+        scale = scale if scale != 0.0 else np.nan
         P = stroboscopic_map(model)
         return ImpactOrbit(
             map=P,
             points=points,
             word=word(letters, P.letters),
             period=N,
-            multipliers=multipliers(profile.trace / scale, profile.det / scale),
+            multipliers=multipliers(trace / scale, det / scale),
             admissible=bool(arrives.all() and (outgoing >= 0.0).all() and all(value >= 0.0 for value in tests)),
             condition=condition_of(J),
             residual=float(np.abs(self.defects(x, p)[0]).max()),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.map import Map
+from grazing.maps.map import Map, eased
 from grazing.orbits.equations import Ending, Test
 from grazing.orbits.one_sided import EPS, Slope, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
@@ -85,18 +84,19 @@ class MapEquations(PointEquations):
     pieced = True
 
     def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
+        super().__init__()
         for name in names:
             if name not in P.params:
                 raise unknown(name, P.params, P.name or "the map")
         P.origin.refuse_made(names)
         self.P, self.names, self.letters, self.N = P, names, letters, len(letters)
+        self._eased = eased(P)
         self.spans = np.ones(len(names)) if spans is None else np.asarray(spans, np.float64)
         self.size = np.array([high - low for low, high in P.box])
         self.scale = np.tile(self.size, self.N)
         self._row = np.array(list(P.params.values()) or [0.0])
         self._places = [list(P.params).index(name) for name in names]
         self._held: tuple[bytes, Map] | None = None
-        self._found: dict[str, tuple[tuple[bytes, bytes], Any]] = {}
 
     def map_at(self, p: Floats) -> Map:
         """Return the map with these values of the parameters that vary."""
@@ -107,7 +107,7 @@ class MapEquations(PointEquations):
 
     def ran(self, rows: Floats, states: Floats) -> tuple[Floats, Ints]:
         """Return images (columns, dim, n) and letters (columns, n) of states at rows of all parameters."""
-        found = self.P.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
+        found = self._eased.run_columns(rows, states.copy(), 0, 1, arithmetic="strict", algorithm="scalar", threads=1)
         return found.points[:, 0], found.letters[:, 0]
 
     def rows(self, p: Floats) -> Floats:
@@ -116,18 +116,15 @@ class MapEquations(PointEquations):
         rows[:, self._places] = p
         return self.P.origin.complete(rows)
 
+    def rounds(self, p: Floats) -> Floats:
+        """Return after how much each unknown comes round, as a phase does; infinite for those that do not."""
+        known = self.P.origin.rounds
+        return np.full(len(self.scale), np.inf) if known is None else np.tile(known(self.rows(p[None]))[0], self.N)
+
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""
         images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))
         return images[0].T, tuple(letters[0].tolist())
-
-    def once(self, make: Callable[[Floats, Floats], Any], x: Floats, p: Floats) -> Any:
-        """Return what a method finds at x and p; defects, tests and slopes ask for the same one after the other."""
-        place = x.tobytes(), p.tobytes()
-        known = self._found.get(make.__name__)
-        if known is None or known[0] != place:
-            known = self._found[make.__name__] = place, make(x, p)
-        return known[1]
 
     def stepped(self, x: Floats, p: Floats) -> Stepped:
         """Return the images of all points, the derivatives there, taken on one piece of the map, and the letters."""
@@ -137,7 +134,7 @@ class MapEquations(PointEquations):
     def _stepped(self, x: Floats, p: Floats) -> Stepped:
         if self.P.tangent is not None:
             images, letters = self.visited(x, p)
-            P = self.map_at(p)
+            P = eased(self.map_at(p))
             J = np.array([P.jacobian(point) for point in x.reshape(self.N, -1)])
             return Stepped(images, J, 4.0 * EPS * np.abs(J), letters)
         images, J, error, seen = self._looked(x[None], p[None])

@@ -35,6 +35,8 @@ CUT = 3
 CLOSED = 1e-13
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
+#: Steps, taken or not, for each point of a path that is allowed, and the fewest of a path, after which it is given up.
+TRIES, FEWEST = 20, 2000
 #: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.
 SHORT = 0.999
 #: Where there is a solution beyond what seemed to be the end, the search goes on with steps so much longer.
@@ -285,10 +287,10 @@ def follow(
     path = Path(equations, [first])
     span = float(equations.spans[-1])
     low, high = bounds[0] / span, bounds[1] / span
-    h, here = min(FIRST, step), first
-    while len(path.points) < limit:
+    h, here, left = min(FIRST, step), first, max(TRIES * limit, FEWEST)
+    while len(path.points) < limit and left > 0:
         there, steps = advanced(equations, here, h)
-        met = None
+        met, left = None, left - 1
         if there is None:  # beyond the end of the range there may be no equations
             ahead = here.z + h * here.tangent
             if not low <= ahead[-1] <= high and here.z[-1] not in (low, high):
@@ -296,7 +298,7 @@ def follow(
                 there = at_value(equations, here, end, min(max(float(ahead[-1]), low), high))
                 there = there if there is not None and np.linalg.norm(there.z - here.z) <= 2.0 * h else None
         if equations.pieced and over(equations, here, there, h):
-            there, met = last(equations, here, h)
+            there, met, left = last(equations, here, h, left)
             h, steps = min(h, FIRST), STEPS
             if met is None and there is here:
                 path.ended = "lost"
@@ -339,7 +341,7 @@ def follow(
                 return path
         path.points.append(there)
         if met is None and leaves and equations.pieced:  # a piece may end just there
-            met = last(equations, there, NARROW)[1]
+            met = last(equations, there, NARROW, left)[1]
         if met is not None:
             return ended(path, path.points[-1], met)
         if broken or leaves:
@@ -376,15 +378,17 @@ def strays(equations: Equations, a: Point, b: Point) -> bool:
     return not equations.holds(z[:, :n] * equations.scale, z[:, n:] * equations.spans, ASTRAY * length).all()
 
 
-def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Ending, float] | None]:
+def last(equations: Equations, here: Point, h: float, tries: int) -> tuple[Point, tuple[Ending, float] | None, int]:
     """Return the last point on a piece of a map that a step reaches, found by halving, and what ends it and how near.
 
-    None in place of the end if the path goes on beyond the step after all, or nothing is found that ends it.
+    None in place of the end if the path goes on beyond the step after all, or nothing is found that ends it in so many
+    tries. The third result are those that are left.
     """
     finest = max(FINEST, EPS * float(np.abs(here.z).max()))
     most, gone, taken = 2.0 * h, 0.0, 1
     while gone <= most:
-        while h >= finest and gone <= most:
+        while h >= finest and gone <= most and tries > 0:
+            tries -= 1
             edge = straight(equations, here, h) if taken else h
             length = SHORT * edge if edge < h else 0.5 * h
             there, _steps = advanced(equations, here, length)
@@ -393,17 +397,19 @@ def last(equations: Equations, here: Point, h: float) -> tuple[Point, tuple[Endi
             else:
                 gone, here, taken = gone + length, there, taken + 1
                 h = 2.0 * (1.0 - SHORT) * edge if edge < h else (h if taken < 3 else FARTHER * h)
+        if tries <= 0:
+            return here, None, 0
         gap = 16.0 * finest
         there, _steps = advanced(equations, here, gap)
         if there is None:
             break
         here, gone, h, taken = there, gone + gap, FARTHER * gap, 1
     else:
-        return here, None
+        return here, None, tries
     n = len(equations.scale)
     direction = here.tangent[:n] * equations.scale, here.tangent[n:] * equations.spans
     found = equations.ending(*unscaled(equations, here.z), *direction, gap)
-    return here, None if not found.type and found.beyond is None else (found, gap)
+    return here, None if not found.type and found.beyond is None else (found, gap), tries
 
 
 def straight(equations: Equations, here: Point, h: float) -> float:
@@ -427,6 +433,8 @@ def ended(path: Path, point: Point, end: tuple[Ending, float]) -> Path:
     equations, path.ended = path.equations, found.type
     if found.beyond is not None:
         new, x, p = found.beyond
+        old, q = unscaled(equations, point.z)
+        point = point._replace(z=np.concatenate([(old - found.turned) / new.scale, q / new.spans]))
         z = np.concatenate([x / new.scale, p / new.spans])
         beyond = point_at(new, z, point.tangent)
         if beyond is not None and np.linalg.norm(beyond.z - point.z) < SHORTEST:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from grazing.orbits.equations import Ending
 from grazing.orbits.one_sided import EPS
+from grazing.orbits.path import corrected, unscaled
 
 if TYPE_CHECKING:
     from grazing.orbits.map_equations import MapEquations, Stepped
@@ -28,6 +29,11 @@ POWER = 0.9
 JUMP, TURN = 1e-12, 1e-6
 #: How far beyond the last solution, in units of the last step, a jump is looked for.
 APART = 64.0
+#: Times as far back as before a point of the path is looked at beside its last one; how far back at most, for no smooth
+#: map is steeper there by as much; and by how much a derivative has then grown that is told from rounding.
+FURTHER, FARTHEST, GROWN = 4.0, 1e-6, 1.1
+#: Part of a direction over which it is told how a period changes along it.
+SLIGHT = 1e-7
 #: Distances beyond the end at which the orbit is looked for with its new letters, in scaled unknowns.
 BEYOND = 4.0 ** np.arange(-24.0, -10.0)
 
@@ -43,10 +49,11 @@ def ending(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats
     steep = steep_at(equations, x, p)
     error = unsure(equations, x, p, dx, dp, touched)
     if steep >= 0:
+        error = max(error, LATE * left_over(equations, x, p, dx, dp, gap))
         return Ending("gr", steep, error if touched else max(error, UNKNOWN))
     beyond = smooth_beyond(equations, x, p, dx, dp, gap)
     if beyond is not None:
-        return Ending("", -1, error, beyond)
+        return Ending("", -1, error, *beyond)
     if touched:
         return Ending("bcb", touched[0][0], error)
     return Ending("ep" if torn(equations, x, p, dx, dp, gap) else "", -1, error + APART * gap)
@@ -139,34 +146,70 @@ def unsure(
     return float(min(found) + EPS * np.abs(p[-1]) / equations.spans[-1])
 
 
+def left_over(equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> float:
+    """Return how far off an impact of no speed is, in the scaled parameter; 0 where derivatives do not grow.
+
+    They grow as one over the distance, and rounding hides such an impact long before its speed is 0. The distance
+    follows from derivatives here and farther back.
+    """
+    grown = steepness(equations, x, p)
+    here, way = (np.concatenate([a / equations.scale, b / equations.spans]) for a, b in ((x, p), (dx, dp)))
+    back, most = FURTHER * gap, 0.0
+    while back < FARTHEST:
+        found = corrected(equations, here - back * way, way)
+        if found is not None:
+            times = grown / steepness(equations, *unscaled(equations, found[0]))
+            if times > GROWN:
+                most = max(most, abs(float(found[0][-1] - here[-1])) / (times - 1.0))
+        back *= FURTHER
+    return most
+
+
+def steepness(equations: MapEquations, x: Floats, p: Floats) -> float:
+    """Return the largest derivative of the map at the points of an orbit, in units of the box."""
+    return float(np.abs(equations.stepped(x, p).J * equations.size / equations.size[:, None]).max())
+
+
 def smooth_beyond(
     equations: MapEquations, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float
-) -> tuple[MapEquations, Floats, Floats] | None:
-    """Return the equations and a point next to their solution beyond the end, if the map is smooth there."""
+) -> tuple[tuple[MapEquations, Floats, Floats], Floats] | None:
+    """Return the equations and a point next to their solution beyond the end, if the map is smooth there.
+
+    And what unknowns lose that come round just there: the map jumps by as much, and is smooth all the same. Nearest to
+    the end rounding mixes letters of both sides; beyond it they stay.
+    """
+    letters = equations.letters
     for t in BEYOND[np.flatnonzero(BEYOND >= gap)]:
         y, q = x + t * dx, p + t * dp
         if not equations.in_range(q):
             return None
-        letters = equations.visited(y, q)[1]
-        if letters != equations.letters:
+        around = equations.rounds(q)
+        times = np.floor(y / around)
+        around[times == 0.0] = 0.0
+        turned = times * around
+        nearer, letters = letters, equations.visited(y - turned, q)[1]
+        if letters == nearer != equations.letters:
             break
     else:
         return None
     new = equations.like(letters)
     before, here, _l = equations.along(x, p, dx, dp)
-    after, there, _l = new.along(y, q, dx, dp)
+    slow, fast = (np.where(times == 0.0, 0.0, equations.rounds(p + s * dp)) for s in (0.0, SLIGHT))
+    longer = times * (fast - slow) / SLIGHT
+    after, there, _l = new.along(y - turned, q, dx - longer, dp)
+    missing, slower = (np.roll(one.reshape(new.N, -1), -1, axis=0) for one in (turned, longer))
     k = len(here) // 2
     size = equations.size
     with np.errstate(invalid="ignore"):
-        low, high = before.below / size, after.above / size
-        off = np.abs(there[k] - here[k] - t * before.below) / size
+        low, high = before.below / size, (after.above + slower) / size
+        off = np.abs(there[k] + missing - here[k] - t * before.below) / size
         loud = np.abs(here[k]) / size + np.abs(x.reshape(new.N, -1)) / size * (1.0 + np.abs(low))
         turn = np.abs(high - low)
         most = 1.0 + np.maximum(np.abs(low), np.abs(high))
         smooth = (off <= JUMP + 64.0 * EPS * loud).all() and (turn <= TURN * most).all()
         # along the border the slopes are one, whatever they are across it
-        smooth = smooth and not kinked(equations.stepped(x, p), new.stepped(y, q))
-    return (new, y, q) if smooth else None
+        smooth = smooth and not kinked(equations.stepped(x, p), new.stepped(y - turned, q))
+    return ((new, y - turned, q), turned) if smooth else None
 
 
 def kinked(before: Stepped, after: Stepped) -> bool:

@@ -6,7 +6,6 @@ its distance from the border has that root as an unknown of its own, of either s
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -119,6 +118,7 @@ class PieceEquations(PointEquations):
     pieced = True
 
     def __init__(self, P: Map, names: tuple[str, ...], letters: tuple[int, ...], spans: Any = None) -> None:
+        super().__init__()
         assert P.formulas is not None
         plain = MapEquations(P, names, letters, spans)  # refuses names that it does not have
         self.P, self.names, self.letters, self.N, self.spans = P, names, letters, len(letters), plain.spans
@@ -143,7 +143,6 @@ class PieceEquations(PointEquations):
             [(i, 1.0) for i in range(min(k, m))] + [(i, -1.0) for i in range(k, min(k + 1, m))] for k in letters
         ]
         self._apart = distances(2.0, 2.0)[:, None]
-        self._found: dict[str, tuple[tuple[bytes, bytes], Any]] = {}
 
     def parted(self, x: Floats) -> tuple[Floats, Floats]:
         """Return points (..., N, dim) and roots (..., N) of unknowns; a piece that gets no root has 0."""
@@ -185,14 +184,6 @@ class PieceEquations(PointEquations):
         if self.some:
             F[:, self.at_roots] = (self.side * borders[..., 0] - roots**2)[:, self.rooted]
         return F
-
-    def once(self, make: Callable[[Floats, Floats], Any], x: Floats, p: Floats) -> Any:
-        """Return what a method finds at x and p; defects, tests and slopes ask for the same one after the other."""
-        place = x.tobytes(), p.tobytes()
-        known = self._found.get(make.__name__)
-        if known is None or known[0] != place:
-            known = self._found[make.__name__] = place, make(x, p)
-        return known[1]
 
     def looked(self, x: Floats, p: Floats) -> Looked:
         """Return images, borders, and their derivatives in coordinates and root."""

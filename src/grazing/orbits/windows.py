@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from grazing.memory import refuse_too_large
-from grazing.orbits.closure import TESTS
+from grazing.orbits.closure import TESTS, TWO_PI
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
@@ -44,6 +44,8 @@ CLOSE = 1e-10
 #: Bytes of a cell of the first grid: the columns of a few phases, found and followed.
 ROW = 2000
 LAST_TEST = FIRST_TEST + len(TESTS)
+#: A window: N, its edges, the piece of the law, the phases of its orbit's first impact at the edges.
+Row = tuple[int, Edge, Edge, str, tuple[float, float]]
 
 
 def windows(
@@ -85,8 +87,10 @@ def windows(
         ``high_type``, one of gr pd lp ns v0 law st end (in words: attribute ``meaning``); ``low_dip`` and
         ``high_dip``, for gr the dip that touches the wall, 1 the last before the impact, else 0; ``low_status`` and
         ``high_status``: *zero* (of a test function, bracketed to the last bits), *bracket* (the curve could be
-        followed no further), *span*; ``piece`` of the reset law: whole, fired, passive. Between walls also ``word``,
-        ``low_wall`` and ``high_wall``, the wall of a graze, and ``symmetric``; an edge may be *bp*: symmetry breaks.
+        followed no further), *span*; ``low_phase`` and ``high_phase``, of the forcing at the impact there, omega (t +
+        t0) in [0, 2 pi): they tell orbits apart that end at one value; ``piece`` of the reset law: whole, fired,
+        passive. Between walls also ``word``, at whose first letter the phases are, ``low_wall`` and ``high_wall``, the
+        wall of a graze, and ``symmetric``; an edge may be *bp*: symmetry breaks.
 
     Raises
     ------
@@ -137,14 +141,21 @@ def windows(
     cells = whole(2000 if samples is None else samples, "samples", 2)
     refuse_too_large(ROW * cells, f"reduce samples ({cells})", "the first grid")
     values = np.linspace(low, high, cells + 1)
-    found: list[tuple[int, Edge, Edge, str]] = []
+    found: list[Row] = []
     periods = checked_periods(N)
     for n in periods:
         for family in families(model, n, name):
             for curve in curves(family, values):
-                found += [(n, *window, PIECES[family.law]) for window in stable_intervals(curve)]
+                for low_end, high_end in stable_intervals(curve):
+                    phases = phase_of(curve, low_end), phase_of(curve, high_end)
+                    found.append((n, low_end, high_end, PIECES[family.law], phases))
     found.sort(key=lambda window: (window[0], window[1].value, window[2].value))
     return _dataset(model, name, periods, (low, high), cells, found)
+
+
+def phase_of(curve: Curve, edge: Edge) -> float:
+    """Return the phase of the impact at an edge, in [0, 2 pi); at a fold that of the nearest orbit found."""
+    return float(curve.at(edge.value)[PHASE]) % TWO_PI
 
 
 def _between_walls(model: Walled, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
@@ -155,7 +166,7 @@ def _between_walls(model: Walled, name: str, N: Any, span: Any, samples: int | N
     orders = checked_words(model, words)
     values = whole(VALUES if samples is None else samples, "samples", 2)
     found = word_windows(model, name, periods, orders, bounds, values)
-    rows = [(one.N, one.low, one.high, piece_words(one, model)) for one in found]
+    rows = [(one.N, one.low, one.high, piece_words(one, model), one.phases) for one in found]
     table = _dataset(model, name, periods, bounds, values, rows)
     texts = {"word": [one.word for one in found]}
     texts |= {f"{side}_wall": [one.walls[end] for one in found] for end, side in enumerate(("low", "high"))}
@@ -337,7 +348,7 @@ def _dataset(
     periods: list[int],
     span: tuple[float, float],
     samples: int,
-    found: list[tuple[int, Edge, Edge, str]],
+    found: list[Row],
 ) -> xr.Dataset:
     """Return the windows as a labelled table."""
     about = model.describe(name).attributes
@@ -355,6 +366,9 @@ def _dataset(
             f"{end}_type": column([e.type for e in edges], "<U4", f"type of the {end} edge", meaning=words),
             f"{end}_dip": column([e.dip for e in edges], np.int64, dip, units="1"),
             f"{end}_status": column([e.status for e in edges], "<U8", f"how the {end} edge was found"),
+            f"{end}_phase": column(
+                [w[4][side - 1] for w in found], np.float64, f"phase of the impact at the {end} edge", units="rad"
+            ),
         }
     columns["piece"] = column([w[3] for w in found], "<U8", "piece of the reset law")
     attributes = {

@@ -45,13 +45,14 @@ SAME = 1e-6
 
 
 class WordWindow(NamedTuple):
-    """A window of an orbit: its periods, its walls in order, its two ends with the walls that are grazed there."""
+    """A window of an orbit: its periods, its walls in order, its two ends, the walls grazed and its phases there."""
 
     N: int
     word: str
     low: Edge
     high: Edge
     walls: tuple[str, str]
+    phases: tuple[float, float]
     symmetric: bool
     orbit: ImpactOrbit
 
@@ -160,7 +161,17 @@ def windows_on(branch: Branch, names: str) -> Iterator[WordWindow]:
             orbit = one.inner
             if isinstance(orbit, ImpactOrbit) and one.low < one.high:
                 (low, left), (high, right) = (_edge(branch, number, piece, i) for i in one.at)
-                yield WordWindow(one.period, word, low, high, (left, right), orbit.symmetric, orbit)
+                phases = _phase(piece, one.at[0]), _phase(piece, one.at[1])
+                yield WordWindow(one.period, word, low, high, (left, right), phases, orbit.symmetric, orbit)
+
+
+def _phase(piece: Piece, index: int) -> float:
+    """Return the phase of the forcing at the impact that begins the word, at an orbit of a piece."""
+    orbit = piece.orbits[index]
+    assert isinstance(orbit, ImpactOrbit) and isinstance(piece.equations, ImpactEquations)
+    walls, model = tuple(piece.equations.walls), orbit.model
+    first = next(i for i in range(len(walls)) if walls[i:] + walls[:i] == least_rotation(walls))
+    return float(model.params["omega"] * (orbit.times[first] + model.params["t0"]) % (2.0 * np.pi))
 
 
 def _event(piece: Piece, index: int) -> str:

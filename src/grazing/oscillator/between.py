@@ -14,7 +14,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from grazing.kernel.primitives import behind, called_for_all, inlined
+from grazing.kernel.primitives import behind, called_for_all, inlined, unit
 from grazing.kernel.rows import passing
 from grazing.oscillator.block import dip, hand_back, is_chord, kick, look_up, placed, set_apart, solve_of
 from grazing.oscillator.cells import (
@@ -313,7 +313,7 @@ def impacts_between_of(harmonics: int) -> Callable[..., int]:
         w[W.START + places], w[W.OFF_Y + places], w[W.OFF_V + places], w[W.BASE + places] = begun, off_y, off_v, base
         return False, places + 1
 
-    @inlined
+    @unit
     def impacts(
         w: Any, tables: Any, runs: Any, awake: int, columns: int, stride: int, strikes: Any, counted: bool
     ) -> int:  # fmt: skip

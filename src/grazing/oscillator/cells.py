@@ -19,6 +19,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, sincos
+from grazing.kernel.primitives import unit
 from grazing.oscillator.constants import FAR, OFFSET, Constants, natural_size, steady_position
 from grazing.oscillator.flight import duhamel, modes
 from grazing.oscillator.taylor import REACH
@@ -281,6 +282,7 @@ def fill_window(
     return cell + count, n, m, extent
 
 
+@unit
 def fill_table(t: Any, x: Any, c: Constants, ratio: float, off: float = 0.0, off_v: float = 0.0) -> bool:
     """Fill a table; False where the parameter value must be left to the scalar routine.
 

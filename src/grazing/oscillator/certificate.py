@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grazing.kernel.primitives import behind, inlined
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.kernel.rows import all_passed, carried, failing, first_bit, first_failed, passing
 from grazing.kernel.vectors import appended, spread
 from grazing.oscillator.cells import (
@@ -43,7 +43,7 @@ def onward(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int) -
         carried(w, q * stride, (q + 1) * stride, W.C1, W.C2, W.NEED, t, ONWARD, MARGIN, HIGH, UPRIGHT)
 
 
-@inlined
+@unit
 def certify(w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int, starts: int) -> None:
     """Ask the certificate about all orbits: FREE gets 1 where there is provably no impact in the period, else -1.
 

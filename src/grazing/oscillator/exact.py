@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from grazing.oscillator.exact_flight import Flight, Motion, Rule, next_impact, rounded, windows_of
+from grazing.oscillator.exact_contact import Rule
+from grazing.oscillator.exact_flight import Flight, Motion, next_impact, rounded, windows_of
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.sure import Beyond, Undecided, rational, sign
 from grazing.oscillator.walled import Walled

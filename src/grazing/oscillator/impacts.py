@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from grazing.kernel.primitives import behind, called_for_all, inlined
+from grazing.kernel.primitives import behind, called_for_all, unit
 from grazing.oscillator.block import dip, hand_back, hand_on, is_chord, kick, look_up, placed, set_apart, solve_of
 from grazing.oscillator.cells import GO_ON, NEEDY, table_size
 from grazing.oscillator.certificate import (
@@ -31,7 +31,7 @@ def impacts_of(harmonics: int) -> Callable[..., int]:
     solve = solve_of(harmonics)
     room = table_size(harmonics)
 
-    @inlined
+    @unit
     def impacts(
         w: Any, tables: Any, runs: Any, awake: int, columns: int, stride: int, strikes: Any, counted: bool
     ) -> int:  # fmt: skip

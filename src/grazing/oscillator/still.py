@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grazing.kernel.primitives import behind, inlined
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.oscillator.cells import CYCLE, HOLDING, K2, LOOKED_AT, ONWARD, STATE, WAKE
 from grazing.oscillator.workspace import AWAKE, W
 
@@ -51,7 +51,7 @@ def come_back(w: Any, t: Any, start: int, end: int) -> bool:
     return True
 
 
-@inlined
+@unit
 def find_cycles(
     w: Any, tables: Any, room: int, runs: Any, awake: int, stride: int, starts: int, length: int
 ) -> int:  # fmt: skip

@@ -124,9 +124,10 @@ class Walled(Rig):
         moving = [(place.motion.stop - place.motion.start) // 2 for place in places]
         object.__setattr__(self, "places", places)
         object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
+        row = list(self.params.values())
         for j in range(len(walls)):
-            self.seen_from(j)  # checks ranges, and the law at speeds of this model
-        room = float(self.rooms(np.array([list(self.params.values())]))[0])
+            self.seen_from(j, row)  # checks ranges, and the law at speeds of this model
+        room = float(self.rooms(np.array([row]))[0])
         if not room > 0.0:
             raise InputError(
                 f"the walls come within {room:g} of each other; the ball needs room between them: move them apart, or "
@@ -197,6 +198,9 @@ class Walled(Rig):
             meaning = known.meaning.replace("of the forcing", f"of the motion of wall {front}")
             meaning = meaning if of == "motion" else f"{meaning.replace('of the wall', '').strip()} of wall {front}"
             symbol = f"{known.symbol.rstrip()}^{{{front}}}"
+            if last == "sigma" and self.mass is not None:  # of a rig, the distance from where its spring is relaxed
+                sign = "-" if self.walls[self.names.index(front)].side == "below" else ""
+                symbol += rf"={sign}\mathrm{{gap}}^{{{front}}}"
             known = replace(known, name=name, symbol=symbol, meaning=meaning, units=parameter_units(name))
         return known if self.mass is not None else replace(known, units="1")
 

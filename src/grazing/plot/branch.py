@@ -84,7 +84,7 @@ def branch(
     name = tables[0].attrs["parameter"]
     coordinates = json.loads(tables[0].attrs["coordinate_names"])
     chosen = coordinates[0] if coordinate is None else coordinate
-    if chosen not in coordinates:
+    if not isinstance(chosen, str) or chosen not in coordinates:
         raise InputError(f"coordinate {shown(chosen)}; allowed are {', '.join(coordinates)}")
     if any(table.attrs["parameter"] != name for table in tables):
         raise InputError("the branches run in different parameters; draw them in figures of their own")

@@ -9,12 +9,15 @@ from typing import Any
 from grazing.outcome import InputError
 from grazing.pool import LOCK  # the precision that the finder works with is the process's too
 from grazing.proof.expression import NotAnExpression, expression
+from grazing.proof.same_model import same_model, speeds_in
 from grazing_checker import Rejected, check
 from grazing_checker.envelope import opened
 from grazing_checker.law import law_text
 
 
-def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Callable[..., Any] | None = None) -> str:
+def check_certificate(
+    certificate: str | Path | Mapping[str, Any], *, law: Callable[..., Any] | None = None, model: Any = None
+) -> str:
     """Verify a certificate anew and return the sentence that it proves.
 
     Parameters
@@ -22,8 +25,11 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
     certificate : path or dict
         A file that ``save`` wrote, or its document.
     law : callable, optional
-        A reset law ``law(v, p)`` to hold against the one in the certificate, which is an expression; between walls
-        against that of each.
+        A reset law ``law(v, p)`` to hold against the one in the certificate, which is an expression; against that of
+        each wall, or object of a table.
+    model : Oscillator or Table or Map, optional
+        A model to hold against the one in the certificate: walls, objects, laws and the values of all parameters but
+        one that is enclosed. Of the gap map the map.
 
     Returns
     -------
@@ -33,7 +39,8 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
     Raises
     ------
     InputError
-        If it is no certificate, was changed, or does not prove its statement: says what is wrong first.
+        If it is no certificate, was changed, or does not prove its statement, or is about another law or model: says
+        what is wrong first.
 
     Notes
     -----
@@ -57,21 +64,24 @@ def check_certificate(certificate: str | Path | Mapping[str, Any], *, law: Calla
             said = check(document)
         if law is not None:
             _compare(document["data"], law)
+        if model is not None:
+            same_model(document["data"], model)
     except Rejected as error:
         raise InputError(f"the certificate is rejected: {error}") from None
     return said
 
 
 def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
-    """Raise InputError unless a law in Python is the one of a certificate, at every wall that it has."""
+    """Raise InputError unless a law in Python is the one of a certificate, at every wall or object that it has."""
     known = {f" at wall {one['name']}": one["law"] for one in data.get("walls", ())}
+    known |= {f" of {one['name']}": one["law"] for one in data.get("objects", ()) if "law" in one}
     known |= {"": data["law"]} if "law" in data else {}
     if not known:
         raise InputError("this certificate is about a map without a reset law; leave law away")
     for where, one in known.items():
         params = {name: 0.5 if x is None else float.fromhex(x) for name, x in one["parameters"].items()}
         try:
-            tree = expression(law, params, tuple(params), _speeds(data))
+            tree = expression(law, params, tuple(params), speeds_in(data))
         except NotAnExpression as error:
             raise InputError(
                 f"law = {law!r} is no expression to hold against the certificate's{where}: {error}"
@@ -81,11 +91,6 @@ def _compare(data: Mapping[str, Any], law: Callable[..., Any]) -> None:
                 f"the certificate is right, but about another law{where}: v+ = {law_text(one['after'])}; "
                 f"the one given is v+ = {law_text(tree)}"
             )
-
-
-def _speeds(data: Mapping[str, Any]) -> list[float]:
-    """Return the velocities before the impacts of a certificate, where it claims them."""
-    return [float(low) for low, _high in data["claims"].get("incoming", [])]
 
 
 def opened_certificate(certificate: str | Path | Mapping[str, Any]) -> dict[str, Any]:

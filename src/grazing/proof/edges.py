@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import Model
+from grazing.orbits.curves import wrapped
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.word_windows import met
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Parts of a window's width from its edge at which an orbit is taken to begin a proof from.
 INSIDE = (1e-3, 1e-2, 1e-4)
+#: Impacts whose phases differ by less are one: at a fold doubles tell a phase no better than to the root of rounding.
+ALIKE = 1e-3
 
 
 def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
@@ -31,7 +34,8 @@ def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Cer
     model : Oscillator or Walled
         That of the windows.
     table : xarray.Dataset
-        What :func:`grazing.windows` returned.
+        What :func:`grazing.windows` returned for this model: a proof counts if its enclosure holds the edge and its
+        impacts have the phase that the table has there.
 
     Yields
     ------
@@ -48,25 +52,53 @@ def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Cer
     name = str(table.attrs["parameter"])
     for w in range(table.sizes["window"]):
         row = table.isel(window=w)
-        N, ends = int(row["N"]), {side: float(row[side]) for side in ("low", "high")}
-        for side, other in (("low", "high"), ("high", "low")):
+        for side in ("low", "high"):
             kind = str(row[f"{side}_type"].values)
             if kind not in EVENTS:
                 why = f"a proof needs an edge of type {', '.join(EVENTS)}; this one is of type {kind}"
                 yield w, side, why
                 continue
-            word = str(row["word"].values) if "word" in row else ""
-            proof = _enclosed(model, name, N, word, kind, ends[side], ends[other] - ends[side])
-            yield w, side, proof if isinstance(proof, str) else _of_the_wall(proof, row, side)
+            yield w, side, _enclosed(model, name, _Edge(row, side))
 
 
-def _of_the_wall(proof: Certificate, row: xr.Dataset, side: str) -> Certificate | str:
-    """Return the proof of a graze if it is of the wall that the window names; its own mirror image grazes both."""
-    touched = (proof.document or {})["data"].get("dip", {}).get("wall", "")
-    named = str(row[f"{side}_wall"].values) if "word" in row else touched
-    if touched in ("", named) or bool(row["symmetric"]):
-        return proof
-    return f"the proof is of a graze of the wall {touched}, not {named}"
+class _Edge:
+    """An edge of a window as its table tells it, and whether a proof is of it."""
+
+    def __init__(self, row: xr.Dataset, side: str) -> None:
+        self.N, self.kind = int(row["N"]), str(row[f"{side}_type"].values)
+        self.value, self.phase = float(row[side]), float(row[f"{side}_phase"])
+        self.across = float(row["high" if side == "low" else "low"]) - self.value
+        self.word, self.symmetric, self.wall = "", False, ""
+        if "word" in row:
+            self.word, self.symmetric = str(row["word"].values), bool(row["symmetric"])
+            self.wall = str(row[f"{side}_wall"].values)
+
+    def other(self, proof: Certificate) -> str:
+        """Return what else a proof is of, in words; empty if it is of this edge.
+
+        Its enclosure holds the value of the edge, and the impact that begins the word has the phase of the window's
+        orbit there. It grazes the wall that is named; an orbit that is its own mirror image grazes both.
+        """
+        assert proof.document is not None and proof.value is not None
+        data, (low, high) = proof.document["data"], proof.value
+        if not low <= self.value <= high:
+            return f"of another value, [{low!r}, {high!r}]"
+        if not any(abs(wrapped(phase - self.phase)) < ALIKE for phase in self._phases(data, low)):
+            return "of another orbit, whose impacts have other phases"
+        touched = data["dip"].get("wall", "")
+        if self.wall and touched not in ("", self.wall) and not self.symmetric:
+            return f"of a graze of the wall {touched}, not {self.wall}"
+        return ""
+
+    def _phases(self, data: Mapping[str, Any], value: float) -> Iterator[float]:
+        """Yield the phases of the impacts in a proof that may begin the word."""
+        omega, t0 = (
+            value if x is None else float.fromhex(x) for x in (data["model"][name] for name in ("omega", "t0"))
+        )
+        hits = "".join(data["impacts"]) if self.word else ""
+        for i, (low, _high) in enumerate(data["claims"]["box"][: len(hits) or 1]):
+            if hits[i:] + hits[:i] == self.word:
+                yield omega * (float(low) + t0)
 
 
 def _orbits(model: Model, N: int, word: str) -> Sequence[ImpactOrbit]:
@@ -74,24 +106,24 @@ def _orbits(model: Model, N: int, word: str) -> Sequence[ImpactOrbit]:
     return one_impact_orbits(model, N) if isinstance(model, Oscillator) else met(stroboscopic_map(model), N, [word])
 
 
-def _enclosed(model: Model, name: str, N: int, word: str, kind: str, edge: float, across: float) -> Certificate | str:
+def _enclosed(model: Model, name: str, edge: _Edge) -> Certificate | str:
     """Return the proof of one edge, begun from an orbit inside the window, or why there is none."""
     why = "no orbit was found beside it"
     for part in INSIDE:
-        value = edge + part * across
-        for orbit in _orbits(model.replace(**{name: value}), N, word):
+        value = edge.value + part * edge.across
+        for orbit in _orbits(model.replace(**{name: value}), edge.N, edge.word):
             if not (orbit.admissible and orbit.stable):
                 continue
             try:
-                proof = enclose(orbit, kind, name)
+                proof = enclose(orbit, edge.kind, name)
             except GrazingError as error:
                 why = str(error)
                 continue
-            if isinstance(proof, Certificate) and proof.value is not None:
-                low, high = proof.value
-                if low - 1e-9 * abs(across) <= edge <= high + 1e-9 * abs(across):
-                    return proof
-                why = f"the proof is of another value, [{low!r}, {high!r}]"
-            else:
+            if not isinstance(proof, Certificate) or proof.value is None:
                 why = proof.reason
+                continue
+            other = edge.other(proof)
+            if not other:
+                return proof
+            why = f"the proof is {other}"
     return why

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import frexp
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,6 @@ from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import impact_equations
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
@@ -25,7 +25,8 @@ from grazing.proof.certify import (
 )
 from grazing.proof.clearance import Cleared, check_impacts, cleared_flight, started
 from grazing.proof.equations import Equations, Flight
-from grazing.proof.gap import GapProof, certify_gap_edge
+from grazing.proof.gap import GapProof
+from grazing.proof.gap_branch import nearest_edge
 from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
 from grazing.proof.reasons import NotProven, Stage
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
@@ -78,9 +79,9 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Returns
     -------
     Certificate
-        ``value`` is the enclosure, at most some 1e-13 (1 + its size) wide. The proof shows a curve of orbits
-        in a small box, one for every value of one coordinate, on which the test function of the bifurcation changes
-        its sign.
+        ``value`` is the enclosure, at most some 1e-13 of the parameter's size and its unit in the model
+        (``model.unit_of``) wide. The proof shows a curve of orbits in a small box, one for every value of one
+        coordinate, on which the test function of the bifurcation changes its sign.
 
     Raises
     ------
@@ -114,8 +115,7 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     if others:
         several = " and ".join([name, *others])
         raise InputError(f"{name.rpartition('.')[2]} stands for {several}; an enclosure is of one of them")
-    if isinstance(model, Oscillator):
-        model.refuse_base("a proof", [name])
+    model.refuse_base("a proof", [name])
     orbit = without_touches(orbit, name) if kind == "gr" else orbit
     title = f"{kind} of the periodic orbit {signature(orbit.impacts, orbit.period)}"
     try:
@@ -132,17 +132,16 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
 
 
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
-    """Return the proof of that edge of a word of the gap map which is nearest to the orbit's own mu."""
+    """Return the proof of the edge nearest to the orbit's own mu that the orbit leads to."""
     kinds = {"pd": "pd", "lp": "lp", "gr": "gr", "bcb": "bc"}
     if kind not in kinds:
         raise InputError(f"kind is {kind!r}; allowed for the gap map are {', '.join(kinds)}")
     if name != "mu":
         raise InputError(f"name is {name!r}; edges of the gap map are enclosed in mu only")
-    lam, mu, l = (orbit.map.params[key] for key in ("lam", "mu", "l"))
-    proofs = [one for one in certify_gap_edge(orbit.word, kinds[kind], lam, l) if one.value is not None]
-    if not proofs:
-        return GapProof(False, f"Nothing is proven: {orbit.word} has no {kind} at lam = {lam:g}, l = {l:g}.", None)
-    return min(proofs, key=lambda one: abs(one.value[0] - mu) if one.value is not None else 0.0)
+    proof = nearest_edge(orbit, kinds[kind])
+    if proof is None:
+        return GapProof(False, f"Nothing is proven: no {kind} of {orbit.word} is joined to this orbit in mu.", None)
+    return proof
 
 
 def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
@@ -171,9 +170,12 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         search = Search(equations, kind, start)
         centre = search.zero()
     centre, pinned = [short(x, bits // 2) for x in centre], search.pinned
-    centre[pinned] = short(centre[pinned] + 1, bits // 2) - 1  # the ends of the curve, beside it, are then exact
+    units = units_of(equations, centre)
+    centre[pinned] = (
+        short(centre[pinned] + units[pinned], bits // 2) - units[pinned]
+    )  # the ends, beside, are then exact
     with Stage("the curve of orbits through the bifurcation is not enclosed"):
-        C, radius, rows = enclosed_curve(equations, centre, pinned, bits)
+        C, radius, rows = enclosed_curve(equations, centre, units, pinned, bits)
         ends = [end_of(equations, centre, radius, C, rows, pinned, sign, bits) for sign in (-1, 1)]
     box = balls(centre, radius)
     with Stage("the reset law or the velocity of an impact is not decided over the box"):
@@ -227,8 +229,20 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     return data, inequalities
 
 
+def units_of(equations: Equations, x: Point) -> Point:
+    """Return sizes by which boxes are measured where a coordinate is near 0: an eighth of the natural ones, or less.
+
+    They are powers of two; the last one is the parameter's.
+    """
+    from flint import arb
+
+    assert equations.name is not None
+    sizes = [float(one) for one in equations.scales(x, equations.flights(x))]
+    return [arb(2) ** (frexp(size)[1] - 4) for size in (*sizes, equations.model.unit_of(equations.name))]
+
+
 def enclosed_curve(
-    equations: Equations, centre: Point, pinned: int, bits: int
+    equations: Equations, centre: Point, units: Point, pinned: int, bits: int
 ) -> tuple[list[list[float]], Point, list[list[arb]]]:
     """Return preconditioner, half-widths of a box and the derivative over it, for which Krawczyk's test holds.
 
@@ -240,7 +254,7 @@ def enclosed_curve(
     C = inverse([without(row, pinned) for row in thin])
     for power in (WIDTH, bits // 4):
         try:
-            return C, *_curve_of_width(equations, centre, C, pinned, arb(2) ** -power)
+            return C, *_curve_of_width(equations, centre, units, C, pinned, arb(2) ** -power)
         except Undecided:
             if power != WIDTH:
                 raise
@@ -248,16 +262,18 @@ def enclosed_curve(
 
 
 def _curve_of_width(
-    equations: Equations, centre: Point, C: list[list[float]], pinned: int, share: arb
+    equations: Equations, centre: Point, units: Point, C: list[list[float]], pinned: int, share: arb
 ) -> tuple[Point, list[list[arb]]]:
     """Return half-widths and derivative of :func:`enclosed_curve` for one width of the pinned coordinate."""
     from flint import arb
 
-    width = short(share * (abs(centre[pinned]) + 1), 24)
+    width = short(share * (units[pinned] + abs(centre[pinned])), 24)
     radius = [width if i == pinned else arb(0) for i in range(len(centre))]
     rows = equations.jacobian(equations.flights(balls(centre, radius), True))
     moved, _u = curve_image(equations, centre, radius, C, rows, pinned)
-    floors = [share / 8 * (1 + abs(x)) for x in without(centre, pinned)]
+    floors = [
+        share / 8 * (unit + abs(x)) for x, unit in zip(*(without(a, pinned) for a in (centre, units)), strict=True)
+    ]
     radius = replaced(radius, pinned, [short((2 * a + b).upper(), 24) for a, b in zip(moved, floors, strict=True)])
     rows = equations.jacobian(equations.flights(balls(centre, radius), True))
     image = curve_image(equations, centre, radius, C, rows, pinned)

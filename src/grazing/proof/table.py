@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from grazing.billiard import table as tables
 from grazing.billiard.objects import ARC, DISC, Thing
 from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.bounces import Surface, solid_surfaces
@@ -61,10 +62,17 @@ def described(orbit: BounceOrbit) -> dict[str, Any]:
     word = [by_number[number] for number in orbit.surfaces]
     speeds = [float(speed) for speed in orbit.points[:, 2]]
     return {
-        "objects": [_object(one, speeds) for one in table.objects],
-        **{name: getattr(table, name).hex() for name in ("rho", "g", "tilt")},
+        **described_table(table, speeds),
         "impacts": [[table.names[surface.owner], part_of(table.objects[surface.owner], surface)] for surface in word],
         "energy": orbit.energy.hex() if orbit.conserves else None,
+    }
+
+
+def described_table(table: tables.Table, speeds: list[float]) -> dict[str, Any]:
+    """Return what a certificate says of a table, whose laws are looked at about these speeds of impacts."""
+    return {
+        "objects": [_object(one, speeds) for one in table.objects],
+        **{name: getattr(table, name).hex() for name in ("rho", "g", "tilt")},
     }
 
 

@@ -28,6 +28,8 @@ MANY = 4.0
 DEEP = 64.0
 #: In the place of the surface just left: whichever the flight rises from at t0, to rounding.
 WHICHEVER = -2.0
+#: The same, and from inside it too, however deep: the flights of points on a surface go on smoothly beside it.
+RISING = -3.0
 #: Steps of a root in its bracket; each that Newton's method does not take halves it.
 ROOTS = 200
 #: What is wrong with a user's functions, beside the outcome.
@@ -156,9 +158,9 @@ def _law_of(laws: tuple[Any, ...], zero: tuple[float, ...], i: int = 0) -> Calla
 def march_of(*parts: Any) -> Callable[..., Any]:
     """Return ``march(t0, state, end, left, p) -> (surface, t, flags, broken)``: the first contact after t0, up to end.
 
-    ``left`` is the surface that was just left, which it touches at t0, -1 for none, or :data:`WHICHEVER`, as a float: a
-    literal would be a type of its own. ``surface`` is -1 for no contact up to and with ``end``, ``flags`` are bits of
-    an outcome, ``broken`` says what is wrong with a user's functions, or is 0.
+    ``left`` is the surface that was just left, which it touches at t0, -1 for none, :data:`WHICHEVER` or
+    :data:`RISING`, as a float: a literal would be a type of its own. ``surface`` is -1 for no contact up to and with
+    ``end``, ``flags`` are bits of an outcome, ``broken`` says what is wrong with a user's functions, or is 0.
     """
     flight, gap, bound, _law, rounding = kernels_of(*parts)
     n = (len(parts) - 3) // 4
@@ -214,11 +216,10 @@ def march_of(*parts: Any) -> Callable[..., Any]:
                 return hit, t, flags | DIVERGED, 0
             if not (M >= 0.0 and e >= 0.0 and d >= 0.0):
                 return j, t, flags | BAD_LAW, BOUND_BROKEN
-            fresh, dipped = (
-                t == t0 and (left == j or (left == WHICHEVER and dh > d and -DEEP * e <= h <= MANY * e)),
-                False,
-            )
-            if fresh and h < -DEEP * e:  # impacts in doubt have let it sink in: chatter that nothing resolves
+            fresh, dipped = t == t0 and left == j, False
+            if t == t0 and left <= WHICHEVER and dh > d and h <= MANY * e:
+                fresh = left == RISING or -DEEP * e <= h
+            if fresh and h < -DEEP * e and left != RISING:  # sunk in by impacts in doubt: chatter that nothing resolves
                 return -1, t, flags | AMBIGUOUS | TOO_MANY_IMPACTS, 0
             if t == t0 and (fresh or (h < 0.0 and h >= -MANY * e)):
                 offset = replaced(offset, j, abs(h))

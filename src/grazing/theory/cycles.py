@@ -127,16 +127,17 @@ def cycle_expansion(
     >>> gz.theory.cycle_expansion(gz.theory.three_disc_cycles(6.0, 5, digits=20))
     <CycleExpansion: 0.410338407770 a time, last change 3.6e-10, 14 cycles to length 5>
     """
-    if per not in ("time", "impact"):
+    if not isinstance(per, str) or per not in ("time", "impact"):
         raise InputError(f"per is {shown(per)}; allowed are 'time' and 'impact'")
     if not isinstance(contracting, bool):
         raise InputError(f"contracting is {shown(contracting)}; give True or False")
     if isinstance(digits, bool) or not isinstance(digits, int) or not 5 <= digits <= 1000:
         raise InputError(f"digits is {shown(digits)}; allowed is a whole number from 5 to 1000")
     try:
-        every = list(cycles)
+        each = iter(cycles)
     except TypeError:
         raise InputError(f"cycles are {shown(cycles)}; give a list of Cycle(period, time, transverse)") from None
+    every = list(each)  # what making them raises is not blamed on the list
     given = [_checked(one, contracting) for one in every]
     if not given:
         raise InputError("there are no cycles: nothing stays, and there is no escape rate")

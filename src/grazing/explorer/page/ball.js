@@ -1,6 +1,8 @@
 // @ts-check
 /** The opening: the ball above its bumper in time, its phase portrait, and the diagram in the parameter that is turned. */
 import { periodColour, theme } from "./colours.js";
+import { Company } from "./company.js";
+import { plainSymbol } from "./controls.js";
 import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
@@ -9,8 +11,9 @@ import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past } from "./past.js";
 import { Axes } from "./plot.js";
 import { portrait } from "./portrait.js";
+import { Sling } from "./sling.js";
 import { Sound } from "./sound.js";
-import { later, tidy } from "./state.js";
+import { later, numeral, tidy } from "./state.js";
 import { Strip } from "./strip.js";
 import { tune } from "./tune.js";
 
@@ -18,6 +21,8 @@ import { tune } from "./tune.js";
 const PACE = 0.7, TRAIL = 800;
 /** Turns of the forcing that the ball has behind it when it begins on a periodic orbit. */
 const TURNS = 9;
+/** Orbits that are drawn at most. */
+const ORBITS = 6;
 /** Columns and parts of the small diagram at most, and points of the ball's own in it. */
 const COLUMNS = 320, BINS = 260, VISITED = 6000;
 
@@ -33,6 +38,7 @@ export class BallView {
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
   /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
   /** @type {ReturnType<typeof flown>} once around the orbit that most starts settle on, or a part of it */ attractor = later();
+  /** @type {import("./portrait.js").Orbit[]} all that starts settle on */ orbits = [];
   /** @type {Thrown} on the attractor */ home = later();
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Flight} */ flight = later();
@@ -63,16 +69,14 @@ export class BallView {
     this.sound = new Sound();
     this.strip = new Strip(document.getElementById("strip"));
     this.axes = new Axes(document.getElementById("phase"));
+    const answers = events(this, machine, told);
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("ball-diagram")), pool, "ball-diagram", {
-      ...events(this, machine, told), overlay: (axes, c) => this.#overlay(axes, c),
+      ...answers, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c),
     });
+    this.company = new Company(this, pool);
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.speed = 1;
-    this.canvas.addEventListener("click", (event) => {
-      const { left, top } = this.canvas.getBoundingClientRect();
-      const u = this.axes.atX(event.clientX - left), v = this.axes.atY(event.clientY - top);
-      if (this.state && u >= this.axes.x0 && v >= this.axes.y0 && v <= this.axes.y1) this.throw(Math.max(u, this.state.sigma), v);
-    });
+    this.sling = new Sling(this);
     for (const canvas of [this.strip.axes.canvas, this.canvas]) canvas.addEventListener("keydown", (event) => {
       if (event.key === " ") this.play(!this.playing);
       else if (event.key === "s" || event.key === "S") this.step();
@@ -102,7 +106,12 @@ export class BallView {
   /** Turns of the forcing at a time since the throw, and where in a turn the section is. */
   #clock = (/** @type {number} */ t) => this.#turns + t / this.T;
 
-  get #section() {
+  /** Turns of the forcing until now. */
+  get turn() {
+    return this.#clock(this.now);
+  }
+
+  get section() {
     return this.state.phase / this.T;
   }
 
@@ -118,13 +127,14 @@ export class BallView {
     if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
-    const turn = this.flight ? this.#clock(this.now) : 0, before = this.state;
+    const turn = this.flight ? this.turn : 0, before = this.state;
     this.state = state;
     this.model = { row, sigma: state.sigma, T };
     if (anew) this.search.forget();
     const which = machine.fields.indexOf(state.vary);
     this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
     this.#diagram(anew);
+    this.company.show(state);
     if (key === this.key && thrown === this.thrown) return this.draw();
     const same = key === this.key, goes = !anew && !same && thrown === this.thrown;
     this.key = key;
@@ -170,6 +180,11 @@ export class BallView {
     this.attractor = flown(this.machine, this.model, u, v, this.search.waiting ? 1 : periods);
     this.ends = this.#around(this.attractor);
     if (this.search.waiting) this.attractor = { times: new Float64Array(0), cut: false, u: [], v: [], hits: [], rests: [] };
+    this.orbits = this.search.waiting ? [] : this.classes.filter(({ period }, i) => period > 0 || i === 0).slice(0, ORBITS).map((each, i) => ({
+      flight: i ? flown(this.machine, this.model, each.points[0][0], each.points[0][1], Math.min(each.period, 24)) : this.attractor,
+      colour: periodColour(each.period), thin: !(each.period > 0), name: `${each.word || "no tune"} ${Math.round(16 * each.share)}/16`,
+    }));
+    for (const { flight } of this.orbits.slice(1)) this.ends = /** @type {typeof this.ends} */ (this.#around(flight).map((end, i) => Math[i % 2 ? "max" : "min"](end, this.ends[i])));
     this.home = [u, v, this.state.phase];
   }
 
@@ -218,6 +233,7 @@ export class BallView {
   #fly(begun, turns) {
     this.flight = new Flight(this.machine, this.model, begun);
     this.#turns = turns;
+    this.company.begin(`${this.key}`);
   }
 
   /** What a ball on a periodic orbit has done before: the same, so many periods ago. */
@@ -225,18 +241,18 @@ export class BallView {
     const period = this.classes[0]?.period ?? 0, { attractor } = this;
     if (!(period > 0) || attractor.cut || !attractor.times.length) return;
     const turns = Math.round(attractor.times[attractor.times.length - 1] / this.T);
-    for (let ago = Math.ceil(TURNS / turns) * turns; ago > 0; ago -= turns) this.past.add(attractor, (t) => this.#clock(t) - ago, this.#section, this.state.sigma, -Infinity);
+    for (let ago = Math.ceil(TURNS / turns) * turns; ago > 0; ago -= turns) this.past.add(attractor, (t) => this.#clock(t) - ago, this.section, this.state.sigma, -Infinity);
   }
 
   /** Begin the flight: from where the ball is thrown, or on the attractor. */
   begin() {
     const begun = this.state.ball ?? this.home;
     this.lived = false;
+    this.trail = [];
     this.#fly(begun, begun[2] / this.T);
     this.#fit();
     this.past.clear();
     if (!this.state.ball) this.#before();
-    this.trail = [];
     this.flash = [];
     this.impacts = 0;
     this.last = undefined;
@@ -246,7 +262,7 @@ export class BallView {
 
   /** Move the ball on by a time. @param {number} time */
   #advance(time) {
-    const { flight, T } = this, { sigma } = this.state, section = this.#section, from = this.now;
+    const { flight, T, section } = this, { sigma } = this.state, from = this.now;
     const next = (Math.floor(this.#clock(from) - section + 1e-9) + 1 + section - this.#turns) * T; // when it passes the section
     const moved = flight.advance(time, next <= from + time ? [next] : []);
     if (!moved) {
@@ -258,7 +274,10 @@ export class BallView {
     times.forEach((t, i) => {
       for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([sigma, hits[hit].before], null, [sigma, hits[hit].after]);
       this.trail.push([u[i], v[i]]);
-      if (t === next) this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
+      if (t === next) {
+        this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
+        this.company.passed([u[i], v[i]]);
+      }
     });
     this.trail.splice(0, Math.max(0, this.trail.length - TRAIL));
     this.visited.splice(0, Math.max(0, this.visited.length - VISITED));
@@ -269,6 +288,7 @@ export class BallView {
       this.sound.hit(-each.before, Math.max(-this.axes.y0, this.axes.y1));
     }
     this.flash.splice(0, Math.max(0, this.flash.length - 12));
+    this.company.moved(time);
     if (times.includes(next)) this.diagram.draw();
   }
 
@@ -288,7 +308,7 @@ export class BallView {
   #tick = (/** @type {number} */ at) => {
     this.frame = 0;
     if (!this.playing || this.#hidden) return;
-    if (this.last !== undefined) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
+    if (this.last !== undefined && !this.sling.aim) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
     this.draw();
     if (this.playing) this.frame = requestAnimationFrame(this.#tick);
@@ -320,16 +340,17 @@ export class BallView {
   draw() {
     const { axes, state, past } = this;
     if (!this.attractor || !this.flight) return;
-    const most = this.classes[0], colour = periodColour(most?.period ?? 0);
+    const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
     const endless = [...past.letters.values()].includes("C"); // completed chatter has impacts without end
     const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
-    portrait(axes, { sigma: state.sigma, attractor: this.attractor, colour, thin: !(most?.period > 0), trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, said: time });
-    this.strip.draw({ past, turn: this.#clock(this.now), section: this.#section, u: this.place[0], sigma: state.sigma, top: axes.x1, force: this.#force, colour: theme().accent, live: this.playing });
+    portrait(axes, { sigma: state.sigma, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
+    this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], sigma: state.sigma, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
     this.canvas.dataset.stage = "done";
   }
 
   /** The ball's own points at the section, and the parameter: where it went when that was turned. @param {Axes} axes @param {import("./svg.js").Pen} c */
   #overlay(axes, c) {
+    this.company.draw(axes, c);
     axes.inside(() => {
       c.fillStyle = theme().accent;
       for (const [value, u] of this.visited) c.fillRect(axes.x(value) - 1.5, axes.y(u) - 1.5, 3, 3);
@@ -345,18 +366,19 @@ export class BallView {
   /** What there is, and what it does, in a visitor's words. */
   lead() {
     const kicks = this.state.law !== "newton" && this.state.V > 0;
-    return [`A force pushes a ball up and down above a ${kicks ? "bumper that kicks" : "wall"}.`, this.search.waiting ? SEARCHING : tune(this.classes)];
+    return { headline: `A force pushes a ball up and down above a ${kicks ? "bumper that kicks" : "wall"}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
   }
 
   summary() {
     const { state } = this;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${state.offset}:` }];
+    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
+    said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));
     if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;
   }

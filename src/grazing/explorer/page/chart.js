@@ -8,7 +8,7 @@ import { Gestures } from "./gestures.js";
 import { basins, linspace } from "./jobs.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-import { allowed, tidy } from "./state.js";
+import { allowed, tidy, numeral } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -21,18 +21,20 @@ import { allowed, tidy } from "./state.js";
 const NONE = -1; // no cell yet
 /** The steps between cells of the pictures that refine one another. */
 const STEPS = [8, 2, 1];
-const number = (/** @type {number} */ value) => Number(value.toPrecision(6)).toString().replace("-", "−");
 
 export class ChartView {
   /** @type {import("./jobs.js").Reached[]} */ reached = [];
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
   #asked = 0;
 
+  /** What is charted, but for its ends, as text. */ #same = "";
+  /** The ends of what is on screen. @type {[Pair, Pair] | undefined} */ #seen = undefined;
+
   /**
    * @param {Record<string, Machine>} machines
    * @param {import("./pool.js").Pool} pool
    * @param {{tolerance: number}} described
-   * @param {{change: (part: object) => void, problem: (text: string) => void, done: () => void}} events
+   * @param {import("./state.js").Events} events
    */
   constructor(machines, pool, described, { change, problem, done }) {
     this.machines = machines;
@@ -118,7 +120,7 @@ export class ChartView {
     const plan = this.#planOf(state);
     const fixed = Array.from(plan.row);
     plan.which.forEach((i) => (fixed[i] = 0));
-    const key = JSON.stringify([fixed, plan.names, plan.ends, plan.sizes, plan.settings, state.seed]);
+    const same = JSON.stringify([fixed, plan.names]), key = JSON.stringify([fixed, plan.names, plan.ends, plan.sizes, plan.settings, state.seed]);
     this.plan = plan;
     if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
@@ -126,6 +128,8 @@ export class ChartView {
       /** Of each cell the period, 0 without one; in basins the row of `reached`. */
       this.codes = new Int16Array(plan.sizes[0] * plan.sizes[1]).fill(NONE);
       this.reached = [];
+      if (same !== this.#same) this.#seen = undefined;
+      this.#same = same;
       this.canvas.dataset.stage = "computing";
       this.#compute(plan, this.codes).catch((error) => {
         this.canvas.dataset.stage = "failed";
@@ -203,7 +207,9 @@ export class ChartView {
   paint() {
     const { plan, codes } = this;
     if (!plan || !codes) return;
-    const [W, H] = plan.sizes;
+    const [W, H] = plan.sizes, known = codes[0] !== NONE;
+    if (!known && this.#seen) return this.#draw(); // nothing is known yet: the picture before moves with the hand
+    if (known) this.#seen = plan.ends;
     this.colours = this.#colours();
     const shades = new Map([...this.colours].map(([code, colour]) => [code, rgb(colour)]));
     this.image.width = W;
@@ -233,10 +239,11 @@ export class ChartView {
     axes.span(...plan.ends[0], ...plan.ends[1]);
     axes.inside(() => {
       c.imageSmoothingEnabled = false;
-      c.drawImage(this.image, axes.box.x, axes.box.y, axes.box.w, axes.box.h);
+      const [[left, right], [bottom, top]] = this.#seen ?? plan.ends, [x, y] = [axes.x(left), axes.y(top)];
+      c.drawImage(this.image, x, y, axes.x(right) - x, axes.y(bottom) - y);
       if (plan.basins) for (const { point, colour } of this.attractors()) if (point.length) this.#dot(c, point, colour);
-      const [x, y] = this.#chosen();
-      if (!plan.basins || this.state?.ball) this.#ring(c, axes.x(x), axes.y(y));
+      const at = this.#chosen();
+      if (!plan.basins || this.state?.ball) this.#ring(c, axes.x(at[0]), axes.y(at[1]));
     });
     const symbols = this.#symbols();
     axes.frame(symbols[0], symbols[1]);
@@ -325,15 +332,15 @@ export class ChartView {
     const cells = all.reduce((total, each) => total + each.cells, 0);
     const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: "Initial states (u, v) at the strobe, by the attractor that they reach:" }]);
     for (const each of all.slice(0, 12)) {
-      const place = each.point.length ? `; a point of it: (${each.point.map(number).join(", ")})` : "";
+      const place = each.point.length ? `; a point of it: (${each.point.map((each) => numeral(each)).join(", ")})` : "";
       said.push({ colour: each.colour, text: `${name(each)}: ${percent(each.cells / cells)} of the picture${place}` });
     }
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (state.ball) {
       const [u, v] = state.ball;
-      if (u < state.sigma) said.push({ text: `(${number(u)}, ${number(v)}) lies behind the wall at ${number(state.sigma)}.` });
+      if (u < state.sigma) said.push({ text: `(${numeral(u)}, ${numeral(v)}) lies behind the wall at ${numeral(state.sigma)}.` });
       const { reached } = u < state.sigma ? { reached: [] } : this.#follow(u, v);
-      if (reached.length) said.push({ text: `From (${number(u)}, ${number(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
+      if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
     }
     return said;
   }

@@ -1,5 +1,6 @@
 // @ts-check
 /** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
+import { WORDS } from "./names.js";
 import { refusal, tidy } from "./state.js";
 
 /** @typedef {import("./machine.js").Field} Field */
@@ -22,6 +23,8 @@ export function plainSymbol(field) {
 }
 
 let count = 0;
+/** Steps of a slider by a key in its length; a fine step, by a key with Shift or a pixel up, is a part of one. */
+const STEPS = 500, FINE = 10;
 /** A number typed is taken at every key up to so many lengths of the slider beyond its ends, farther away on leaving the field. */
 const FAR = 10;
 
@@ -44,7 +47,8 @@ export function slider(field, [low, high], change, problem) {
     sub.textContent = below;
     symbol.append(sub);
   }
-  label.append(symbol, field.meaning.replaceAll("^2", "²"));
+  label.append(`${WORDS[field.name] ?? field.meaning} `, symbol);
+  label.title = field.meaning.replaceAll("^2", "²");
   const number = document.createElement("input");
   number.type = "number";
   number.id = id;
@@ -56,16 +60,47 @@ export function slider(field, [low, high], change, problem) {
   range.type = "range";
   /** @type {Pair} */
   let [from, to] = [low, high];
-  const scale = () => Object.assign(range, { min: String(from), max: String(to), step: String(10 ** Math.floor(Math.log10((to - from) / 500))) });
+  const step = () => 10 ** Math.floor(Math.log10((to - from) / STEPS)), fine = () => step() / FINE;
+  const scale = () => Object.assign(range, { min: String(from), max: String(to), step: String(fine()) });
   scale();
   range.setAttribute("aria-label", `${field.name}: ${field.meaning}`);
-  range.addEventListener("input", () => {
-    const value = tidy(Number(range.value), to - from);
-    number.value = String(value);
+  let seen = NaN;
+  /** @param {number} wanted @param {number} unit */
+  const slide = (wanted, unit) => {
+    const value = tidy(Math.min(Math.max(Math.round(wanted / unit) * unit, from), to), to - from);
+    range.value = number.value = String(value);
+    seen = value;
     number.removeAttribute("aria-invalid");
     change(value);
+  };
+  /** Where a pointer took the slider, and the value that it stands for across, without what it has moved up. @type {{y: number, across: number, up: number} | null} */
+  let held = null;
+  const lift = (/** @type {PointerEvent} */ event) => {
+    if (!held) return;
+    held.up = Math.round(held.y - event.clientY);
+    slide(held.across + held.up * fine(), fine());
+  };
+  const leave = () => {
+    held = null;
+    removeEventListener("pointermove", lift);
+  };
+  range.addEventListener("pointerdown", (event) => {
+    if (event.button) return;
+    held = { y: event.clientY, across: seen, up: 0 };
+    addEventListener("pointermove", lift);
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => setTimeout(leave), { once: true });
   });
-  let seen = NaN;
+  range.addEventListener("input", () => {
+    if (held) held.across = Math.round(Number(range.value) / step()) * step();
+    slide(held ? held.across + held.up * fine() : Number(range.value), held ? fine() : step());
+  });
+  range.addEventListener("keydown", (event) => {
+    const sign = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    const unit = event.shiftKey ? fine() : step();
+    slide(seen + sign * unit, fine());
+  });
   const take = (/** @type {boolean} */ typing) => {
     const value = number.value === "" ? NaN : Number(number.value);
     const why = number.validity.badInput && Number.isNaN(value) ? `give ${field.name} as a number; those of double precision end at ±1.8e308` : refusal(field.name, value, { [field.name]: field });

@@ -97,7 +97,7 @@ export class Diagram {
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => void, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
+   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -114,8 +114,8 @@ export class Diagram {
     this.gestures = new Gestures(this.axes, {
       ready: () => this.#shown !== null,
       redraw: () => this.draw(),
-      pick: (x, y) => events.pick?.(x, y),
-      zoom: (x, y) => events.zoom?.(x, y),
+      pick: events.pick,
+      zoom: events.zoom,
       zoomOut: () => events.zoomOut?.(),
       chosen: () => [events.chosen?.() ?? NaN, NaN],
       steps: () => [this.columns - 1, 1],
@@ -264,7 +264,7 @@ export class Diagram {
     const image = this.image.getContext("2d");
     if (!image) return this.draw();
     const c = this.axes.begin();
-    const ratio = window.devicePixelRatio || 1;
+    const { ratio } = this.axes;
     const W = Math.max(1, Math.round(this.axes.box.w * ratio)), H = Math.max(1, Math.round(this.axes.box.h * ratio));
     if (this.#pixels?.width !== W || this.#pixels.height !== H) {
       this.image.width = W;
@@ -327,13 +327,20 @@ export class Diagram {
     if (this.#shown) this.#draw(this.axes.begin());
   }
 
+  /** Whether what is on screen is the picture that was asked for in other axes: it moves with the hand until that comes. @param {Spec} shown */
+  #follows(shown) {
+    const { spec } = this, same = /** @type {const} */ (["machine", "which", "coordinate"]);
+    return same.every((key) => shown[key] === spec[key]) && shown.row.every((value, i) => i === spec.which || value === spec.row[i]);
+  }
+
   /** @param {import("./svg.js").Pen} c a canvas that is empty */
   #draw(c) {
     if (!this.#shown) return;
-    const { axes } = this, { spec } = this.#shown;
-    axes.span(spec.span[0], spec.span[1], spec.low, spec.high);
+    const { axes } = this, { spec } = this.#shown, wanted = this.#follows(spec) ? this.spec : spec;
+    axes.span(wanted.span[0], wanted.span[1], wanted.low, wanted.high);
     this.events.under?.(axes, c);
-    axes.inside(() => c.drawImage(this.image, axes.box.x, axes.box.y, axes.box.w, axes.box.h));
+    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)];
+    axes.inside(() => c.drawImage(this.image, left, top, axes.x(spec.span[1]) - left, axes.y(spec.low) - top));
     this.events.overlay?.(axes, c);
     axes.frame(spec.labels[0], spec.labels[1]);
     this.gestures.draw(c);

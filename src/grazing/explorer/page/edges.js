@@ -4,7 +4,7 @@ import { periodColour, theme } from "./colours.js";
 import { Gestures } from "./gestures.js";
 import { found, linspace } from "./jobs.js";
 import { words } from "./orbits.js";
-import { Axes } from "./plot.js";
+import { Axes, FONT } from "./plot.js";
 import { tidy } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -32,11 +32,11 @@ export const meets = (N, lam) => lam ** (N - 1) * 0.1875 * (3 * sum(N, lam) - 4)
 export class EdgesView {
   /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
 
-  /** @param {Machine} machine @param {{tolerance: number}} described @param {{change: (part: object) => void}} events */
+  /** @param {Machine} machine @param {{tolerance: number}} described @param {Pick<import("./state.js").Events, "change">} events */
   constructor(machine, described, { change }) {
     this.machine = machine;
     this.tolerance = described.tolerance;
-    this.axes = new Axes(document.getElementById("edges"), { right: 58 });
+    this.axes = new Axes(document.getElementById("edges"), { right: 72 });
     this.gestures = new Gestures(this.axes, {
       ready: () => Boolean(this.state),
       redraw: () => this.paint(),
@@ -145,9 +145,10 @@ export class EdgesView {
   #drawMarks(c) {
     const { axes } = this, { box } = axes;
     const marks = (this.marks ?? []).filter(({ l }) => l > 0 && l >= axes.x0 && l <= axes.x1).sort((a, b) => a.l - b.l);
+    const colourOf = (/** @type {number[]} */ periods) => (periods.length > 1 ? theme().ink : periodColour(periods[0]));
+    for (const { periods, l } of marks) axes.vertical(l, colourOf(periods), [2, 3], 1);
     marks.forEach(({ periods, l, mu }, k) => {
-      const colour = periods.length > 1 ? theme().ink : periodColour(periods[0]);
-      axes.vertical(l, colour, [2, 3], 1);
+      const colour = colourOf(periods);
       c.fillStyle = periods.length > 1 ? theme().paper : colour;
       c.strokeStyle = colour;
       c.lineWidth = 1.4;
@@ -159,9 +160,9 @@ export class EdgesView {
       }
       const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(box.w < 500 ? 4 : 10))}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
-      const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 18 * k;
+      const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 20 * k;
       c.fillStyle = theme().paper + "d0";
-      c.fillRect(x - 2, y - 8, wide + 4, 16);
+      c.fillRect(x - 2, y - 10, wide + 4, 20);
       c.fillStyle = theme().ink;
       c.textAlign = "left";
       c.textBaseline = "middle";
@@ -176,17 +177,16 @@ export class EdgesView {
       .filter(({ at }) => at >= axes.y0 && at <= axes.y1).sort((a, b) => a.at - b.at);
     let below = Infinity;
     for (const { N, kind, at } of ends) {
-      const y = Math.min(axes.y(at), below - 15), x = box.x + box.w + 5;
+      const y = Math.min(axes.y(at), below - 19), x = box.x + box.w + 5;
       below = y;
       if (y < box.y) break; // no room for more
       c.fillStyle = periodColour(N);
       c.textAlign = "left";
       c.textBaseline = "middle";
-      c.font = "italic 15px Georgia, 'Times New Roman', serif";
+      c.font = "italic 17px Georgia, 'Times New Roman', serif";
       c.fillText("μ", x, y);
-      c.font = "11px system-ui, sans-serif";
-      c.fillText(`${kind},${N}`, x + 10, y + 5);
-      c.font = "12px system-ui, sans-serif";
+      c.font = FONT;
+      c.fillText(`${kind},${N}`, x + 11, y + 5);
     }
   }
 

@@ -185,7 +185,7 @@ export class FlowView {
     c.fillStyle = theme().faint;
     c.textAlign = "left";
     c.textBaseline = "bottom"; // below the axis, where no curve is
-    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x, axes.box.y + axes.box.h + 33);
+    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x, axes.box.y + axes.box.h + 42);
   }
 
   repaint() {

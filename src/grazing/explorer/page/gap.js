@@ -1,14 +1,15 @@
 // @ts-check
 /** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
+import { Cobweb, walk } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found } from "./jobs.js";
 import { words } from "./orbits.js";
-import { Axes } from "./plot.js";
-import { LONGEST, later } from "./state.js";
+import { LONGEST, later, numeral } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
+/** @typedef {import("./plot.js").Axes} Axes */
 /** @typedef {import("./svg.js").Pen} Pen */
 /** @typedef {import("./machine.js").Machine} Machine */
 /** @typedef {{N: number, graze: number, doubling: number, collision: number}} Window */
@@ -75,7 +76,7 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
     const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
     if (!(b > a)) continue;
     const middle = axes.x((a + b) / 2);
-    if (Math.abs(last - middle) < 16) continue;
+    if (Math.abs(last - middle) < 20) continue;
     last = middle;
     c.fillStyle = periodColour(N);
     c.fillText(String(N), middle, box.y - 3);
@@ -108,7 +109,7 @@ export class GapView {
       problem,
       done,
     });
-    this.cobweb = new Axes(document.getElementById("cobweb"));
+    this.cobweb = new Cobweb(this, { change });
   }
 
   get canvas() {
@@ -117,7 +118,7 @@ export class GapView {
 
   /** @returns {import("./svg.js").Panel[]} */
   panels() {
-    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb, draw: () => this.drawCobweb() }];
+    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb.axes, draw: () => this.cobweb.draw() }];
   }
 
   /** @param {State} state */
@@ -146,12 +147,12 @@ export class GapView {
     for (const each of this.classes) {
       if (each.period > 0) each.multiplier = each.points.reduce((product, [x]) => product * (x < 0 ? state.lam : -0.5 / Math.sqrt(x)), 1);
     }
-    this.drawCobweb();
+    this.cobweb.draw();
   }
 
   repaint() {
     this.diagram.paint();
-    if (this.state) this.drawCobweb();
+    if (this.state) this.cobweb.draw();
   }
 
   raster() {
@@ -164,61 +165,14 @@ export class GapView {
     axes.vertical(this.state.mu, theme().accent, [], 1.6);
   }
 
-  drawCobweb() {
-    const { lam, mu, l } = this.state;
-    const axes = this.cobweb;
-    const seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
-    let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, -0.02), high = Math.max(mu, ...seen, 0.02);
-    const room = 0.08 * (high - low);
-    low -= room;
-    high += room;
-    axes.span(low, high, low, high);
-    const c = axes.begin();
-    const { faint, line, ink } = theme();
-    /** @param {number[][]} points @param {string} colour @param {number} width @param {number[]} dash */
-    const path = (points, colour, width, dash = []) => {
-      c.strokeStyle = colour;
-      c.lineWidth = width;
-      c.setLineDash(dash);
-      c.beginPath();
-      points.forEach(([x, y], i) => (i ? c.lineTo(axes.x(x), axes.y(y)) : c.moveTo(axes.x(x), axes.y(y))));
-      c.stroke();
-      c.setLineDash([]);
-    };
-    const map = (/** @type {number} */ x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
-    axes.inside(() => {
-      path([[low, low], [high, high]], faint, 1, [4, 3]);
-      path([[0, low], [0, high]], line, 1);
-      path([[low, 0], [high, 0]], line, 1);
-      path([[low, lam * low + mu], [0, mu]], ink, 1.8);
-      path(Array.from({ length: 121 }, (_, i) => { const x = high * (i / 120) ** 2; return [x, map(x)]; }), ink, 1.8);
-      for (const each of [...this.classes].reverse()) {
-        const colour = periodColour(each.period);
-        /** @type {number[][]} */
-        const web = [];
-        const xs = each.points.map(([x]) => x);
-        xs.forEach((x, n) => {
-          const next = each.period > 0 ? xs[(n + 1) % xs.length] : xs[n + 1];
-          if (next !== undefined) web.push([x, x], [x, next], [next, next]);
-        });
-        path(web, colour, each.period > 0 ? 1.6 : 0.6);
-        c.fillStyle = colour;
-        if (each.period > 0) for (const x of xs) {
-          c.beginPath();
-          c.arc(axes.x(x), axes.y(map(x)), 3, 0, 7);
-          c.fill();
-        }
-      }
-    });
-    axes.frame("xₙ", "xₙ₊₁");
-  }
-
   /** What is shown, in words. */
   summary() {
     const { lam, mu, l } = this.state;
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At μ = ${mu}, λ = ${lam}, l = ${l}:` }];
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    const own = walk(this.state), letters = own.slice(0, -1).map((x) => (x < 0 ? "L" : "R")).join("");
+    if (letters) said.push({ text: `From x₀ = ${own[0]}: ${letters.length > 60 ? `…${letters.slice(-60)}` : letters}, now x = ${numeral(own[own.length - 1])}.` });
     const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);
     if (!this.windows.length) said.push({ text: "The windows of theory are known for 0 < λ < 1 and l ≥ 0." });
     else if (mu < 0) said.push({ text: "Below the graze, μ < 0: the fixed point x = μ/(1 − λ) is never hit." });

@@ -1,53 +1,81 @@
 // @ts-check
-/** What a picture with axes answers to: a click picks, dragging zooms, or moves the line of the parameter; double click and 0 zoom out; arrows move, + and - zoom. */
+/**
+ * What a picture with axes answers to. A wheel and two fingers zoom, dragging moves the picture, or the line of the
+ * parameter; with Shift it chooses a part. A click picks, a double click shows all and picks nothing. Arrows pick, + and − zoom, 0 shows all.
+ */
 import { theme } from "./colours.js";
+import { select, zoom, zoomIdentity } from "./d3.mjs";
 
 /** @typedef {import("./plot.js").Axes} Axes */
 /** @typedef {[number, number]} Pair */
+/** @typedef {() => void} Undo what takes a pick back */
 /**
  * `chosen` says what the arrows move, a number that is not finite for a direction in which nothing is chosen; `steps`,
  * in how many steps they cross the picture; `redraw` draws it with the selection.
- * @typedef {{ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => void, zoom?: (x: Pair, y: Pair) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
+ * @typedef {{ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => Undo, zoom?: (x: Pair, y: Pair) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
  */
 
-/** A drag shorter than this is a click; one flatter or narrower than `FLAT` zooms along its long side only. */
+/** A drag shorter than this is a click; one flatter or narrower than `FLAT` chooses along its long side only. */
 const CLICK = 6, FLAT = 12;
+/** Pixels beside the line at which it is taken, by a mouse and by a finger. */
+const GRIP = 9, THUMB = 22;
 
 /** @param {number} value @param {number} low @param {number} high */
 const kept = (value, low, high) => Math.min(Math.max(value, low), high);
 
 export class Gestures {
   /** @type {[number, number, number, number] | null} corners in CSS pixels */ selection = null;
-  /** @type {Pair | null} where a drag began */ #from = null;
   /** Whether the line of the parameter is dragged. */ #held = false;
+  /** Where dragging with Shift began. @type {Pair | null} */ #corner = null;
+  /** @type {Undo | undefined} */ #undo = undefined;
 
   /** @param {Axes} axes @param {Answers} answers */
   constructor(axes, answers) {
     this.axes = axes;
     this.answers = answers;
-    const { canvas } = axes;
-    canvas.addEventListener("pointerdown", (event) => {
-      if (event.button || !answers.ready()) return;
-      this.#from = this.#place(event);
-      this.#held = this.#near(event);
-      canvas.setPointerCapture(event.pointerId);
+    const { canvas } = axes, on = canvas.addEventListener.bind(canvas);
+    on("pointerdown", (event) => this.#down(event));
+    on("pointermove", (event) => this.#over(event));
+    on("pointerup", () => this.#up());
+    on("pointercancel", () => this.#leave());
+    on("click", (event) => this.#click(event));
+    on("dblclick", () => {
+      this.#undo?.();
+      this.#undo = undefined;
+      answers.zoomOut?.();
     });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!event.buttons) canvas.style.cursor = answers.ready() && this.#near(event) ? "ew-resize" : "";
-      if (this.#held && this.#from) return this.#pick(event);
-      if (!this.#from || !answers.zoom) return;
-      const to = this.#place(event), from = this.#from;
-      this.selection = Math.hypot(to[0] - from[0], to[1] - from[1]) > CLICK ? [...from, ...to] : null;
-      answers.redraw();
-    });
-    canvas.addEventListener("pointerup", (event) => this.#end(event));
-    canvas.addEventListener("pointercancel", () => {
-      this.#from = this.selection = null;
-      this.#held = false;
-      if (answers.ready()) answers.redraw();
-    });
-    canvas.addEventListener("dblclick", () => answers.zoomOut?.());
-    canvas.addEventListener("keydown", (event) => this.#key(event));
+    on("keydown", (event) => this.#key(event));
+    if (answers.zoom) this.#move();
+  }
+
+  /** Let d3 read wheels, drags and fingers; the axes, and no transform, say what is shown. */
+  #move() {
+    const { axes, answers } = this, whole = select(axes.canvas);
+    const behaviour = /** @type {import("./d3.mjs").ZoomBehavior<HTMLCanvasElement, unknown>} */ (zoom());
+    /** A scale in CSS pixels. @param {import("./d3.mjs").ScaleLinear<number, number>} scale */
+    const onScreen = (scale) => scale.copy().range(scale.range().map((end) => end * axes.zoom));
+    let [x, y] = [onScreen(axes.x), onScreen(axes.y)];
+    /** @type {Pair | null} */
+    let from = null;
+    behaviour
+      .clickDistance(CLICK)
+      // one finger scrolls the page, or drags the line
+      .filter((event) => {
+        if (event.touches?.length > 1) this.#held = false; // with a second finger the first one drags no line
+        return answers.ready() && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2);
+      })
+      .on("start", ({ sourceEvent }) => {
+        [x, y] = [onScreen(axes.x), onScreen(axes.y)];
+        from = sourceEvent instanceof MouseEvent && sourceEvent.type === "mousedown" ? [sourceEvent.clientX, sourceEvent.clientY] : null;
+      })
+      .on("zoom", ({ sourceEvent, transform }) => {
+        if (!sourceEvent) return;
+        if (from && Math.hypot(sourceEvent.clientX - from[0], sourceEvent.clientY - from[1]) <= CLICK) return; // it may be a click
+        from = null;
+        answers.zoom?.(/** @type {Pair} */ (transform.rescaleX(x).domain()), /** @type {Pair} */ (transform.rescaleY(y).domain()));
+      })
+      .on("end", ({ sourceEvent }) => sourceEvent && whole.call(behaviour.transform, zoomIdentity));
+    whole.call(behaviour).on("dblclick.zoom", null);
   }
 
   /** Draw the selection over the picture. @param {import("./svg.js").Pen} c */
@@ -61,44 +89,57 @@ export class Gestures {
     c.strokeRect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
   }
 
-  /** @param {MouseEvent} event @returns {Pair} */
-  #place(event) {
-    const { left, top } = this.axes.canvas.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
+  /** The same on the axes, in the frame. @param {Pair} place @returns {Pair} */
+  #at([x, y]) {
+    const { axes } = this;
+    return [kept(axes.atX(x), axes.x0, axes.x1), kept(axes.atY(y), axes.y0, axes.y1)];
   }
 
   /** Whether a pointer is at the line of the parameter, which stands where one is chosen across and nothing upwards. @param {PointerEvent} event */
   #near(event) {
     const [across, upwards] = this.answers.chosen?.() ?? [NaN, NaN];
-    return Number.isNaN(upwards) && Math.abs(this.axes.x(across) - this.#place(event)[0]) <= (event.pointerType === "touch" ? 22 : 9);
+    return Number.isNaN(upwards) && Math.abs(this.axes.x(across) - this.axes.place(event)[0]) <= (event.pointerType === "touch" ? THUMB : GRIP);
   }
 
   /** @param {PointerEvent} event */
-  #pick(event) {
-    const { axes, answers } = this, [x, y] = this.#place(event);
-    answers.pick?.(kept(axes.atX(x), axes.x0, axes.x1), kept(axes.atY(y), axes.y0, axes.y1));
+  #down(event) {
+    if (event.button || !event.isPrimary || !this.answers.ready()) return;
+    this.#held = this.#near(event);
+    this.#corner = event.shiftKey && this.answers.zoom ? this.axes.place(event) : null;
+    if (this.#held || this.#corner) this.axes.canvas.setPointerCapture(event.pointerId);
   }
 
   /** @param {PointerEvent} event */
-  #end(event) {
-    if (!this.#from) return;
-    const { axes, answers } = this;
-    if (this.#held) {
-      this.#held = false;
-      this.#from = null;
-      return this.#pick(event);
-    }
-    const [x, y] = this.#place(event), [fromX, fromY] = this.#from;
-    const atX = (/** @type {number} */ place) => kept(axes.atX(place), axes.x0, axes.x1);
-    const atY = (/** @type {number} */ place) => kept(axes.atY(place), axes.y0, axes.y1);
-    this.#from = null;
-    if (!this.selection) return answers.pick?.(atX(x), atY(y));
-    this.selection = null;
-    const xs = /** @type {Pair} */ ([atX(fromX), atX(x)].sort((a, b) => a - b));
-    const ys = /** @type {Pair} */ ([atY(fromY), atY(y)].sort((a, b) => a - b));
-    if (Math.abs(y - fromY) < FLAT) answers.zoom?.(xs, [axes.y0, axes.y1]);
-    else if (Math.abs(x - fromX) < FLAT) answers.zoom?.([axes.x0, axes.x1], ys);
-    else answers.zoom?.(xs, ys);
+  #over(event) {
+    const { axes, answers } = this, place = this.axes.place(event);
+    if (!event.buttons) axes.canvas.style.cursor = answers.ready() && this.#near(event) ? "ew-resize" : "";
+    if (this.#corner) {
+      const [x, y] = this.#corner;
+      this.selection = Math.hypot(place[0] - x, place[1] - y) > CLICK ? [x, y, ...place] : null;
+      answers.redraw();
+    } else if (this.#held && event.buttons) answers.pick?.(...this.#at(place));
+  }
+
+  #up() {
+    const { axes, answers, selection } = this;
+    this.#leave();
+    if (!selection) return;
+    const [x0, y0, x1, y1] = selection, [a, b] = [this.#at([x0, y0]), this.#at([x1, y1])];
+    const ends = (/** @type {0 | 1} */ i) => /** @type {Pair} */ ([a[i], b[i]].sort((p, q) => p - q));
+    answers.zoom?.(Math.abs(x1 - x0) < FLAT ? [axes.x0, axes.x1] : ends(0), Math.abs(y1 - y0) < FLAT ? [axes.y0, axes.y1] : ends(1));
+  }
+
+  #leave() {
+    const seen = this.selection;
+    this.#corner = this.selection = null;
+    if (seen && this.answers.ready()) this.answers.redraw();
+    setTimeout(() => (this.#held = false)); // the click of this gesture comes next
+  }
+
+  /** @param {MouseEvent} event */
+  #click(event) {
+    if (event.detail > 1 || event.shiftKey || this.#held || !this.answers.ready()) return;
+    this.#undo = this.answers.pick?.(...this.#at(this.axes.place(event)));
   }
 
   /** @param {KeyboardEvent} event */

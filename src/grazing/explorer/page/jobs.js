@@ -250,4 +250,39 @@ function described({ points, letters }, { period, begin, length }, starts, keep,
   return { period: N, word: written(word), point: turns[0] };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins, found };
+/**
+ * Launch balls at many angles and speeds: the drain through which each leaves, and its impacts.
+ * @param {Machine} machine
+ * @param {{block: Floats, x: number, y: number, most: number, angle: Floats, speed: Floats}} job
+ */
+export function exits(machine, job) {
+  const { ways, hits } = machine.call("fan", { numbers: job.block.length, angles: job.angle.length, speeds: job.speed.length, ...job }, ["ways", "hits"]);
+  return { ways: Int32Array.from(ways, Number), hits: Int32Array.from(hits, Number) };
+}
+
+/**
+ * A ball that is carried along the values of a parameter, and one that is carried back: `keep` positions at each value, on the way up
+ * and on the way down. Each way begins with a random start; where an orbit ends, another one begins.
+ * @param {Machine} machine
+ * @param {{row: Floats, which: number, values: Floats, seed: number, transient: number, keep: number}} job
+ */
+export function sweep(machine, { row, which, values, seed, transient, keep }) {
+  const rows = rowsOf(row, which, values), all = drawn(machine, rows, values, 1, seed), width = row.length, wall = machine.fields.indexOf("sigma");
+  const way = (/** @type {number[]} */ order) => {
+    const found = new Float64Array(values.length * keep).fill(NaN);
+    let lanes = Float64Array.of(NaN, NaN);
+    for (const q of order) {
+      const at = rows.subarray(q * width, (q + 1) * width);
+      if (!lanes.every(Number.isFinite)) lanes = all.slice(2 * q, 2 * q + 2);
+      lanes[0] = Math.max(lanes[0], at[wall]);
+      const { points } = machine.call("orbits", { columns: 1, starts: 1, keep, rows: at, lanes, transient }, ["points"]);
+      for (let n = 0; n < keep; n++) found[q * keep + n] = points[2 * n];
+      lanes = points.slice(-2);
+    }
+    return found;
+  };
+  const order = Array.from(values, (_, q) => q);
+  return { up: way(order), down: way([...order].reverse()) };
+}
+
+export const JOBS = { raster, periods, extent, chart, basins, found, sweep, exits };

@@ -3,11 +3,10 @@
 import { Here } from "./here.js";
 import { Machine } from "./machine.js";
 import { Pool } from "./pool.js";
+import { addressOf } from "./where.js";
 
 /** @typedef {Record<string, Machine>} Machines */
 /** @typedef {{problem: (text: string, about: string) => void, again: () => void}} Told what the page is told: a problem, and that all must be computed again */
-
-const KERNELS = new URL("../kernels/", import.meta.url);
 
 /** The workers or, where the browser starts none, the page in their place, which is said. @param {Machines} machines @param {Told} told */
 function workers(machines, { problem, again }) {
@@ -40,10 +39,13 @@ function workers(machines, { problem, again }) {
   return /** @type {Pool} */ (/** @type {unknown} */ (jobs));
 }
 
-/** Fetch the kernels and start them, here and in the workers; what cannot be had is said. @param {Told} told */
-export async function load(told) {
+/** What is not there without a module. @type {Record<string, string>} */
+const WITHOUT = { gap: "The gap map is", oscillator: "The oscillator and the ball are", table: "The table is" };
+
+/** Fetch modules and start them, here and in the workers; what cannot be had is said. @param {Told} told @param {string[]} wanted */
+export async function load(told, wanted = ["gap", "oscillator"]) {
   const { problem } = told;
-  const answer = await fetch(new URL("kernels.json", KERNELS));
+  const answer = await fetch(addressOf("kernels/kernels.json"));
   if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
   /** @type {import("./machine.js").Kernels} */
   const described = await answer.json();
@@ -55,15 +57,15 @@ export async function load(told) {
   }
   const pool = workers(machines, told);
   await Promise.all(
-    Object.entries(described.modules).map(async ([name, each]) => {
+    Object.entries(described.modules).filter(([name]) => wanted.includes(name)).map(async ([name, each]) => {
       try {
-        const file = await fetch(new URL(each.file, KERNELS));
+        const file = await fetch(addressOf(`kernels/${each.file}`));
         if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
         const module = await WebAssembly.compile(await file.arrayBuffer());
         machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
         pool.add(name, module, each);
       } catch (error) {
-        problem(`The module ${each.file} could not be loaded (${error instanceof Error ? error.message : error}). ${name === "gap" ? "The gap map is" : "The oscillator and the ball are"} not available; everything else works.`, name);
+        problem(`The module ${each.file} could not be loaded (${error instanceof Error ? error.message : error}). ${WITHOUT[name]} not available; everything else works.`, name);
       }
     }),
   );

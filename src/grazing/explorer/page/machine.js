@@ -17,6 +17,8 @@
  * The arrays of the kernels by their names, which have the same kind in all functions.
  * @typedef {{
  *   boxes: Floats, lanes: Floats, corners: Floats, points: Floats, table: Floats, state: Floats, legs: Floats, u: Floats, v: Floats,
+ *   block: Floats, now: Floats, flights: Floats, balls: Floats, places: Floats, motion: Floats, angle: Floats, speed: Floats, times: Floats,
+ *   ways: BigInt64Array<ArrayBuffer>, hits: BigInt64Array<ArrayBuffer>, said: BigInt64Array<ArrayBuffer>,
  *   heights: Floats, numbers: Floats, counts: Whole, ended: Whole, ambiguous: Whole, letters: Whole, outcomes: Whole,
  *   period: Whole, begin: Whole, length: Whole, count: Whole, first: Whole, label: Whole, key: BigInt64Array<ArrayBuffer>,
  * }} Arrays
@@ -42,6 +44,11 @@ export class Machine {
     this.functions = new Map(described.functions.map((each) => [each.name, each]));
   }
 
+  /** Where the first array of a call lies. */
+  get first() {
+    return Math.ceil(this.exports.__heap_base.value / 64) * 64;
+  }
+
   /**
    * Call a function. `given` holds sizes, numbers and the arrays that are read; arrays left out begin with zeros.
    * Returns copies of the arrays named in `wanted`, and `result`.
@@ -54,7 +61,7 @@ export class Machine {
   call(name, given, wanted = []) {
     const called = this.functions.get(name);
     if (!called) throw new RangeError(`the module has no function ${name}`);
-    let free = this.exports.__heap_base.value;
+    let free = this.first;
     /** @type {(number | Numbers)[]} */
     const values = called.sizes.map((size) => given[size]);
     const places = [];

@@ -3,15 +3,17 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { plainSymbol } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
 import { load } from "./load.js";
+import { panel } from "./panel.js";
 import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
-import { DEFAULTS, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
+import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
+import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
 import { TOUR } from "./tour.js";
@@ -21,7 +23,7 @@ import { TOUR } from "./tour.js";
 /** @typedef {import("./controls.js").Control} Control */
 /**
  * What the page asks of a view; `record` puts what has moved since into the state.
- * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, lead?: () => string[], summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
+ * @typedef {{show: (state: State) => void, repaint: () => void, raster: () => Record<string, any>, lead?: () => {headline: string, said: import("./state.js").Line[]}, summary: () => import("./state.js").Line[], panels: () => import("./svg.js").Panel[], record?: () => void, key?: string, diagram?: import("./diagram.js").Diagram}} View
  */
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -35,9 +37,11 @@ const controls = {};
 const problems = new Map();
 /** @type {import("./state.js").Fields} */
 const fields = {};
-let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, failed = false;
+let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, stepped = false, failed = false;
 /** @type {import("./pool.js").Pool | null} */
 let pool = null;
+/** What makes another scene. */
+const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
 const REST = 150;
 /** A part of a state by its name. @param {State} of @param {string} key */
@@ -63,10 +67,10 @@ function problem(text, about = "input") {
 /** What is on screen: the view, and in charts what is charted. */
 const scene = () => (state.view === "chart" ? `chart-${state.chart}` : state.view);
 
-/** Change parts of the state; null for an axis shows all of it. @param {object} given */
+/** Change parts of the state; null for an axis shows all of it. Returns what takes that back. @param {object} given */
 function change(given) {
   /** @type {Record<string, any>} */
-  const next = { ...given };
+  const next = { ...given }, before = structuredClone(state);
   if ("vary" in next && !next.reach) Object.assign(next, { reach: wholeOf("reach", next.vary), window: null });
   if ("second" in next && !next.heights) next.heights = wholeOf("heights", next.second);
   if ("coordinate" in next) next.window = null;
@@ -86,11 +90,16 @@ function change(given) {
     delete next[key];
   }
   const { vary, second } = state;
+  if (SCENE.some((key) => key in next && next[key] !== part(state, key))) leave();
   Object.assign(state, next);
   mended(state, fields);
   if (state.vary !== vary) home.reach = wholeOf("reach", state.vary);
   if (state.second !== second) home.heights = wholeOf("heights", state.second);
   refresh();
+  return () => {
+    Object.assign(state, before);
+    refresh();
+  };
 }
 
 /** @param {Pair} ends @returns {Pair} */
@@ -142,6 +151,7 @@ function render() {
   controls.window.name?.(state.coordinate);
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
+  for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   const step = TOUR[state.tour - 1], focused = document.activeElement;
   const left = !step && $("guide").contains(focused);
   $("guide").hidden = !step;
@@ -179,7 +189,14 @@ function render() {
 function address() {
   clearTimeout(linking);
   const link = toFragment(state);
-  if (link !== location.hash) history.replaceState(null, "", link);
+  if (link !== location.hash) history[stepped ? "pushState" : "replaceState"](null, "", link);
+  stepped = false;
+}
+
+/** Another scene comes: the one that is left is a step of the history, to which Back leads. */
+function leave() {
+  if (location.hash) address();
+  stepped = true;
 }
 
 const same = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a) === JSON.stringify(b);
@@ -194,28 +211,33 @@ function spanSliders(diagram) {
   controls[turned].span?.(!diagram ? null : state.view === "gap" ? state.span : state.reach, diagram?.band());
 }
 
+/** A text after a chip of its colour. @param {import("./state.js").Line} line */
+function chipped({ colour, text }) {
+  if (!colour) return [text];
+  const chip = document.createElement("i");
+  chip.className = "chip";
+  chip.style.background = colour;
+  return [chip, text];
+}
+
 /** Say in words what is shown. */
 function tell() {
   const view = current();
   if (!view || failed) return;
   const made = view.summary();
   const diagram = view.diagram;
-  const [headline, lead] = view.lead?.() ?? ["", ""];
-  if (headline) $("headline").textContent = headline;
-  $("lead").textContent = lead;
+  const lead = view.lead?.();
+  if (lead) {
+    $("headline").textContent = lead.headline;
+    $("lead").replaceChildren(...lead.said.flatMap(chipped));
+  }
   spanSliders(diagram);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
   if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
   $("summary").replaceChildren(
-    ...made.map(({ colour, text }) => {
+    ...made.map((each) => {
       const line = document.createElement("p");
-      if (colour) {
-        const chip = document.createElement("i");
-        chip.className = "chip";
-        chip.style.background = colour;
-        line.append(chip);
-      }
-      line.append(text);
+      line.append(...chipped(each));
       return line;
     }),
   );
@@ -223,6 +245,7 @@ function tell() {
 
 /** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
+  leave();
   state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
   home = structuredClone(state);
   anew();
@@ -236,66 +259,7 @@ const anew = () => ball && (ball.key = undefined);
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
 function build() {
-  const own = (/** @type {string} */ name) => (/** @type {unknown} */ value) => change({ [name]: value });
-  /** @param {string[]} names @returns {[string, string][]} */
-  const named = (names) => names.map((name) => [name, name]);
-  for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
-    controls[name] = slider(fields[name], /** @type {[number, number]} */ (extent), own(name), problem);
-    $("gap-sliders").append(controls[name].box);
-  }
-  const more = document.createElement("details");
-  const title = document.createElement("summary");
-  title.textContent = "Wall, time shift and harmonics";
-  more.append(title);
-  controls.law = choice("reset law", named(["newton", "active", "triggered"]), own("law"));
-  $("oscillator-sliders").append(controls.law.box);
-  const first = ["offset", "V", "r", "omega", "alpha", "k"];
-  for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
-    controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
-    (first.includes(name) ? $("oscillator-sliders") : more).append(controls[name].box);
-  }
-  $("oscillator-sliders").append(more);
-  const picture = $("picture");
-  const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
-    controls[name] = control;
-    picture.append(control.box);
-  };
-  const axis = (/** @type {string} */ key, /** @type {string} */ symbol) => pair(symbol, (ends) => change({ [key]: ends }), problem, (text) => {
-    const { law, vary, second } = state;
-    return fromFragment(`version=1&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
-  });
-  /** @type {[string, string][]} */
-  const axes = VARIED.map((name) => [name, `${plainSymbol(fields[name])}: ${fields[name].meaning}`]);
-  put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
-  put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
-  put("line", axis("line", "u(0)"));
-  put("order", choice("local map", named(ORDERS), own("order")));
-  put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
-  put("vary", choice("axis", axes, own("vary")));
-  put("second", choice("second axis", axes, own("second")));
-  put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
-  put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems, true));
-  put("span", axis("span", "μ"));
-  put("range", axis("range", "x"));
-  put("positions", axis("positions", "u"));
-  put("velocities", axis("velocities", "v"));
-  put("gaps", axis("gaps", "l"));
-  put("reach", axis("reach", "reach"));
-  put("heights", axis("heights", "heights"));
-  put("window", axis("window", "window"));
-  put("theory", toggle("windows of theory", own("theory")));
-  put("colour", toggle("colour by period", own("colour")));
-  put("reduced", toggle("reduced diagram below", own("reduced")));
-  const finer = document.createElement("details");
-  const word = document.createElement("summary");
-  word.textContent = "Accuracy";
-  finer.append(word);
-  for (const [name, text, least] of /** @type {[string, string, number][]} */ ([["chart_columns", "columns of the chart", 2], ["chart_rows", "rows of the chart", 2], ["columns", "columns", 2], ["bins", "rows", 2], ["starts", "starts, gap map", 1], ["transient", "steps passed over", 0], ["keep", "steps counted", 1], ["flow_starts", "starts, oscillator", 1], ["flow_transient", "periods passed over", 0], ["flow_keep", "periods counted", 1], ["seed", "seed", 0]])) {
-    controls[name] = whole(name, text, least);
-    finer.append(controls[name].box);
-  }
-  put("accuracy", { box: finer, set() {} });
-
+  Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
@@ -317,6 +281,9 @@ function build() {
     problem(ball?.sound.turn(!ball.sound.on) ?? "", "sound");
     $("sound").setAttribute("aria-pressed", String(Boolean(ball?.sound.on)));
   });
+  const web = () => /** @type {GapView | undefined} */ (views.gap)?.cobweb;
+  for (const [id, by] of /** @type {[string, number][]} */ ([["web-step", 1], ["web-many", 10], ["web-none", -Infinity]])) $(id).addEventListener("click", () => web()?.step(by));
+  for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).addEventListener("click", () => change({ [name]: !state[name] }));
   $("settle").addEventListener("click", () => ball?.settle());
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
@@ -325,35 +292,15 @@ function build() {
     if (hash !== toFragment(state)) read(hash);
   });
   const again = () => (failed ? refresh() : current()?.repaint());
+  stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
-}
-
-/** A number field for a whole number. @param {string} name @param {string} text @param {number} least @returns {Control} */
-function whole(name, text, least) {
-  const made = pair(text, () => {}, problem);
-  const [, field, second] = made.box.children;
-  made.box.children[0].textContent = text;
-  second.remove();
-  const input = /** @type {HTMLInputElement} */ (field.cloneNode());
-  field.replaceWith(input);
-  input.min = String(least);
-  input.step = "1";
-  input.name = name;
-  input.setAttribute("aria-label", text);
-  made.box.append(document.createElement("span"));
-  input.addEventListener("change", () => {
-    const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
-    input.toggleAttribute("aria-invalid", why.length > 0);
-    problem(why.join("; "));
-    if (!why.length) change({ [name]: part(found, name) });
-  });
-  return { box: made.box, set: (/** @type {number} */ value) => (input.value = String(value)) };
 }
 
 /** Take the state from the link. @param {string} hash */
 function read(hash) {
   clearTimeout(linking);
+  stepped = false;
   const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);
@@ -363,6 +310,7 @@ function read(hash) {
 }
 
 async function begin() {
+  $("unread").remove();
   let loaded;
   const again = () => {
     for (const view of Object.values(views)) view.key = undefined;

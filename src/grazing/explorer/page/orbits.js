@@ -1,6 +1,7 @@
 // @ts-check
 /** The orbits that random starts settle on at one parameter value, in words, and the search for them. */
 import { found } from "./jobs.js";
+import { numeral } from "./state.js";
 
 /** @typedef {import("./jobs.js").Class} Class */
 /** @typedef {Parameters<typeof found>[1]} Asked what is searched */
@@ -74,8 +75,6 @@ export class Search {
 /** In place of the classes while they are searched. */
 export const SEARCHING = "Looking for what random starts settle on …";
 
-const fixed = (/** @type {number} */ value) => Number(value.toPrecision(7)).toString().replace("-", "−");
-
 /** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
 function impactsOf({ impacts, word, length, period }) {
   const turns = length !== period ? ` in ${length} periods` : "";
@@ -92,8 +91,8 @@ export function words(each, starts = 16) {
   if (each.period < 0) return `orbit that ended; ${share}`;
   let text = `period-${each.period} orbit${impactsOf(each)}`;
   if (each.word) text += `, word ${each.word}`;
-  if (each.multiplier !== undefined) text += `, multiplier ${fixed(each.multiplier)}`;
+  if (each.multiplier !== undefined) text += `, multiplier ${numeral(each.multiplier, 7)}`;
   text += `; ${share}`;
-  if (each.period <= 6) text += `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map(fixed).join(", ")})` : fixed(point[0]))).join(", ")}`;
+  if (each.period <= 6) text += `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each, 7)).join(", ")})` : numeral(point[0], 7))).join(", ")}`;
   return text;
 }

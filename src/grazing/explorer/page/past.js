@@ -47,6 +47,20 @@ export class Past {
     this.#forget(clock(last) - KEPT);
   }
 
+  /**
+   * Which of some orbits the ball is on: that whose word the last letters repeat, without the turn that is under way.
+   * @param {import("./jobs.js").Class[]} classes
+   */
+  heard(classes) {
+    const said = [...this.letters].sort(([a], [b]) => a - b).slice(0, -1).map(([, letter]) => String(letter));
+    return classes.find(({ period, word }) => {
+      const letters = (word.match(/\(\d+\)|./g) ?? []).map((each) => each.replace(/[()]/g, "")), size = letters.length;
+      const last = said.slice(-Math.min(2 * size, size + 4));
+      if (!(period > 0) || last.length < Math.min(2 * size, size + 4)) return false;
+      return letters.some((_, turn) => last.every((letter, i) => letter === letters[(i + turn) % size]));
+    });
+  }
+
   /** @param {number} turn */
   #forget(turn) {
     const first = this.line.findIndex((point) => point && point.turn >= turn);

@@ -1,14 +1,23 @@
 // @ts-check
 /** Axes on a canvas: places of numbers, ticks, labels. */
 import { theme } from "./colours.js";
+import { scaleLinear } from "./d3.mjs";
 import { Recorder } from "./svg.js";
 
 /** @typedef {import("./svg.js").Pen} Pen */
 
-const MARGIN = { left: 54, right: 12, top: 20, bottom: 34 };
+const MARGIN = { left: 62, right: 14, top: 24, bottom: 42, equal: false };
+/** The least that is written in a picture, in pixels, and what it is where the page is presented to a room. */
+const TEXT = 14, PRESENTED = 24;
+export const FONT = `${TEXT}px system-ui, sans-serif`;
+
+/** How much larger everything in a picture is drawn. */
+export const enlarged = () => (document.body.classList.contains("presenting") ? PRESENTED / TEXT : 1);
 
 /** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
 const ROOM = 7;
+/** Ticks at most. */
+const MOST = 100;
 
 const minus = (/** @type {string} */ text) => text.replace("-", "−");
 const raised = (/** @type {number} */ power) => [...String(power)].map((each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(each)]).join("");
@@ -18,12 +27,8 @@ const raised = (/** @type {number} */ power) => [...String(power)].map((each) =>
  * @param {number} low @param {number} high @param {number} about how many
  */
 export function scaled(low, high, about) {
-  const raw = (high - low) / Math.max(about, 1);
-  const size = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 2.5, 5, 10].map((m) => m * size).find((s) => s >= raw) ?? 10 * size;
-  const first = Math.ceil(low / step - 1e-9), last = Math.floor(high / step + 1e-9);
-  // counted from the first: beyond 2^53 a number that grows by one stays as it is
-  const values = Array.from({ length: Math.max(0, Math.min(last - first + 1, 1000)) || 0 }, (_, i) => (first + i) * step);
+  const values = scaleLinear([low, high], [0, 1]).ticks(Math.min(Math.max(about, 1), MOST));
+  const step = values.length > 1 ? values[1] - values[0] : high - low;
   const places = 1 - Math.floor(Math.log10(step));
   const texts = (/** @type {number} */ base, /** @type {number} */ power) => values.map((value) => ({
     value, text: minus(Number(((value - base) * 10 ** power).toFixed(Math.min(100, Math.max(0, places - power)))).toString()),
@@ -49,7 +54,13 @@ function beside(label, { base, power }) {
   return `${base ? `(${part})` : part} · 10${raised(power)}`;
 }
 
-/** A canvas with axes; `x` and `y` give places in CSS pixels, `atX` and `atY` go back. */
+let times = 1;
+/** Draw from now on with so many times the pixels of the screen, for a file. @param {number} factor */
+export const magnify = (factor) => (times = factor);
+/** Pixels of a bitmap in one of CSS. */
+export const resolution = () => (window.devicePixelRatio || 1) * times;
+
+/** A canvas with axes; the scales `x` and `y` give places in pixels of the picture, `atX` and `atY` go back. */
 export class Axes {
   /** @param {HTMLElement | null} canvas @param {Partial<typeof MARGIN>} margin */
   constructor(canvas, margin = {}) {
@@ -57,9 +68,21 @@ export class Axes {
     this.margin = { ...MARGIN, ...margin };
     /** @type {Pen} nothing is seen of what is drawn where the browser gives no canvas */
     this.context = this.canvas.getContext("2d") ?? new Recorder(null);
+    /** @type {import("./d3.mjs").ScaleLinear<number, number>} */
+    this.x = scaleLinear();
+    /** @type {import("./d3.mjs").ScaleLinear<number, number>} */
+    this.y = scaleLinear();
     this.x0 = this.y0 = 0;
     this.x1 = this.y1 = 1;
     this.box = { x: 0, y: 0, w: 1, h: 1 };
+    /** CSS pixels, and those of the bitmap, in a pixel of the picture. */
+    this.zoom = this.ratio = 1;
+  }
+
+  /** Where an event is in the picture. @param {{clientX: number, clientY: number}} event @returns {[number, number]} */
+  place({ clientX, clientY }) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return [(clientX - left) / this.zoom, (clientY - top) / this.zoom];
   }
 
   /** @param {number} x0 @param {number} x1 @param {number} y0 @param {number} y1 */
@@ -68,32 +91,37 @@ export class Axes {
     this.x1 = x1;
     this.y0 = y0;
     this.y1 = y1;
+    this.x.domain([x0, x1]);
+    this.y.domain([y0, y1]);
   }
 
   /** Fit the bitmap to its place on the page and clear it. */
   begin() {
-    const ratio = window.devicePixelRatio || 1;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+    const ratio = resolution();
+    this.zoom = enlarged();
+    this.ratio = ratio * this.zoom;
+    const { clientWidth, clientHeight } = this.canvas, width = clientWidth / this.zoom, height = clientHeight / this.zoom;
+    const [w, h] = [Math.max(1, Math.round(clientWidth * ratio)), Math.max(1, Math.round(clientHeight * ratio))];
     if (this.canvas.width !== w || this.canvas.height !== h) {
       this.canvas.width = w;
       this.canvas.height = h;
     }
-    const { left, right, top, bottom } = this.margin;
+    const { left, right, top, bottom, equal } = this.margin;
     this.box = { x: left, y: top, w: Math.max(10, width - left - right), h: Math.max(10, height - top - bottom) };
+    if (equal) this.box.w = this.box.h = Math.min(this.box.w, this.box.h);
+    this.x.range([left, left + this.box.w]);
+    this.y.range([top + this.box.h, top]);
     const c = this.context;
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     c.fillStyle = theme().paper;
     c.fillRect(0, 0, width, height);
-    c.font = "12px system-ui, sans-serif";
+    c.font = FONT;
     c.lineJoin = "round";
     return c;
   }
 
-  x = (/** @type {number} */ value) => this.box.x + ((value - this.x0) / (this.x1 - this.x0)) * this.box.w;
-  y = (/** @type {number} */ value) => this.box.y + ((this.y1 - value) / (this.y1 - this.y0)) * this.box.h;
-  atX = (/** @type {number} */ place) => this.x0 + ((place - this.box.x) / this.box.w) * (this.x1 - this.x0);
-  atY = (/** @type {number} */ place) => this.y1 - ((place - this.box.y) / this.box.h) * (this.y1 - this.y0);
+  atX = (/** @type {number} */ place) => this.x.invert(place);
+  atY = (/** @type {number} */ place) => this.y.invert(place);
 
   /** Draw inside the frame only. @param {(c: Pen) => void} draw */
   inside(draw) {
@@ -135,7 +163,7 @@ export class Axes {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.textBaseline = "top";
-    const across = scaled(this.x0, this.x1, box.w / 85), upwards = scaled(this.y0, this.y1, box.h / 45);
+    const across = scaled(this.x0, this.x1, box.w / 95), upwards = scaled(this.y0, this.y1, box.h / 50);
     const edge = box.x + box.w + this.margin.right - 1;
     for (const { value, text } of across.ticks) {
       const x = this.x(value);
@@ -149,10 +177,10 @@ export class Axes {
       c.fillText(text, box.x - 8, this.y(value));
     }
     c.fillStyle = ink;
-    c.font = "italic 14px Georgia, 'Times New Roman', serif";
+    c.font = "italic 17px Georgia, 'Times New Roman', serif";
     c.textBaseline = "bottom";
     c.textAlign = "right";
-    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 33);
+    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 42);
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
@@ -161,11 +189,11 @@ export class Axes {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;
       c.fillStyle = theme().paper;
-      c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 19);
+      c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 22);
       c.globalAlpha = 1;
       c.fillStyle = ink;
       c.fillText(up, box.x + 6, box.y + 3);
     }
-    c.font = "12px system-ui, sans-serif";
+    c.font = FONT;
   }
 }

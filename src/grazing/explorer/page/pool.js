@@ -7,6 +7,7 @@
 
 import { JOBS } from "./jobs.js";
 import { Machine } from "./machine.js";
+import { startWorker } from "./where.js";
 
 /** @typedef {typeof JOBS} Jobs */
 /** @typedef {{id: number, machine: string, job: keyof Jobs, given: unknown}} Message */
@@ -45,7 +46,7 @@ export class Pool {
   }
 
   #start() {
-    const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    const worker = startWorker();
     worker.onmessage = ({ data }) => this.#done(worker, data);
     worker.onerror = (event) => {
       event.preventDefault?.();

@@ -1,17 +1,43 @@
 // @ts-check
-/** The phase portrait: the orbit that most starts settle on, the ball with what is just past, and the wall. */
+/** The phase portrait: the orbits that starts settle on, the ball with what is just past, and the wall. */
 import { theme } from "./colours.js";
 import { SAMPLES } from "./flight.js";
 
 /** Points in one stroke: longer ones take long. */
 const STROKE = 400;
 
+/** @typedef {ReturnType<typeof import("./flight.js").flown>} Flown */
+/** @typedef {{flight: Flown, colour: string, thin: boolean, name: string}} Orbit what some starts settle on */
+
+/** Stroke a flight, which leaps at the wall. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Flown} flight @param {number} wall */
+function path(axes, c, { times, u, v, hits }, wall) {
+  c.beginPath();
+  let hit = 0, open = false;
+  for (let i = 0; i < times.length; i++) {
+    while (hit < hits.length && hits[hit].t <= times[i]) {
+      if (open) c.lineTo(wall, axes.y(hits[hit].before));
+      c.moveTo(wall, axes.y(hits[hit].after));
+      hit++;
+    }
+    const place = [axes.x(u[i]), axes.y(v[i])];
+    if (open && i % STROKE === 0) {
+      c.lineTo(place[0], place[1]);
+      c.stroke();
+      c.beginPath();
+      open = false;
+    }
+    open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
+    open = true;
+  }
+  c.stroke();
+}
+
 /**
  * Draw a portrait.
  * @param {import("./plot.js").Axes} axes
- * @param {{sigma: number, attractor: ReturnType<typeof import("./flight.js").flown>, colour: string, thin: boolean, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, said: string}} scene
+ * @param {{sigma: number, orbits: Orbit[], colour: string, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, twin: number[] | null, aim: import("./sling.js").Aim | null}} scene
  */
-export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [u, v], flash, playing, said }) {
+export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], flash, playing, twin, aim }) {
   const c = axes.begin();
   const shown = theme();
   const wall = axes.x(sigma);
@@ -23,32 +49,15 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     c.moveTo(axes.box.x, axes.y(0));
     c.lineTo(axes.box.x + axes.box.w, axes.y(0));
     c.stroke();
-    c.globalAlpha = 0.4;
-    c.lineWidth = thin ? 0.7 : 1.6;
-    c.strokeStyle = colour;
-    c.beginPath();
-    let hit = 0, open = false;
-    const { times, hits } = attractor;
-    for (let i = 0; i < times.length; i++) {
-      while (hit < hits.length && hits[hit].t <= times[i]) {
-        if (open) c.lineTo(wall, axes.y(hits[hit].before));
-        c.moveTo(wall, axes.y(hits[hit].after));
-        hit++;
-      }
-      const place = [axes.x(attractor.u[i]), axes.y(attractor.v[i])];
-      if (open && i % STROKE === 0) {
-        c.lineTo(place[0], place[1]);
-        c.stroke();
-        c.beginPath();
-        open = false;
-      }
-      open ? c.lineTo(place[0], place[1]) : c.moveTo(place[0], place[1]);
-      open = true;
+    c.globalAlpha = 0.45;
+    for (const orbit of orbits) {
+      c.lineWidth = orbit.thin ? 0.7 : 1.8;
+      c.strokeStyle = orbit.colour;
+      path(axes, c, orbit.flight, wall);
     }
-    c.stroke();
     c.globalAlpha = 1;
     c.lineWidth = 2;
-    c.strokeStyle = shown.accent;
+    c.strokeStyle = colour;
     const tail = trail.slice(-1.2 * SAMPLES);
     for (let i = 1; i < tail.length; i++) {
       const from = tail[i - 1], to = tail[i];
@@ -85,13 +94,39 @@ export function portrait(axes, { sigma, attractor, colour, thin, trail, place: [
     if (age < 0.4 && playing) c.fillRect(wall - 5, axes.box.y, 5, axes.box.h);
     c.globalAlpha = 1;
   }
-  c.fillStyle = shown.accent;
+  if (aim) axes.inside(() => {
+    c.strokeStyle = shown.accent;
+    c.lineWidth = 2;
+    c.setLineDash([5, 4]);
+    path(axes, c, aim.flight, wall);
+    c.setLineDash([]);
+  });
+  c.fillStyle = aim ? shown.accent : colour;
   c.beginPath();
-  c.arc(axes.x(u), axes.y(v), 5, 0, 7);
+  c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
   c.fill();
-  c.fillStyle = shown.faint;
-  c.textAlign = "right";
-  c.textBaseline = "top";
-  c.fillText(said, axes.box.x + axes.box.w, 4);
+  if (twin && !aim) {
+    c.strokeStyle = shown.ink;
+    c.lineWidth = 1.6;
+    c.beginPath();
+    c.arc(axes.x(twin[0]), axes.y(twin[1]), 5, 0, 7);
+    c.stroke();
+  }
   axes.frame("u", "v");
+  named(axes, c, orbits);
+}
+
+/** The orbits by their names, above the picture. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Orbit[]} orbits */
+function named(axes, c, orbits) {
+  c.textAlign = "left";
+  c.textBaseline = "middle";
+  let left = axes.box.x;
+  for (const { name, colour } of orbits) {
+    if (left + 18 + c.measureText(name).width > axes.box.x + axes.box.w) break;
+    c.fillStyle = colour;
+    c.fillRect(left, axes.box.y - 14, 11, 11);
+    c.fillStyle = theme().ink;
+    c.fillText(name, left + 16, axes.box.y - 8);
+    left += 34 + c.measureText(name).width;
+  }
 }

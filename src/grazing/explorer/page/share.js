@@ -1,6 +1,7 @@
 // @ts-check
 /** What is taken along: links and programs to copy, pictures to save. */
 import { theme } from "./colours.js";
+import { magnify, resolution } from "./plot.js";
 import { toFragment } from "./state.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, python } from "./text.js";
@@ -60,7 +61,11 @@ export function save(page, kind) {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
   if (kind === "svg") return keep(new Blob([vectors(view, state)], { type: "image/svg+xml" }));
-  const canvas = canvasOf(panels(view), theme().paper);
+  magnify(Number(/** @type {HTMLSelectElement} */ (document.getElementById("times")).value));
+  view.repaint();
+  const canvas = canvasOf(panels(view), theme().paper, resolution());
+  magnify(1);
+  view.repaint();
   if (canvas) canvas.toBlob(keep);
   else keep(null);
 }

@@ -42,24 +42,25 @@ export const DEFAULTS = {
   alpha: 3, k: 1, omega: 2.2, t0: 0, offset: 0.12, cos1: 1, sin1: 0, cos2: 0, sin2: 0, cos3: 0, sin3: 0,
   sigma: 0, r: 0.8, V: 0.4, trigger: 0, law: "active", phase: 0,
   vary: "offset", reach: pair(0.05, 0.16), window: /** @type {Pair | null} */ (null), coordinate: "u", reduced: true,
+  x0: 0.05, web: 0,
   u0: 0.03, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
   chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
-  theory: true, colour: true,
+  theory: true, colour: true, twin: false, sweeps: false,
   columns: 800, bins: 600, starts: 16, transient: 500, keep: 500, flow_starts: 8, flow_transient: 120, flow_keep: 64, seed: 0,
   tour: 0,
 };
 
 /** @typedef {typeof DEFAULTS} State */
 /** @typedef {{colour?: string, text: string}} Line a line of what is shown, in words, with a chip of colour */
-/** @typedef {{change: (part: object) => void, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
+/** @typedef {{change: (part: object) => import("./gestures.js").Undo, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
 
 /** In place of what a view gets when it is shown for the first time. @returns {any} */
 export const later = () => undefined;
 
 /** @type {Record<string, Pair>} */
-const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length] };
+const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length], web: [0, 400] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
-const SWITCHES = ["reduced", "theory", "colour"];
+const SWITCHES = ["reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
 const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
@@ -249,3 +250,6 @@ export function toFragment(state) {
 export function tidy(value, width) {
   return Number(value.toFixed(Math.min(15, Math.max(0, 4 - Math.floor(Math.log10(Math.abs(width) || 1))))));
 }
+
+/** A number as text, with a true minus. @param {number} value @param {number} digits */
+export const numeral = (value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");

@@ -1,12 +1,14 @@
 // @ts-check
 /** The ball above its bumper, as the pen of a chart recorder: u over time, the word of impacts, and the force. */
 import { faded, theme } from "./colours.js";
+import { Past } from "./past.js";
 import { Axes } from "./plot.js";
+import { numeral } from "./state.js";
 
-/** @typedef {import("./past.js").Past} Past */
 /**
- * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean}} Scene
+ * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
+ * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
+ * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
@@ -16,39 +18,47 @@ const FLASH = 700;
 const FONT = "system-ui, sans-serif";
 
 export class Strip {
+  /** Where the ball was drawn last, in CSS pixels. */ ball = [0, 0];
+
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
     this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30, bottom: WORD + FORCE + BALL + 22 });
   }
 
-  /** @param {Scene} scene */
-  draw(scene) {
-    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme();
-    const turns = Math.max(2, Math.min(8, box.w / TURN));
-    axes.span(scene.turn - turns, scene.turn, scene.sigma, Math.max(scene.top, scene.u));
+  /** @param {Scene} given */
+  draw(given) {
+    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
+    const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
+    const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
+    axes.span(last - turns, last, scene.sigma, Math.max(scene.top, scene.u));
     const width = box.w + RIGHT, floor = box.y + box.h + BALL;
-    this.#turns(c, scene, floor);
+    if (!aim) this.#turns(c, scene, floor);
     this.#bumper(c, scene, width, floor);
     this.#marks(c, scene);
+    if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
     this.#line(c, scene);
     this.#force(c, scene, floor + WORD);
+    if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
+    if (scene.twin && !aim) this.#twin(c, scene.twin);
     c.font = `15px ${FONT}`;
     c.fillStyle = shown.faint;
     c.textAlign = "left";
     c.textBaseline = "top";
     c.fillText("height u", 14, 9);
+    c.textAlign = "right";
+    c.fillText(aim ? `begins at u = ${numeral(aim.u, 3)}, v = ${numeral(aim.v, 3)}` : scene.said, width - 12, 9);
   }
 
   /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */
-  #turns(c, { past, turn, section }, floor) {
+  #turns(c, { past, turn, section, colour }, floor) {
     const { axes } = this, shown = theme();
     for (let n = Math.floor(axes.x0 - section); n <= Math.floor(turn - section); n++) {
       const x = axes.x(n + section), middle = Math.min(axes.x(n + section + 0.5), axes.x(turn)), letter = past.letters.get(n);
       c.fillStyle = shown.line;
       if (x >= 0) c.fillRect(x, axes.box.y, 1, floor - axes.box.y);
       if (letter === undefined || middle < 12) continue;
-      c.fillStyle = letter === 0 ? shown.faint : shown.graze;
+      c.fillStyle = letter === 0 ? shown.faint : colour;
       c.font = `700 ${letter === 0 ? 24 : 28}px ui-monospace, Menlo, Consolas, monospace`;
       c.textAlign = "center";
       c.textBaseline = "middle";
@@ -57,13 +67,13 @@ export class Strip {
   }
 
   /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor */
-  #bumper(c, { past, live }, width, floor) {
+  #bumper(c, { past, turn, live }, width, floor) {
     const { axes } = this, shown = theme();
     c.fillStyle = shown.faint;
     c.fillRect(0, floor, width, 7);
     const last = past.marks.at(-1), age = last ? (performance.now() - last.at) / FLASH : 2;
     c.fillStyle = faded(shown.graze, live ? Math.max(0.35, 1 - age) : 0.35);
-    c.fillRect(axes.x(axes.x1) - 52, floor, 104, 7);
+    c.fillRect(axes.x(turn) - 52, floor, 104, 7);
     c.fillStyle = shown.graze;
     c.font = `15px ${FONT}`;
     c.textAlign = "right";
@@ -72,9 +82,9 @@ export class Strip {
   }
 
   /** The curve, fainter the longer ago. @param {import("./svg.js").Pen} c @param {Scene} scene */
-  #line(c, { past, turn, colour }) {
+  #line(c, { past, turn, colour }, width = 3) {
     const { axes } = this;
-    c.lineWidth = 3;
+    c.lineWidth = width;
     const { line } = past, span = axes.x1 - axes.x0, first = line.findIndex((point) => point && point.turn >= axes.x0);
     if (first < 0) return;
     /** @type {typeof line[number]} */
@@ -151,9 +161,43 @@ export class Strip {
     c.stroke();
   }
 
+  /** The flight that is foreseen, and where it begins. @param {import("./svg.js").Pen} c @param {Scene} scene @param {import("./sling.js").Aim} aim */
+  #ahead(c, { turn, T, sigma, colour }, { flight }) {
+    const { axes } = this, { times, hits } = flight, floor = axes.y(sigma);
+    c.strokeStyle = colour;
+    c.lineWidth = 2.5;
+    c.setLineDash([7, 5]);
+    c.beginPath();
+    let hit = 0;
+    for (let i = 0; i < times.length; i++) {
+      while (hit < hits.length && hits[hit].t <= times[i]) c.lineTo(axes.x(turn + hits[hit++].t / T), floor);
+      const [x, y] = [axes.x(turn + times[i] / T), axes.y(flight.u[i])];
+      i ? c.lineTo(x, y) : c.moveTo(x, y);
+    }
+    c.stroke();
+    c.setLineDash([]);
+    c.fillStyle = theme().graze;
+    for (const { t } of hits) {
+      c.beginPath();
+      c.arc(axes.x(turn + t / T), floor + BALL - 1, 5, 0, 7);
+      c.fill();
+    }
+  }
+
+  /** @param {import("./svg.js").Pen} c @param {import("./twin.js").Twin} twin */
+  #twin(c, { place, flight, clock }) {
+    if (!flight) return;
+    c.strokeStyle = theme().ink;
+    c.lineWidth = 2.5;
+    c.beginPath();
+    c.arc(this.axes.x(clock(flight.now)), this.axes.y(place[0]), BALL - 1, 0, 7);
+    c.stroke();
+  }
+
   /** @param {import("./svg.js").Pen} c @param {Scene} scene */
   #ball(c, { turn, u, colour }) {
     const { axes } = this, x = axes.x(turn), y = axes.y(u);
+    this.ball = [x, y];
     c.fillStyle = colour;
     c.beginPath();
     c.arc(x, y, BALL, 0, 7);

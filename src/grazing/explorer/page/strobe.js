@@ -5,7 +5,7 @@ import { rowOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { CHATTER, linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
-import { ORDERS } from "./state.js";
+import { ORDERS, numeral } from "./state.js";
 import { drawZeroTime, zeroTime } from "./zdm.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -16,7 +16,6 @@ const SAMPLES = 600;
 /** @typedef {{u: Floats, v: Floats, letters: Int32Array}} Images after one period, and impacts in it */
 /** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number}} Jump first start beyond a change of letter */
 
-const number = (/** @type {number} */ value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 const impacts = (/** @type {number} */ letter) => (letter < 0 ? (letter === CHATTER ? "completed chatter" : "rest on the wall") : `${letter} impact${letter === 1 ? "" : "s"}`);
 
 export class StrobeView {
@@ -25,7 +24,7 @@ export class StrobeView {
   /** The parameters, with the order of the discontinuity map. */
   rows = new Float64Array(0);
 
-  /** @param {Machine} machine @param {{change: (part: object) => void}} events */
+  /** @param {Machine} machine @param {Pick<import("./state.js").Events, "change">} events */
   constructor(machine, { change }) {
     this.machine = machine;
     this.axes = new Axes(document.getElementById("strobe"));
@@ -178,7 +177,7 @@ export class StrobeView {
   /** Why the zero-time map of the start moves nothing. */
   #still() {
     const { u0, v0, sigma } = /** @type {State} */ (this.state);
-    if (u0 < sigma) return [`u(0) = ${number(u0)} lies behind the wall at ${number(sigma)}:`, "there is no zero-time map of it."];
+    if (u0 < sigma) return [`u(0) = ${numeral(u0)} lies behind the wall at ${numeral(sigma)}:`, "there is no zero-time map of it."];
     return ["The zero-time map of this start is the identity:", v0 < 0 ? "at constant acceleration the ball turns before the wall." : "the ball does not move towards the wall."];
   }
 
@@ -189,7 +188,13 @@ export class StrobeView {
     c.fillStyle = theme().faint;
     c.textAlign = "center";
     c.textBaseline = "middle";
-    this.#still().forEach((line, i) => c.fillText(line, zero.canvas.clientWidth / 2, zero.canvas.clientHeight / 2 + 18 * i - 9));
+    const width = zero.canvas.clientWidth / zero.zoom;
+    let lines = [""];
+    for (const word of this.#still().join(" ").split(" ")) {
+      const longer = `${lines[lines.length - 1]} ${word}`.trim();
+      lines = c.measureText(longer).width > width - 24 ? [...lines, word] : [...lines.slice(0, -1), longer];
+    }
+    lines.forEach((line, i) => c.fillText(line, width / 2, zero.box.y + zero.box.h / 2 + 20 * (i - lines.length / 2)));
   }
 
   raster() {
@@ -199,18 +204,18 @@ export class StrobeView {
   summary() {
     const { u, full, local, jumps, four } = this, state = /** @type {State} */ (this.state);
     if (!full || !local || !jumps) return [];
-    const said = [{ text: `One period of the forcing from u(0) between ${number(u[0])} and ${number(u[SAMPLES - 1])}, v(0) = ${number(state.v0)}.` }];
+    const said = [{ text: `One period of the forcing from u(0) between ${numeral(u[0])} and ${numeral(u[SAMPLES - 1])}, v(0) = ${numeral(state.v0)}.` }];
     for (const { map, at, below, above } of jumps) {
-      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${number(at, 10)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
-      else said.push({ text: `The discontinuity map jumps at u(0) = ${number(at, 10)}.` });
+      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${numeral(at, 10)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
+      else said.push({ text: `The discontinuity map jumps at u(0) = ${numeral(at, 10)}.` });
     }
     if (!jumps.some(({ map }) => map === "orbits")) said.push({ text: `No graze of the oscillator on this line: ${impacts(full.letters[0])} everywhere.` });
     const differ = Array.from(full.u, (value, i) => Math.abs(value - local.u[i]));
     const most = differ.reduce((best, value, i) => (value > differ[best] ? i : best), 0);
-    said.push({ text: `The positions after a period differ most at u(0) = ${number(u[most])}, by ${number(differ[most])}.` });
-    if (four) said.push({ text: `Zero-time map at u(0) = ${number(state.u0)}: δ = ${number(four.delta)}, acceleration A = ${number(four.acceleration)}; ${four.points.map(([U, V], i) => `(U${"₀₁₂₃"[i]}, V${"₀₁₂₃"[i]}) = (${number(U)}, ${number(V)})`).join(", ")}.` });
+    said.push({ text: `The positions after a period differ most at u(0) = ${numeral(u[most])}, by ${numeral(differ[most])}.` });
+    if (four) said.push({ text: `Zero-time map at u(0) = ${numeral(state.u0)}: δ = ${numeral(four.delta)}, acceleration A = ${numeral(four.acceleration)}; ${four.points.map(([U, V], i) => `(U${"₀₁₂₃"[i]}, V${"₀₁₂₃"[i]}) = (${numeral(U)}, ${numeral(V)})`).join(", ")}.` });
     else if (state.u0 < state.sigma) said.push({ text: this.#still().join(" ") });
-    else said.push({ text: `From u(0) = ${number(state.u0)}: ${this.#still().join(" ").replace("The", "the")}` });
+    else said.push({ text: `From u(0) = ${numeral(state.u0)}: ${this.#still().join(" ").replace("The", "the")}` });
     return said;
   }
 }

@@ -5,7 +5,7 @@
  * The part of a canvas that the page draws with. Views draw on a pen, so what they draw can be recorded.
  * @typedef {Pick<CanvasRenderingContext2D, "fillStyle" | "strokeStyle" | "lineWidth" | "lineJoin" | "globalAlpha" | "font" | "textAlign" | "textBaseline" | "imageSmoothingEnabled" | "setTransform" | "save" | "restore" | "beginPath" | "moveTo" | "lineTo" | "rect" | "arc" | "clip" | "stroke" | "fill" | "fillRect" | "strokeRect" | "fillText" | "setLineDash" | "drawImage" | "measureText">} Pen
  */
-/** @typedef {{canvas: HTMLCanvasElement, context: Pen}} Sheet a canvas and what is drawn with on it */
+/** @typedef {{canvas: HTMLCanvasElement, context: Pen, zoom?: number}} Sheet a canvas, what is drawn with on it, and how much it is enlarged */
 /** @typedef {{sheet: Sheet, draw: () => void}} Panel a sheet and how its picture is drawn once more */
 
 const SIGNS = /** @type {Record<string, string>} */ ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" });
@@ -230,20 +230,21 @@ export function svgOf(panels, { title, about, paper }) {
     } finally {
       sheet.context = pen;
     }
-    return `<svg x="${x}" y="${y}" width="${w}" height="${h}">\n${recorder.text()}\n</svg>`;
+    const zoom = sheet.zoom ?? 1;
+    return `<svg x="${x}" y="${y}" width="${w}" height="${h}" viewBox="0 0 ${short(w / zoom)} ${short(h / zoom)}">\n${recorder.text()}\n</svg>`;
   });
   const head = `<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`;
   return `${head}\n<title>${escaped(title)}</title>\n<desc>${escaped(about)}</desc>\n<rect width="${width}" height="${height}" fill="${paper}"/>\n${parts.join("\n")}\n</svg>\n`;
 }
 
 /**
- * The pictures on screen on one canvas, in the pixels of the screen.
+ * The pictures on screen on one canvas.
  * @param {Panel[]} panels
  * @param {string} paper
+ * @param {number} ratio pixels in one of CSS, as they are drawn
  */
-export function canvasOf(panels, paper) {
+export function canvasOf(panels, paper, ratio) {
   const { places, width, height } = layout(panels);
-  const ratio = window.devicePixelRatio || 1;
   const canvas = document.createElement("canvas");
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);

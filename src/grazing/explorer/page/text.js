@@ -2,6 +2,7 @@
 /** What is shown, as a Python program and as a command: both make exactly the raster on screen. */
 import { PRESETS } from "./presets.js";
 import { DEFAULTS } from "./state.js";
+import { SWEEP } from "./sweeps.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {Record<string, any>} Raster what a view says of its picture */
@@ -40,7 +41,7 @@ const called = (/** @type {State} */ state) => calledIn(state, state.vary);
 /** Whether a state is that of a figure of the paper, whatever its colours. @param {State} state @param {string} name */
 export function isFigure(state, name) {
   const [own, wanted] = /** @type {Record<string, unknown>[]} */ ([state, { ...DEFAULTS, ...PRESETS[name].state }]);
-  return Object.keys(DEFAULTS).every((key) => ["tour", "theory", "colour"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
+  return Object.keys(DEFAULTS).every((key) => ["tour", "theory", "colour", "x0", "web", "twin", "sweeps"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
 }
 
 /** The oscillator of a state as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied @param {boolean} section whether there is one */
@@ -64,6 +65,10 @@ export function steps(state) {
 /** A Python program that computes and draws the picture. @param {State} state @param {Raster} raster */
 export function python(state, raster) {
   const head = "import numpy as np\n\nimport grazing as gz\n\n";
+  if (state.view === "ball" && state.sweeps) {
+    const name = called(state), [from, to] = state.reach, { values, transient, keep } = SWEEP;
+    return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nvalues = np.linspace(${from}, ${to}, ${values})\nfigure, panels = gz.plot.panels(174, 120, rows=2, sharex=True)\nresult = {}\nfor sweep, ax in zip(("up", "down"), panels, strict=True):\n    result[sweep] = gz.orbit_diagram(\n        P, "${name}", values, starts=1, transient=${transient}, keep=${keep}, seed=${state.seed}, sweep=sweep, arithmetic="strict"\n    )\n    gz.plot.orbit_diagram(result[sweep], ax)\ngz.plot.save(figure, "sweeps.png")\n`;
+  }
   if (state.view === "ball") {
     return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
   }
@@ -138,6 +143,11 @@ export function command(state, raster) {
   const study = ([from, to], name, coordinate) =>
     `grazing density ${name}=${from}:${to}:${state.columns} --bins ${state.bins} --coordinate ${coordinate} --range=${raster.low}:${raster.high} --starts ${starts} --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict`;
   if (state.view === "gap") return `${study(state.span, "mu", "x")} --map gap --lam ${state.lam} --l ${state.l} -o density.png`;
+  if (state.view === "ball" && state.sweeps) {
+    const name = state.vary === "offset" ? "d" : state.vary, { values, transient, keep } = SWEEP;
+    const way = (/** @type {string} */ sweep) => `grazing diagram ${name}=${state.reach.join(":")}:${values} --sweep ${sweep} --starts 1 --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict ${options(state, [state.vary])} -o ${sweep}.png`;
+    return `${way("up")}\n${way("down")}`;
+  }
   if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --start=${raster.start} --until=${raster.start + raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [], false)} -o ball.png`;
   return `${study(state.reach, state.vary === "offset" ? "d" : state.vary, state.coordinate)} ${options(state, [state.vary])} -o density.png`;
 }

@@ -22,7 +22,7 @@ export const TOUR = [
   },
   {
     title: "Windows",
-    text: "As d falls further, orbits of period 7, 6, 5, 4, 3, 2 follow one another, each with a single impact in its period: 001 means two periods of flight and one with an impact. Colours name periods. Drag towards the graze to see more of them.",
+    text: "As d falls further, orbits of period 7, 6, 5, 4, 3, 2 follow one another, each with a single impact in its period: 001 means two periods of flight and one with an impact. Colours name periods. Zoom in at the graze to see more of them.",
     state: { ...STANDARD, view: "oscillator", offset: 0.112, reduced: false },
   },
   {
@@ -47,7 +47,7 @@ export const TOUR = [
   },
   {
     title: "What is still open",
-    text: "The theory names the maximal orbits, those with one impact, and their windows. For 0 < l, between the windows, other orbits and chaos share the room that is left, and the map does not say what the oscillator does far from its graze. A real pin-ball moves in a plane, among several bumpers, with a player: that is left to those who come next. Drag into the diagram, and look.",
+    text: "The theory names the maximal orbits, those with one impact, and their windows. For 0 < l, between the windows, other orbits and chaos share the room that is left, and the map does not say what the oscillator does far from its graze. A real pin-ball moves in a plane, among several bumpers, with a player: that is left to those who come next. Zoom into the diagram, and look.",
     state: { view: "gap", lam: 0.9, l: 0.4, span: [0.05, 0.3], mu: 0.12 },
   },
 ];

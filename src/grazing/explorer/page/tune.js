@@ -1,6 +1,8 @@
 // @ts-check
 /** What starts settle on, in a visitor's words. */
 
+import { periodColour } from "./colours.js";
+
 /** @typedef {import("./jobs.js").Class} Class */
 
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
@@ -18,11 +20,11 @@ function rhythm({ period, impacts, length, word }) {
   return `it hits ${hits} ${length === 1 ? "in every push" : `in ${spelt(length)} pushes`}: ${word}`;
 }
 
-/** @param {Class[]} classes */
+/** The pieces of a sentence, each word with the colour of its period. @param {Class[]} classes @returns {import("./state.js").Line[]} */
 export function tune(classes) {
   const known = classes.filter(({ period }) => period !== 0);
-  if (!known.length) return "What becomes of it is not decided.";
-  const said = known.slice(0, 3).map((each) => rhythm(each));
-  const text = said.length > 1 ? `The start decides: ${said.join("; or ")}` : said[0];
-  return `${text[0].toUpperCase()}${text.slice(1)}.`;
+  if (!known.length) return [{ text: "What becomes of it is not decided." }];
+  const said = known.slice(0, 3).map((each) => ({ colour: periodColour(each.period), text: rhythm(each) }));
+  if (said.length === 1) return [{ ...said[0], text: `${said[0].text[0].toUpperCase()}${said[0].text.slice(1)}.` }];
+  return [{ text: "The start decides: " }, ...said.flatMap((each, i) => [...(i ? [{ text: "; or " }] : []), each]), { text: "." }];
 }

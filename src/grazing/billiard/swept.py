@@ -1,0 +1,113 @@
+"""Flippers that turn beside a ball that slides: whether one sweeps it off, and when its motion has to be looked at.
+
+The distance from what turns with omega changes by L = |v| + |omega| R per time at most, and |v| by gravity: a step with
+L s + gravity s^2 below the gap is safe.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+from grazing.billiard.elements import TOUCH, slid
+from grazing.billiard.flippers import (
+    ARM,
+    AT,
+    AT_TIP,
+    FLIPPER_WIDTH,
+    KINDS,
+    LONG,
+    OMEGA,
+    PIECE_WIDTH,
+    PIECES,
+    PX,
+    PY,
+    REACH,
+    SIZE,
+    TIP,
+)
+from grazing.billiard.hit import first_turning, rows_of
+from grazing.billiard.rows import CIRCLES, FACES, FLIPPERS, GRAVITY, SIDES, WIDTH
+from grazing.billiard.turning import begin_of, clock_of, direction_at, normal_at, piece_at
+from grazing.kernel.primitives import behind, inlined
+
+INFINITY = float("inf")
+#: Steps beside one flipper, after which what comes is not looked at.
+MOST = 100_000
+
+
+@inlined
+def flippers_of(table: Any) -> Any:
+    """Return where the rows of flippers begin."""
+    return behind(rows_of(table), WIDTH * (int(table[FACES]) + int(table[CIRCLES]) + int(table[SIDES])))
+
+
+@inlined
+def is_near(row: Any, x: float, y: float, room: float) -> Any:
+    """Say whether a flipper that ever turns may come to a ball that moves no further than ``room``."""
+    dx, dy = x - row[PX], y - row[PY]
+    return row[PIECES] > 1.0 and sqrt(dx * dx + dy * dy) <= row[REACH] + room
+
+
+def horizon(x: float, y: float, room: float, clock: float, table: Any) -> Any:
+    """Return (t, busy): when a flipper that may come to a ball begins or ends to turn, and whether one turns now."""
+    end, busy, rows = INFINITY, False, flippers_of(table)
+    for i in range(int(table[FLIPPERS])):
+        row = behind(rows, FLIPPER_WIDTH * i)
+        if not is_near(row, x, y, room):
+            continue
+        pieces, phase = behind(rows, int(row[AT])), clock_of(clock, row)
+        number, turns = piece_at(0.0, phase, row, pieces)
+        busy = busy or pieces[PIECE_WIDTH * number + OMEGA] != 0.0
+        # the time must go on, by what the clock can tell
+        end = min(end, max(begin_of(number + 1, turns, phase, row, pieces), 2.0**-50 * abs(clock)))
+    return end, busy
+
+
+def room_beside(row: Any, ux: float, uy: float, omega: float, x: float, y: float, vx: float, vy: float) -> Any:
+    """Return (h, rate, kind): the distance of the ball's centre from where it would touch sides or tip of a flipper."""
+    dx, dy = x - row[PX], y - row[PY]
+    kind = 0 if ux * dy - uy * dx >= 0.0 else 1
+    nx, ny = normal_at(kind, ux, uy, row)
+    foot, h = (1.0 - 2.0 * kind) * (ny * dx - nx * dy), nx * dx + ny * dy - row[SIZE]
+    if foot > row[LONG]:
+        kind = AT_TIP
+        ex, ey = dx - row[ARM] * ux, dy - row[ARM] * uy
+        far = sqrt(ex * ex + ey * ey)
+        nx, ny, h = ex / far, ey / far, far - row[TIP]
+    elif foot < 0.0:
+        h = sqrt(foot * foot + h * h)
+    return h, nx * (vx + omega * dy) + ny * (vy - omega * dx), kind
+
+
+def swept(
+    surface: int, x: float, y: float, vx: float, vy: float, rests: bool, end: float, clock: float, table: Any
+) -> Any:  # fmt: skip
+    """Return (t, surface): when a ball that slides on a surface, or rests there, meets a flipper that turns.
+
+    That is before ``end``; the surface is -1 for never.
+    """
+    best, met, rows, g = end, -1, flippers_of(table), table[GRAVITY]
+    for i in range(int(table[FLIPPERS])):
+        row = behind(rows, FLIPPER_WIDTH * i)
+        pieces, phase = behind(rows, int(row[AT])), clock_of(clock, row)
+        number, turns = piece_at(0.0, phase, row, pieces)
+        piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
+        omega, t, least = piece[OMEGA], 0.0, 0.0
+        if omega == 0.0:
+            continue
+        width = TOUCH * (abs(x) + abs(y) + row[REACH])
+        for _ in range(MOST):
+            fx, fy, fvx, fvy = (x, y, 0.0, 0.0) if rests else slid(surface, x, y, vx, vy, t, clock, table)
+            ux, uy, _turned = direction_at(t, begin, piece)
+            h, rate, kind = room_beside(row, ux, uy, omega, fx, fy, fvx, fvy)
+            if h <= width and rate < 0.0:
+                best, met = t, first_turning(table) + KINDS * i + kind
+                break
+            fast = sqrt(fvx * fvx + fvy * fvy) + abs(omega) * row[REACH]
+            least = 2.0 * least if h <= width else width / fast
+            h = max(h, 0.0)
+            t += max(2.0 * h / (fast + sqrt(fast * fast + 4.0 * g * h)), least, width / fast)
+            if not t < best:
+                break
+    return best, met

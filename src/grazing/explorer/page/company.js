@@ -1,0 +1,95 @@
+// @ts-check
+/** What keeps the ball company when it is asked for: the twin with the rate at which near balls part, and sweeps over the diagram. */
+import { flown } from "./flight.js";
+import { numeral } from "./state.js";
+import { Sweeps } from "./sweeps.js";
+import { Rate, Twin } from "./twin.js";
+
+/** Intervals that are named at most. */
+const NAMED = 4;
+
+export class Company {
+  rate = new Rate();
+  /** @type {Twin | null} */ twin = null;
+  /** What the rate is measured at, as text. @type {string | undefined} */ #key = undefined;
+
+  /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
+  constructor(view, pool) {
+    this.view = view;
+    this.sweeps = new Sweeps(pool, () => {
+      view.diagram.draw();
+      view.told();
+    });
+    this.told = /** @type {HTMLElement} */ (document.getElementById("rate"));
+  }
+
+  /** Take what a state asks for. @param {import("./state.js").State} state */
+  show({ twin, sweeps, vary, reach, seed }) {
+    const { view } = this;
+    if (twin !== Boolean(this.twin)) {
+      this.twin = twin ? new Twin() : null;
+      this.rate.forget();
+      if (view.flight) this.#meet();
+    }
+    if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach, seed);
+    this.#tell();
+  }
+
+  /** The ball flies on, in another way than before: what was measured is over. @param {string} key what it flies in, as text */
+  begin(key) {
+    if (key !== this.#key) this.rate.forget();
+    else this.rate.leave();
+    this.#key = key;
+    if (this.twin) this.#meet();
+    this.#tell();
+  }
+
+  /** The height of the picture. */
+  get #size() {
+    return this.view.axes.x1 - this.view.state.sigma;
+  }
+
+  #meet() {
+    const { view } = this, [u, v] = view.place;
+    this.twin?.begin(view.machine, view.model, [u, v, view.begun[2] + view.now], view.turn, this.#size);
+  }
+
+  /** The ball has moved on by a time. @param {number} time */
+  moved(time) {
+    const { view, twin } = this;
+    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.state.sigma, view.place))) this.#meet();
+  }
+
+  /** The ball has passed the section. @param {[number, number]} place */
+  passed(place) {
+    if (!this.twin) return;
+    const { machine, model } = this.view;
+    this.rate.pass(place, (u, v) => {
+      const { u: us, v: vs, cut } = flown(machine, model, u, v, 1);
+      return cut ? [NaN, NaN] : [us[us.length - 1], vs[vs.length - 1]];
+    }, model.sigma, this.#size);
+    this.#tell();
+  }
+
+  /** What sweeps show, in words. @param {string} name of the parameter @returns {import("./state.js").Line[]} */
+  said(name) {
+    const { sweeps } = this;
+    if (!this.view.state.sweeps || !sweeps.found) return [];
+    const apart = sweeps.differ().map(([from, to]) => `${numeral(from, 4)} ≤ ${name} ≤ ${numeral(to, 4)}`);
+    if (!apart.length) return [{ text: "Carried up and down, a ball is on the same orbits both ways." }];
+    const more = apart.splice(NAMED).length;
+    return [{ text: `Carried up and down, a ball is on different orbits for ${apart.join(", ")}${more ? `, and in ${more} more places` : ""}: hysteresis.` }];
+  }
+
+  #tell() {
+    this.told.textContent = this.twin ? this.rate.said() : "";
+  }
+
+  /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */
+  draw(axes, c) {
+    const { state } = this.view;
+    if (!state.sweeps) return;
+    axes.inside(() => this.sweeps.draw(axes, c));
+    this.sweeps.key(axes, c);
+  }
+}

@@ -1,0 +1,99 @@
+// @ts-check
+/** The controls of the page, in their places. */
+import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { WORDS } from "./names.js";
+import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment } from "./state.js";
+
+/** @typedef {import("./controls.js").Control} Control */
+/** What the page lends. @typedef {{fields: import("./state.js").Fields, change: (part: object) => void, problem: (text: string) => void, state: () => import("./state.js").State}} Page */
+
+const place = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/** Make the controls, by the names of what they change. @param {Page} page */
+export function panel(page) {
+  const { fields, change, problem, state } = page;
+  /** @type {Record<string, Control>} */
+  const controls = {};
+  const own = (/** @type {string} */ name) => (/** @type {unknown} */ value) => change({ [name]: value });
+  /** @param {string[]} names @returns {[string, string][]} */
+  const named = (names) => names.map((name) => [name, name]);
+  for (const [name, extent] of Object.entries(GAP_EXTENTS)) {
+    controls[name] = slider(fields[name], /** @type {[number, number]} */ (extent), own(name), problem);
+    place("gap-sliders").append(controls[name].box);
+  }
+  const more = document.createElement("details");
+  const title = document.createElement("summary");
+  title.textContent = "More settings";
+  more.append(title);
+  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"]], own("law"));
+  place("oscillator-sliders").append(controls.law.box);
+  const first = ["offset", "V", "r", "omega", "alpha", "k"];
+  for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
+    controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
+    (first.includes(name) ? place("oscillator-sliders") : more).append(controls[name].box);
+  }
+  place("oscillator-sliders").append(more);
+  const picture = place("picture");
+  const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
+    controls[name] = control;
+    picture.append(control.box);
+  };
+  const axis = (/** @type {string} */ key, /** @type {string} */ symbol) => pair(symbol, (ends) => change({ [key]: ends }), problem, (text) => {
+    const { law, vary, second } = state();
+    return fromFragment(`version=1&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
+  });
+  /** @type {[string, string][]} */
+  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);
+  put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
+  put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
+  put("line", axis("line", "u(0)"));
+  put("order", choice("local map", named(ORDERS), own("order")));
+  put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
+  put("vary", choice("axis", axes, own("vary")));
+  put("second", choice("second axis", axes, own("second")));
+  put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
+  put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems, true));
+  put("span", axis("span", "μ"));
+  put("range", axis("range", "x"));
+  put("positions", axis("positions", "u"));
+  put("velocities", axis("velocities", "v"));
+  put("gaps", axis("gaps", "l"));
+  put("reach", axis("reach", "reach"));
+  put("heights", axis("heights", "heights"));
+  put("window", axis("window", "window"));
+  put("theory", toggle("windows of theory", own("theory")));
+  put("colour", toggle("colour by period", own("colour")));
+  put("reduced", toggle("reduced diagram below", own("reduced")));
+  const finer = document.createElement("details");
+  const word = document.createElement("summary");
+  word.textContent = "Accuracy";
+  finer.append(word);
+  for (const [name, text, least] of /** @type {[string, string, number][]} */ ([["chart_columns", "columns of the chart", 2], ["chart_rows", "rows of the chart", 2], ["columns", "columns", 2], ["bins", "rows", 2], ["starts", "starts, gap map", 1], ["transient", "steps passed over", 0], ["keep", "steps counted", 1], ["flow_starts", "starts, oscillator", 1], ["flow_transient", "periods passed over", 0], ["flow_keep", "periods counted", 1], ["seed", "seed", 0]])) {
+    controls[name] = whole(name, text, least, page);
+    finer.append(controls[name].box);
+  }
+  put("accuracy", { box: finer, set() {} });
+  return controls;
+}
+
+/** A number field for a whole number. @param {string} name @param {string} text @param {number} least @param {Page} page @returns {Control} */
+function whole(name, text, least, { fields, change, problem }) {
+  const made = pair(text, () => {}, problem);
+  const [, field, second] = made.box.children;
+  made.box.children[0].textContent = text;
+  second.remove();
+  const input = /** @type {HTMLInputElement} */ (field.cloneNode());
+  field.replaceWith(input);
+  input.min = String(least);
+  input.step = "1";
+  input.name = name;
+  input.setAttribute("aria-label", text);
+  made.box.append(document.createElement("span"));
+  input.addEventListener("change", () => {
+    const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
+    input.toggleAttribute("aria-invalid", why.length > 0);
+    problem(why.join("; "));
+    if (!why.length) change({ [name]: /** @type {Record<string, any>} */ (found)[name] });
+  });
+  return { box: made.box, set: (/** @type {number} */ value) => (input.value = String(value)) };
+}

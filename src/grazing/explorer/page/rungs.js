@@ -1,0 +1,31 @@
+// @ts-check
+/** The way down from the machine to the paper: each table, and what has been taken away. */
+
+/**
+ * @typedef {{table: string, name: string, headline: string, text: string, sliders: string[]}} Rung
+ * sliders: names of parameters, those of several objects by the last part, as `*.V`
+ */
+
+/** @type {Rung[]} */
+export const RUNGS = [
+  {
+    table: "classic", name: "Pinball machine", sliders: ["*.V", "tilt"],
+    headline: "Three bumpers kick the ball. Near a graze, a hair's breadth decides.",
+    text: "Hold Space to pull the plunger, let go to launch; ← and → are the flippers. With thumbs: the halves of the table.",
+  },
+  {
+    table: "galton", name: "Galton board", sliders: ["*.r", "tilt"],
+    headline: "No bumper kicks, yet where the ball ends is decided by a hair.",
+    text: "Space drops a ball on the pins. Split it: the balls fall as a bell.",
+  },
+  {
+    table: "three_discs", name: "Three discs", sliders: ["*.r"],
+    headline: "Nothing but three discs: almost every ball leaves for good.",
+    text: "No gravity, no kick. The fine lines in the picture on the right are balls that stay long.",
+  },
+  {
+    table: "one_bumper", name: "One bumper", sliders: ["*.V", "*.r"],
+    headline: "One bumper, and gravity that brings the ball back.",
+    text: "Nearly the paper's machine: there the ball moves up and down only, and a force takes the place of gravity.",
+  },
+];

@@ -1,0 +1,421 @@
+// @ts-check
+/** The page of the pinball table: keys and buttons, the clock, words. What is computed is in played.js, by the kernels. */
+import { dark, theme } from "./colours.js";
+import { Exits } from "./exits.js";
+import { load } from "./load.js";
+import { Played } from "./played.js";
+import { Axes } from "./plot.js";
+import { RUNGS } from "./rungs.js";
+import { Sound } from "./sound.js";
+import { EXITS, TableDraw, kicks } from "./tabledraw.js";
+import { fromLink, python, toLink } from "./tablelink.js";
+import { addressOf } from "./where.js";
+
+/** @typedef {import("./played.js").State} State */
+/** @typedef {import("./played.js").Table} Table */
+
+const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+/** Seconds to pull the plunger all the way, and of a frame at most. */
+const PULL = 1.2, FRAME = 0.05;
+/** Near balls, and the angle between two of them. */
+const MANY = 100, SMALL = 1e-7;
+/** Letters of the word that are shown; how near a miss is told, as a share of the bumper's radius; seconds for which. */
+const WORD = 40, NEAR = 0.12, TOLD = 2.5;
+/** Columns of the curve of distances, in seconds of play. */
+const REMEMBERED = 12;
+
+/** @type {Record<string, Table>} */
+let tables = {};
+/** @type {Record<string, number>} */
+let layout = {};
+/** @type {import("./played.js").Bits} */
+let bits = { fatal: 0, escaped: 0, ambiguous: 0 };
+/** @type {import("./machine.js").Machine | undefined} */
+let machine;
+/** @type {Played} */
+let game;
+let rung = RUNGS[0], pulled = 0, pace = 1, paused = false, before = 0, told = 0, frame = 0, asked = 0;
+/** @type {{t: number, i: number, down: boolean}[] | null} what is replayed */
+let replaying = null;
+/** @type {{t: number, spread: number}[]} */
+let parted = [];
+/** @type {Map<number, string>} */
+let letters = new Map();
+/** @type {Exits} */
+let exits;
+const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, bottom: 34 });
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** @param {string} text */
+function problem(text) {
+  $("problem").hidden = !text;
+  $("problem").firstElementChild.textContent = text;
+}
+
+/** @param {string} text */
+function say(text, near = false) {
+  if ($("said").textContent !== text) $("said").textContent = text;
+  $("said").classList.toggle("near", near);
+  told = performance.now();
+}
+
+/** Objects that a name of a slider stands for. @param {string} name */
+const meant = (name) => (name.startsWith("*") ? game.table.params.filter((each) => each.endsWith(name.slice(1)) && kicks_or_hits(each)) : [name]);
+/** Whether a parameter is that of a disc. @param {string} name */
+const kicks_or_hits = (name) => game.table.objects.some((one) => one.kind === "disc" && name.startsWith(`${one.name}.`));
+
+/** Sliders of a rung: words, the symbol, and the ends. @type {Record<string, {words: string, low: number, high: (now: number) => number, unit: string}>} */
+const SLIDERS = {
+  "*.V": { words: "Kick of the bumpers V", low: 0, high: (now) => 2 * now || 1, unit: "" },
+  "*.r": { words: "How much speed a bounce keeps r", low: 0, high: () => 1, unit: "" },
+  tilt: { words: "Tilt of the table", low: 0.02, high: (now) => (now > 1 ? Math.PI / 2 : 0.25), unit: "°" },
+};
+
+function sliders() {
+  const form = $("controls");
+  form.replaceChildren();
+  for (const name of rung.sliders) {
+    const { words, low, high, unit } = SLIDERS[name], now = game.value(meant(name)[0]);
+    const label = document.createElement("label"), input = document.createElement("input"), shown = document.createElement("output");
+    const text = () => (unit ? `${((180 / Math.PI) * Number(input.value)).toFixed(1)}${unit}` : Number(input.value).toFixed(2));
+    Object.assign(input, { type: "range", name, min: String(low), max: String(high(now)), step: "any", value: String(now) });
+    label.append(words, shown, input);
+    shown.value = text();
+    input.addEventListener("input", () => {
+      for (const each of meant(name)) game.set(each, Number(input.value));
+      shown.value = text();
+      clearTimeout(asked);
+      asked = window.setTimeout(basins, 200);
+    });
+    form.append(label);
+  }
+  const label = document.createElement("label"), input = document.createElement("input"), shown = document.createElement("output");
+  Object.assign(input, { type: "range", name: "pace", min: "0.05", max: "1", step: "any", value: String(pace) });
+  label.append("Slow motion", shown, input);
+  const tell = () => (shown.value = pace > 0.995 ? "real time" : `${pace.toFixed(2)} of real time`);
+  input.addEventListener("input", () => {
+    pace = Number(input.value);
+    tell();
+  });
+  tell();
+  form.append(label);
+}
+
+function basins() {
+  exits.show(game).then(shares);
+}
+
+/** Say how the launches part. */
+function shares() {
+  if (!exits.shares || !exits.names) return;
+  const parts = [...exits.names, game.bits && exits.names.length ? "stays or goes away" : "goes away"].map((name, i) => {
+    const chip = document.createElement("i");
+    chip.style.setProperty("background", i < (exits.names?.length ?? 0) ? EXITS[i % EXITS.length] : theme().chaos);
+    return { chip, text: `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`, share: exits.shares?.[i] ?? 0 };
+  });
+  const most = parts.filter(({ share }) => share > 0).sort((a, b) => b.share - a.share).slice(0, 5);
+  $("shares").replaceChildren(...most.flatMap(({ chip, text }) => [chip, text]));
+}
+
+/** Show a table. @param {string} name @param {Record<string, number>} changes */
+function choose(name, changes = {}) {
+  rung = RUNGS.find((each) => each.table === name) ?? RUNGS[0];
+  for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
+  $("headline").textContent = rung.headline;
+  $("text").textContent = rung.text;
+  if (!machine) return;
+  game = new Played(machine, layout, tables[rung.table], bits);
+  for (const [key, value] of Object.entries(changes)) if (game.table.params.includes(key)) game.set(key, value);
+  const kicked = game.table.objects.map((one, j) => ({ one, j })).filter(({ one }) => one.law?.name === "triggered" || (one.kind === "disc" && (kicks(one) || rung.table === "three_discs")));
+  letters = new Map(kicked.slice(0, 26).map(({ j }, i) => [j, String.fromCharCode(65 + i)]));
+  for (const button of document.querySelectorAll("[data-press]")) /** @type {HTMLButtonElement} */ (button).hidden = !game.flippers.length;
+  drawing.clear();
+  parted = [];
+  replaying = null;
+  exits.chosen = null;
+  sliders();
+  say("");
+  basins();
+  draw();
+}
+
+/** Launch a ball. @param {State} state */
+function launch(state) {
+  game.launch(state);
+  drawing.clear();
+  parted = [];
+  paused = false;
+  if (!letters.size) $("word").textContent = "";
+  say("");
+  run();
+}
+
+/** Launch by the plunger. @param {number} share how far it was pulled, from 0 to 1 */
+function plunge(share) {
+  replaying = null;
+  const [x, y, angle] = game.table.launch, [low, high] = game.table.speeds, speed = low + share * (high - low);
+  launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);
+}
+
+/** @param {number} i @param {boolean} down */
+function press(i, down) {
+  if (!game?.alive || replaying || i >= game.flippers.length) return;
+  game.press(i, down);
+}
+
+function split() {
+  if (!game.alive) plunge(0.8);
+  game.fan(MANY, SMALL);
+  parted = [];
+}
+
+/** Do again what the player did. */
+function replay(start = game.start, presses = game.presses) {
+  const list = Object.entries(presses).flatMap(([name, times]) => times.map((t, j) => ({ t, i: game.flippers.indexOf(name), down: j % 2 === 0 })));
+  launch(start);
+  replaying = list.sort((a, b) => a.t - b.t);
+}
+
+/** Start the clock. */
+function run() {
+  if (frame) return;
+  before = performance.now();
+  frame = requestAnimationFrame(tick);
+}
+
+/** @param {number} now */
+function tick(now) {
+  frame = 0;
+  const passed = Math.min(FRAME, Math.max(0, (now - before) / 1000));
+  before = now;
+  if (pulled && now - pulled > 1000 * PULL) $("plunger").textContent = "Let go";
+  if (game.alive && !paused) step(pace * passed);
+  draw();
+  if ((game.alive && !paused) || pulled) run();
+}
+
+/** Move on by some seconds of play. @param {number} seconds */
+function step(seconds) {
+  const until = game.t + seconds, flight = game.flight.begin;
+  while (replaying?.length && replaying[0].t <= until) {
+    const next = replaying.shift();
+    if (!next) break;
+    heard(game.advance(next.t));
+    game.press(next.i, next.down, next.t);
+  }
+  heard(game.advance(until));
+  drawing.follow(game);
+  if (game.ghosts.length && (!parted.length || game.t - parted[parted.length - 1].t > 1 / 60)) {
+    parted.push({ t: game.t, spread: game.spread });
+    parted = parted.filter(({ t }) => t > game.t - REMEMBERED);
+  }
+  if (game.end) over();
+  else if (game.flight.begin === flight && !game.slides) nearMiss();
+}
+
+/** @param {import("./played.js").Hit[]} hits */
+function heard(hits) {
+  const fastest = Math.max(1e-9, game.table.speeds[1]);
+  for (const hit of hits.slice(-3)) sound.hit(Math.abs(hit.before), fastest);
+}
+
+/** Tell of a bumper that has just been missed by little: there the next ball may go another way. */
+let missed = "";
+function nearMiss() {
+  const { table } = game;
+  for (const [j, letter] of letters) {
+    const one = table.objects[j];
+    if (one.kind !== "disc" || game.hits.at(-1)?.owner === j) continue;
+    const off = game.nearest(j), key = `${game.flight.begin} ${j}`;
+    if (!(off >= 0 && off < NEAR * one.shape.radius) || key === missed) continue;
+    const [x, y, vx, vy] = game.place, g = game.block[game.layout.GRAVITY];
+    // only once it has passed: the distance grows again
+    if ((x - one.shape.x) * vx + (y - one.shape.y) * (vy - 0 * g) <= 0) continue;
+    missed = key;
+    const far = table.mm ? `${(off / table.mm).toPrecision(2)} mm` : off.toPrecision(2);
+    say(`Missed ${letter} by ${far}: here your future splits in two.`, true);
+  }
+}
+
+function over() {
+  const many = game.hits.length, hits = `${many} hit${many === 1 ? "" : "s"} in ${game.t.toFixed(2)} s`;
+  const how = game.end === "away" ? "The ball is gone for good" : game.end === "stopped" ? "The ball came to rest, or doubles could not follow it further" : `The ball left through ${game.end.replaceAll("_", " ")}`;
+  const unsure = game.unsure ? ` ${game.unsure} of them doubles could not decide for sure; Python does.` : "";
+  say(`${how}: ${hits}.${unsure} Space launches another.`);
+  replaying = null;
+}
+
+function draw() {
+  if (!machine) return;
+  const [x, y] = game.table.launch;
+  drawing.draw(game, { letters, aim: game.alive ? null : [x, y], at: before });
+  if (letters.size) {
+    const word = game.hits.map((hit) => letters.get(hit.owner) ?? "").join("").slice(-WORD);
+    if ($("word").textContent !== word) $("word").textContent = word;
+  }
+  if ($("said").classList.contains("near") && performance.now() - told > 1000 * TOLD) say("");
+  $("pause").setAttribute("aria-pressed", String(paused));
+  $("replay").disabled = !game.hits.length || game.changed;
+  spread();
+}
+
+/** The live curve of distances: on a logarithmic scale a straight line, as long as they are small. */
+function spread() {
+  const c = curve.begin(), { accent, faint } = theme();
+  const logs = parted.filter(({ spread }) => Number.isFinite(spread)).map(({ t, spread }) => [t, spread / Math.LN10]);
+  const last = logs.at(-1)?.[0] ?? 1, size = Math.log10(Math.max(game.table.box[1] - game.table.box[0], game.table.box[3] - game.table.box[2]));
+  curve.span(Math.max(0, last - REMEMBERED), Math.max(last, 1), Math.log10(SMALL) - 1, Math.ceil(size));
+  curve.frame("t", "log₁₀ of the distance");
+  if (!logs.length) {
+    c.fillStyle = faint;
+    c.textAlign = "center";
+    c.font = "15px system-ui, sans-serif";
+    c.fillText("Split the ball to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    $("parted").textContent = "";
+    return;
+  }
+  curve.inside((pen) => {
+    pen.strokeStyle = accent;
+    pen.lineWidth = 2;
+    pen.beginPath();
+    logs.forEach(([t, log], i) => (i ? pen.lineTo(curve.x(t), curve.y(log)) : pen.moveTo(curve.x(t), curve.y(log))));
+    pen.stroke();
+  });
+  const ends = [logs[0], logs[logs.length - 1]], rate = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]);
+  const factor = 10 ** (ends[1][1] - ends[0][1]);
+  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${factor.toPrecision(2)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "100 balls, turned by 1e-7 radians from one to the next.";
+}
+
+async function start() {
+  const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.message : String(error));
+  for (const each of RUNGS) {
+    const button = document.createElement("button");
+    Object.assign(button, { type: "button", textContent: each.name });
+    button.addEventListener("click", () => choose(each.table));
+    $("rungs").append(button);
+  }
+  const link = document.createElement("a");
+  Object.assign(link, { href: "index.html", textContent: "The paper's oscillator" });
+  $("rungs").append(link);
+  $("problem").lastElementChild.addEventListener("click", () => problem(""));
+  try {
+    const [{ described, machines, pool }, answer] = await Promise.all([load({ problem: (text) => problem(text), again: () => exits && basins() }, ["table"]), fetch(addressOf("kernels/tables.json"))]);
+    if (!answer.ok) throw new Error(`tables.json: ${answer.status} ${answer.statusText}`);
+    ({ tables, layout } = await answer.json());
+    const { outcomes, fatal } = /** @type {any} */ (described);
+    bits = { fatal: fatal & ~outcomes.no_impact, escaped: outcomes.escaped, ambiguous: outcomes.ambiguous };
+    machine = machines.table;
+    if (!machine || !pool) return;
+    pool.see("table");
+    exits = new Exits($("exits"), pool, (angle, speed) => {
+      const [x, y] = game.table.from;
+      replaying = null;
+      launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);
+    }, problem);
+  } catch (error) {
+    problem(`The table could not be loaded: ${why(error)}.`);
+    return;
+  }
+  listen();
+  let given = null;
+  try {
+    given = fromLink(location.hash, tables);
+  } catch (error) {
+    problem(`The link could not be read: ${why(error)}. The machine is shown instead.`);
+  }
+  choose(given?.table ?? "classic", given?.changes);
+  if (given?.start) replay(given.start, given.presses);
+  else if (!still.matches) {
+    plunge(0.83);
+    game.fan(60, SMALL);
+  }
+}
+
+function listen() {
+  /** @type {Record<string, number>} */
+  const KEYS = { ArrowLeft: 0, z: 0, Z: 0, ArrowRight: 1, m: 1, M: 1 };
+  const elsewhere = (/** @type {KeyboardEvent} */ event) => event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).tagName === "INPUT" || /** @type {HTMLElement} */ (event.target).id === "exits";
+  addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && /** @type {HTMLElement} */ (event.target).id === "exits") return exits.chosen && exits.choose(...exits.chosen);
+    if (elsewhere(event)) return;
+    const onButton = ["BUTTON", "A"].includes(/** @type {HTMLElement} */ (event.target).tagName);
+    if (event.key in KEYS) press(KEYS[event.key], true);
+    else if (event.key === " " && !onButton) {
+      if (!pulled && !event.repeat) pulled = performance.now();
+      run();
+    } else if (event.key === "p" || event.key === "P") pause();
+    else if (event.key === "g" || event.key === "G") split();
+    else return;
+    event.preventDefault();
+  });
+  addEventListener("keyup", (event) => {
+    if (event.key in KEYS) press(KEYS[event.key], false);
+    if (event.key === " " && pulled) release();
+  });
+  addEventListener("blur", () => {
+    pulled = 0;
+    for (const i of [0, 1]) press(i, false);
+  });
+  for (const button of document.querySelectorAll("[data-press]")) {
+    const i = Number(/** @type {HTMLElement} */ (button).dataset.press);
+    button.addEventListener("pointerdown", () => press(i, true));
+    for (const up of ["pointerup", "pointercancel", "pointerleave"]) button.addEventListener(up, () => press(i, false));
+  }
+  // thumbs on the table itself: the half that is touched
+  const touched = /** @type {Map<number, number>} */ (new Map()), canvas = $("table");
+  canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
+    canvas.focus();
+    if (!game.alive) return plunge(0.8);
+    const i = event.offsetX < canvas.clientWidth / 2 ? 0 : 1;
+    touched.set(event.pointerId, i);
+    press(i, true);
+  });
+  for (const up of ["pointerup", "pointercancel"]) canvas.addEventListener(up, (/** @type {PointerEvent} */ event) => {
+    const i = touched.get(event.pointerId);
+    touched.delete(event.pointerId);
+    if (i !== undefined) press(i, false);
+  });
+  $("plunger").addEventListener("pointerdown", () => {
+    pulled = performance.now();
+    run();
+  });
+  $("plunger").addEventListener("pointerup", release);
+  $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
+  $("pause").addEventListener("click", pause);
+  $("fan").addEventListener("click", split);
+  $("replay").addEventListener("click", () => replay());
+  $("sound").addEventListener("click", () => {
+    problem(sound.turn(!sound.on));
+    $("sound").setAttribute("aria-pressed", String(sound.on));
+  });
+  for (const button of document.querySelectorAll("[data-copy]")) button.addEventListener("click", async () => {
+    const what = /** @type {HTMLElement} */ (button).dataset.copy;
+    const text = what === "link" ? new URL(toLink(rung.table, game), location.href).href : python(rung.table, game);
+    try {
+      await navigator.clipboard.writeText(text);
+      $("copied").textContent = "Copied.";
+    } catch {
+      $("copied").textContent = text;
+    }
+  });
+  new ResizeObserver(() => (draw(), exits.draw())).observe(document.body);
+  dark.addEventListener("change", () => (draw(), exits.draw()));
+}
+
+function release() {
+  if (!pulled) return;
+  const share = Math.min(1, (performance.now() - pulled) / 1000 / PULL);
+  pulled = 0;
+  $("plunger").textContent = "Launch";
+  plunge(share);
+}
+
+function pause() {
+  paused = !paused;
+  if (!paused) run();
+  draw();
+}
+
+/** For tests: what is shown. */
+Object.assign(window, { pinball: { game: () => game, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, split, letters: () => [...letters.values()], parted: () => parted } });
+start();

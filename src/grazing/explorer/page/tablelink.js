@@ -1,0 +1,66 @@
+// @ts-check
+/** A game as a link and as a program: the table, what was changed on it, the launch, and what the player did. */
+
+/** @typedef {import("./played.js").Played} Played */
+/** @typedef {import("./played.js").State} State */
+/** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>}} Linked */
+
+/** Of the form of a link. */
+const VERSION = 1;
+
+/** @param {string} table @param {Played} game */
+export function toLink(table, game) {
+  const given = new URLSearchParams({ v: String(VERSION), table });
+  for (const [name, value] of Object.entries(game.changes)) given.set(name, String(value));
+  if (game.hits.length && !game.changed) {
+    given.set("start", game.start.join(","));
+    for (const [name, times] of Object.entries(game.presses)) if (times.length) given.set(`${name}.pressed`, times.join(","));
+  }
+  return `#${given}`;
+}
+
+/** @param {string} text @param {string} what */
+function numbers(text, what) {
+  const found = text.split(",").map(Number);
+  if (!text || !found.every(Number.isFinite)) throw new Error(`${what} is ${text.slice(0, 40)}, which are no numbers`);
+  return found;
+}
+
+/** @param {string} hash @param {Record<string, import("./played.js").Table>} tables @returns {Linked | null} */
+export function fromLink(hash, tables) {
+  if (hash.length < 2) return null;
+  const given = new URLSearchParams(hash.slice(1)), table = given.get("table") ?? "";
+  if (Number(given.get("v")) > VERSION) throw new Error("it was made by a newer version of the page");
+  if (!Object.hasOwn(tables, table)) throw new Error(`there is no table ${table.slice(0, 40)}`);
+  const { params, objects } = tables[table];
+  /** @type {Linked} */
+  const found = { table, changes: {}, start: null, presses: {} };
+  for (const [name, text] of given) {
+    const flipper = objects.find((one) => one.kind === "flipper" && name === `${one.name}.pressed`);
+    if (params.includes(name)) {
+      [found.changes[name]] = numbers(text, name);
+      if (name.endsWith(".r") && !(found.changes[name] >= 0 && found.changes[name] <= 1)) throw new Error(`${name} is ${text.slice(0, 40)}; it goes from 0 to 1`);
+      if (name.endsWith(".V") && !(found.changes[name] >= 0)) throw new Error(`${name} is ${text.slice(0, 40)}; it is 0 or more`);
+    } else if (name === "start") {
+      const start = numbers(text, name);
+      if (start.length !== 4) throw new Error("start needs four numbers: x, y and the velocity");
+      found.start = /** @type {State} */ (start);
+    } else if (flipper) {
+      found.presses[flipper.name] = numbers(text, name);
+      if (found.presses[flipper.name].some((t, i, all) => i > 0 && !(t > all[i - 1]))) throw new Error(`the times of ${name} do not rise`);
+    }
+  }
+  return found;
+}
+
+/** The same game in Python. @param {string} table @param {Played} game */
+export function python(table, game) {
+  const changed = Object.entries(game.changes), pressed = Object.entries(game.presses).filter(([, times]) => times.length);
+  const lines = ["import grazing as gz", "", `T = gz.read_table("${table}")`];
+  if (changed.length) lines.push(`T = T.replace(**{${changed.map(([name, value]) => `"${name}": ${value}`).join(", ")}})`);
+  if (pressed.length) {
+    lines.push("presses = gz.presses(", ...pressed.map(([name, times]) => `    ${name}=[${times.join(", ")}],`), ")", "T = gz.table(T.objects, T.rho, T.g, T.tilt, presses)");
+  }
+  lines.push(`flown = gz.trajectory(T, (${game.start.join(", ")}), until=${Math.max(game.t, 1e-3)})`, "print(flown.impact_wall.values, flown.exit.item())", "gz.plot.table(T, flown)", "");
+  return lines.join("\n");
+}

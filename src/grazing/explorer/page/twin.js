@@ -1,0 +1,104 @@
+// @ts-check
+/** A second ball that begins near the first: whether near balls part, and at what rate. */
+import { Flight } from "./flight.js";
+import { Past } from "./past.js";
+import { numeral } from "./state.js";
+
+/** @typedef {import("./flight.js").Model} Model */
+
+/** How far apart the balls begin, of the height of the picture; how far balls are that have parted, and turns for which they are then left. */
+const NEAR = 0.012, APART = 0.3, LEFT = 6;
+/** The distance at which the rate is measured, of the height of the picture: small, and far above the rounding of a turn. */
+const SMALL = 1e-7;
+/** Turns that are passed over, in which what is near turns into the direction that grows most. */
+const WARM = 3;
+
+/** The rate at which near orbits part, by one of them that is brought near again after each turn (Benettin et al., Meccanica 15 (1980) 9-20). */
+export class Rate {
+  #sum = 0;
+  #passed = 0;
+  turns = 0;
+  /** @type {[number, number] | null} the orbit nearby, at the section */ #near = null;
+
+  forget() {
+    this.#sum = this.turns = this.#passed = 0;
+    this.#near = null;
+  }
+
+  /** The ball goes on from elsewhere: the turn that is under way does not count. */
+  leave() {
+    this.#near = null;
+  }
+
+  /** Per turn of the forcing: minus infinity where orbits meet exactly, as in completed chatter. */
+  get exponent() {
+    return this.#sum / this.turns;
+  }
+
+  /**
+   * The ball has passed the section.
+   * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {number} sigma @param {number} height of the picture
+   */
+  pass([u, v], turn, sigma, height) {
+    const small = SMALL * height;
+    let [du, dv] = [small, 0];
+    if (this.#near) {
+      const [U, V] = turn(...this.#near), far = Math.hypot(U - u, V - v);
+      if (Number.isFinite(far)) {
+        if (this.#passed++ >= WARM) {
+          this.#sum += Math.log(far / this.#size);
+          this.turns++;
+        }
+        if (far > 0) [du, dv] = [((U - u) * small) / far, ((V - v) * small) / far];
+      }
+    }
+    if (u + du < sigma) [du, dv] = [-du, -dv]; // behind the wall is no state
+    this.#near = [u + du, v + dv];
+    this.#size = Math.hypot(this.#near[0] - u, this.#near[1] - v);
+  }
+
+  #size = SMALL;
+
+  /** In words. */
+  said() {
+    const { exponent, turns } = this;
+    if (!turns) return "The twin begins near the ball …";
+    const over = `over ${turns} push${turns === 1 ? "" : "es"}`;
+    if (exponent === -Infinity) return `Near balls meet exactly (λ = −∞, ${over}).`;
+    const what = Math.abs(exponent) < 0.01 ? "Near balls stay as far apart" : exponent > 0 ? "Near balls part" : "Near balls come together";
+    return `${what}: λ = ${numeral(exponent, turns < 30 ? 2 : 3)} a push, ${over}.`;
+  }
+}
+
+/** The second ball, as it is seen. */
+export class Twin {
+  /** @type {Flight | null} */ flight = null;
+  past = new Past();
+  place = [0, 0];
+  /** Turns of the forcing at a time since it began. */ clock = (/** @type {number} */ t) => t;
+  /** The height of the picture. */ height = 1;
+  #left = 0;
+
+  /**
+   * Begin near a state, at a time of the forcing.
+   * @param {import("./machine.js").Machine} machine @param {Model} model @param {import("./flight.js").Thrown} at @param {number} turn of the forcing @param {number} height of the picture
+   */
+  begin(machine, model, [u, v, time], turn, height) {
+    this.place = [u + NEAR * height, v];
+    this.flight = new Flight(machine, model, [this.place[0], v, time]);
+    this.clock = (/** @type {number} */ t) => turn + t / model.T;
+    this.height = height;
+    this.past.clear();
+    this.#left = 0;
+  }
+
+  /** Move on with the ball; whether it has been apart from it for so long that it shall begin anew. @param {number} time @param {number} T @param {number} section @param {number} sigma @param {[number, number]} ball */
+  advance(time, T, section, sigma, ball) {
+    const moved = this.flight?.advance(time, []);
+    if (!moved) return true;
+    this.past.add(moved, this.clock, section, sigma, -Infinity);
+    this.place = [moved.u[moved.u.length - 1], moved.v[moved.v.length - 1]];
+    if (this.#left || Math.abs(this.place[0] - ball[0]) > APART * this.height) this.#left += time / T;
+    return this.#left > LEFT;
+  }
+}

@@ -1,0 +1,352 @@
+"""The module of the pinball table: its flights, its flippers at a player's hands, and the exits of launches.
+
+A table travels as the block of numbers that kernels get in Python too, see :mod:`grazing.billiard.rows`, with room
+behind it for what a player does to the flippers. The page changes numbers in it, and makes none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+from grazing.billiard import flippers as rows_of_flippers
+from grazing.billiard import rows as rows_of_tables
+from grazing.billiard.contact import next_event, slid_on
+from grazing.billiard.elements import ON, slid
+from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES
+from grazing.billiard.flown import COLUMNS, record
+from grazing.billiard.hit import flown, rows_of
+from grazing.billiard.laws import law_at
+from grazing.billiard.objects import Thing
+from grazing.billiard.players import switched
+from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, PX, PY, SIDES, SIZE, WIDTH, gravity_of
+from grazing.billiard.rows import OWNER as OWNER_OF
+from grazing.billiard.table import Table
+from grazing.config.tables import LAWS, read_table, shipped
+from grazing.explorer.composed import Module
+from grazing.explorer.webassembly import Argument, Entry
+from grazing.kernel.elementary import sincos
+from grazing.kernel.primitives import behind, numbers
+from grazing.maps.launch import fan
+from grazing.oscillator.reset import Reset
+from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
+from grazing.parameter import parameter_tuple
+
+INFINITY = float("inf")
+#: Where a ball is launched on a table that ships: point, direction, and speeds; from where exits are drawn, up to which
+#: speed; what a millimetre is on it, 0 where that means nothing.
+LAUNCHES: dict[str, dict[str, Any]] = {
+    "classic": {"launch": [5.275, 0.7, pi / 2], "speeds": [12.0, 22.0], "from": [2.55, 5.6, 12.0], "mm": 0.01},
+    "galton": {"launch": [0.05, 9.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.05, 9.0, 3.0], "mm": 0.0},
+    "one_bumper": {"launch": [0.3, 4.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.3, 4.0, 3.0], "mm": 0.0},
+    "three_discs": {"launch": [3.0, 1.7, -2.6], "speeds": [1.0, 2.0], "from": [3.0, 1.7, 2.0], "mm": 0.0},
+}
+#: Of a ball that is followed: time, surface just left and state at the begin of its flight, then impacts, the object it
+#: hit last, and bits of outcomes.
+CLOCK, LEFT, X, Y, VX, VY, HITS, LAST, FLAGS, BALL = range(10)
+#: Of a motion: when a piece begins, the angle there and the angular velocity.
+MOTION = 3
+#: Numbers of a row of parameters that laws of the page may have.
+LONGEST = 3
+#: Parts of a flight at which the distance from an object is looked at, and steps that each narrow the nearest one.
+LOOKS, NARROWED = 24, 40
+NAN = float("nan")
+
+
+def pressed(block: Any, flipper: int, motion: Any, count: int, t: float, goal: float, rate: float) -> int:
+    """Turn a flipper towards an angle from t on, and return how many pieces its motion has then.
+
+    What was to come after t is dropped; the first piece of a motion is where the flipper is since ever.
+    """
+    n = count
+    while n > 1 and motion[n - 1, 0] >= t:
+        n -= 1
+    angle, there = switched(motion[n - 1, 0], motion[n - 1, 1], motion[n - 1, 2], t, goal, rate)
+    if there > t:
+        motion[n, 0], motion[n, 1], motion[n, 2] = t, angle, rate
+        n += 1
+    motion[n, 0], motion[n, 1], motion[n, 2] = max(there, t), goal, 0.0
+    n += 1
+    table = numbers(block)
+    start = WIDTH * (int(table[FACES]) + int(table[CIRCLES]) + int(table[SIDES]))
+    first = behind(rows_of(table), start)
+    row = behind(first, FLIPPER_WIDTH * flipper)
+    row[PIECES] = 1.0 * n
+    for i in range(n):
+        piece = behind(first, int(row[AT]) + PIECE_WIDTH * i)
+        s, c = sincos(motion[i, 1])
+        piece[0], piece[1], piece[2], piece[3] = motion[i, 0], c, s, motion[i, 2]
+    return n
+
+
+def placed(x: float, y: float, vx: float, vy: float, left: float, late: float, clock: float, table: Any) -> Any:
+    """Return the state of a ball some time after the begin of its flight or slide, if that lasts as long."""
+    surface = slid_on(left, clock, table)
+    if surface >= 0:
+        return slid(surface, x, y, vx, vy, late, clock, table)
+    return flown(x, y, vx, vy, table[GRAVITY], late)
+
+
+def place(block: Any, now: Any, until: float, state: Any) -> None:
+    """Write the state at a time of a ball whose flight or slide under way is known."""
+    found = placed(now[2], now[3], now[4], now[5], now[1], max(until - now[0], 0.0), now[0], numbers(block))
+    for j in range(4):
+        state[j] = found[j]
+
+
+def follow(block: Any, balls: Any, until: float, most: int, places: Any) -> None:
+    """Follow many balls to a time, each for at most so many flights and slides, and write their states there.
+
+    A ball that has left, or met what ends it, keeps the state of its end. What doubles cannot decide is decided by the
+    scalar routine, and noted in the ball's outcomes.
+    """
+    table = numbers(block)
+    for i in range(balls.shape[0]):
+        ball = balls[i]
+        said, events = int(ball[FLAGS]), 0
+        going = not said & (FATAL | ESCAPED)
+        while going:
+            (surface, owner, length, flags, left), before, after, _speeds = next_event(  # noqa: RUF059
+                ball[X], ball[Y], ball[VX], ball[VY], ball[LEFT], ball[CLOCK], table
+            )
+            if flags & FATAL and not flags & NO_IMPACT:
+                said |= flags
+                break
+            if not ball[CLOCK] + length <= until:
+                break
+            said |= flags
+            ball[CLOCK] += length
+            ball[LEFT] = left
+            if owner >= 0:
+                ball[LAST] = 1.0 * owner
+            if flags & ESCAPED:
+                ball[X], ball[Y], ball[VX], ball[VY] = before
+                going = False
+            else:
+                ball[X], ball[Y], ball[VX], ball[VY] = after
+                ball[HITS] += 1.0 if owner >= 0 else 0.0
+                events += 1
+                if events >= most:
+                    said |= TOO_MANY_IMPACTS
+                    going = False
+        ball[FLAGS] = 1.0 * said
+        late = max(until - ball[CLOCK], 0.0) if going and not said & FATAL else 0.0
+        state = placed(ball[X], ball[Y], ball[VX], ball[VY], ball[LEFT], late, ball[CLOCK], table)
+        for j in range(4):
+            places[i, j] = state[j]
+
+
+def nearest(block: Any, state: Any, length: float, owner: int) -> float:
+    """Return how near a flight of this length comes to the circles of an object, below 0 inside; by search."""
+    table = numbers(block)
+    rows, least = behind(rows_of(table), WIDTH * int(table[FACES])), INFINITY
+    for i in range(int(table[CIRCLES])):
+        row = behind(rows, WIDTH * i)
+        if int(row[OWNER_OF]) != owner:
+            continue
+        best, at = INFINITY, 0.0
+        for j in range(LOOKS + 1):
+            far = off(state, length * j / LOOKS, row, table[GRAVITY])
+            if far < best:
+                best, at = far, length * j / LOOKS
+        low, high = max(at - length / LOOKS, 0.0), min(at + length / LOOKS, length)
+        for _ in range(NARROWED):
+            third = (high - low) / 3.0
+            if off(state, low + third, row, table[GRAVITY]) < off(state, high - third, row, table[GRAVITY]):
+                high -= third
+            else:
+                low += third
+        least = min(least, off(state, 0.5 * (low + high), row, table[GRAVITY]))
+    return least
+
+
+def off(state: Any, t: float, row: Any, g: float) -> float:
+    """Return how far a ball is from a circle after a time of a flight."""
+    x, y, _vx, _vy = flown(state[0], state[1], state[2], state[3], g, t)
+    dx, dy = x - row[PX], y - row[PY]
+    return (dx * dx + dy * dy) ** 0.5 - row[SIZE]  # type: ignore[no-any-return]
+
+
+def law_entry(name: str, made: Callable[..., Reset]) -> Entry:
+    """Return the entry that says where a law lies."""
+    law = example(made)
+    kind = parameter_tuple(tuple(law.params))
+    arguments = Argument("v", "float64"), Argument("row", "float64", (LONGEST,), "its parameters")
+    return Entry(
+        f"law_{name}", law_at(law.law, kind), (), arguments, "float64", f"where the law {name} lies", addressed=True
+    )
+
+
+def example(made: Callable[..., Reset]) -> Reset:
+    """Return a reset law with whatever parameters."""
+    from inspect import signature
+
+    return made(**dict.fromkeys(signature(made).parameters, 0.5))
+
+
+def described_thing(one: Thing) -> dict[str, Any]:
+    """Return an object as the page draws it, and the names of its law's parameters."""
+    law = None if one.law is None else {"name": one.law.name, "params": list(one.law.params)}
+    return {"name": one.name, "kind": one.kind, "shape": dict(one.shape), "law": law}
+
+
+def described_table(name: str) -> dict[str, Any]:
+    """Return a table that ships as the page gets it."""
+    table: Table = read_table(name)
+    block, names = table.blocks(table.row())[0].copy(), list(table.params)
+    own = len(block) - 1 - len(names)
+    things = block[rows_of_tables.HEAD :][: rows_of_tables.THING * len(table.objects)].reshape(-1, rows_of_tables.THING)
+    things[:, [rows_of_tables.LAW, rows_of_tables.SLOPE, rows_of_tables.ROW]] = 0.0  # addresses, which are the page's
+    x, y = ([value for one in table.outlines() for value in one.points[:, axis].tolist()] for axis in (0, 1))
+    return {
+        "objects": [described_thing(one) for one in table.objects],
+        "rho": table.rho,
+        "box": [min(x), max(x), min(y), max(y)],
+        **LAUNCHES[name],
+        "block": block.tolist(),
+        "params": names,
+        "row": own,
+        "values": list(table.params.values()),
+    }
+
+
+def described_tables() -> dict[str, Any]:
+    """Return the tables that ship, and where in a block the numbers are that the page changes."""
+    return {"layout": LAYOUT, "tables": {name: described_table(name) for name in shipped()}}
+
+
+#: Numbers of a block by name, for the page.
+LAYOUT = {
+    name: getattr(rows_of_tables, name)
+    for name in ("GRAVITY", "FACES", "CIRCLES", "SIDES", "THINGS", "FLIPPERS", "HEAD", "LAW", "ROW", "OPEN", "THING",
+                 "PX", "PY", "SIZE", "OWNER", "WIDTH")
+} | {
+    **{name: getattr(rows_of_flippers, name) for name in ("PIECES", "AT", "FLIPPER_WIDTH", "PIECE_WIDTH")},
+    "ON": ON,
+}  # fmt: skip
+
+
+def table_module() -> Module:
+    """Return the module."""
+    return Module(entries(), (), ("x", "y", "vx", "vy"), None)
+
+
+def entries() -> list[Entry]:
+    """Return the functions of the module."""
+    block = Argument("block", "float64", ("numbers",), "a table, see `tables`; laws and rows by address")
+    until = Argument("until", "float64", (), "the time up to which")
+    most = Argument("most", "int64", (), "impacts of a ball at most")
+    pair = ("angles", "speeds")
+    return [
+        *(law_entry(name, made) for name, made in LAWS.items()),
+        Entry(
+            "record",
+            record,
+            ("numbers", "capacity"),
+            (
+                block,
+                Argument("now", "float64", (6,), "time, surface just left, state; moved on"),
+                Argument(
+                    "flights",
+                    "float64",
+                    ("capacity", COLUMNS),
+                    "length, surface, object, v_minus, v_plus, "
+                    "outcome; states at its begin, its end, and after the impact there; slid on, and left",
+                ),
+                until,
+            ),
+            "int64",
+            "follow the ball from impact to impact; returns how many rows were filled, negative if none follows",
+        ),
+        Entry(
+            "place",
+            place,
+            ("numbers",),
+            (
+                block,
+                Argument("now", "float64", (6,), "as `record` left it"),
+                until,
+                Argument("state", "float64", (4,), "of the ball at that time"),
+            ),
+            meaning="where the ball is",
+        ),
+        Entry(
+            "follow",
+            follow,
+            ("numbers", "many"),
+            (
+                block,
+                Argument(
+                    "balls",
+                    "float64",
+                    ("many", BALL),
+                    "time, surface just left, state, impacts, object hit last, outcome; moved on",
+                ),
+                until,
+                most,
+                Argument("places", "float64", ("many", 4), "states at that time"),
+            ),
+            meaning="follow many balls to a time",
+        ),
+        Entry(
+            "pressed",
+            pressed,
+            ("numbers", "capacity"),
+            (
+                block,
+                Argument("flipper", "int64", (), "which"),
+                Argument("motion", "float64", ("capacity", MOTION), "begin, angle and angular velocity of its pieces"),
+                Argument("pieces", "int64", (), "how many it has"),
+                Argument("t", "float64", (), "when its button is pressed or released"),
+                Argument("goal", "float64", (), "the angle to which it turns then"),
+                Argument("rate", "float64", (), "the angular velocity"),
+            ),
+            "int64",
+            "press or release the button of a flipper; returns how many pieces its motion has then",
+        ),
+        Entry(
+            "nearest",
+            nearest,
+            ("numbers",),
+            (
+                block,
+                Argument("state", "float64", (4,), "at the begin of a flight"),
+                Argument("length", "float64", (), "how long it lasts"),
+                Argument("owner", "int64", (), "the object"),
+            ),
+            "float64",
+            "how near a flight comes to the circles of an object",
+        ),
+        Entry(
+            "fan",
+            fan,
+            ("numbers", *pair),
+            (
+                block,
+                Argument("x", "float64", (), "where the ball is launched"),
+                Argument("y", "float64", (), "where the ball is launched"),
+                most,
+                Argument("angle", "float64", (pair[0],), "of the launches"),
+                Argument("speed", "float64", (pair[1],), "of the launches"),
+                *(
+                    Argument(name, kind, pair, meaning)
+                    for name, kind, meaning in (
+                        ("ways", "int64", "the drain through which each ball leaves; behind all objects, away"),
+                        ("hits", "int64", "impacts before"),
+                        ("times", "float64", "when it leaves"),
+                        ("said", "int64", "outcomes, bits"),
+                    )
+                ),
+            ),
+            meaning="launch balls at all of these angles and speeds",
+        ),
+        Entry(
+            "gravity",
+            gravity_of,
+            (),
+            (Argument("g", "float64", (), "acceleration"), Argument("tilt", "float64", (), f"up to {pi / 2:.4f}")),
+            "float64",
+            "what pulls the ball down the table",
+        ),
+    ]

@@ -1,0 +1,106 @@
+"""Which edges an orbit of the gap map leads to: a word may have up to three orbits at one mu."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grazing.orbits.orbit import Orbit
+from grazing.outcome import InputError
+from grazing.proof.gap import GapProof, certify_gap_edge
+from grazing.theory import word_orbits
+
+Floats = NDArray[np.float64]
+
+#: Halvings of the way to an edge, which ends that near to it, and most steps of one of them.
+NEARER, STEPS = 30, 64
+#: An orbit is told from others of its word if it moves by less than this part of its distance from them.
+TOLD = 0.3
+
+
+def nearest_edge(orbit: Orbit, edge: str) -> GapProof | None:
+    """Return the proof of the edge nearest in mu that an orbit of the gap map leads to, with no fold on the way.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        Of a gap map.
+    edge : {"gr", "bc", "pd", "lp"}
+
+    Returns
+    -------
+    GapProof or None
+        None where its word has no such edge, or those it has belong to other orbits of it. Of edges that are not
+        proven it is not known whose they are: if none is joined to this orbit, one of them says why.
+
+    Raises
+    ------
+    InputError
+        For an orbit that goes round its word twice: edges are those of words that repeat no shorter one.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.orbits.gap_orbits import gap_orbits
+    >>> from grazing.proof.gap_branch import nearest_edge
+    >>> (orbit,) = (one for one in gap_orbits(gz.gap_map(lam=0.9, mu=0.17, l=0.0), 3) if one.word == "LLR")
+    >>> nearest_edge(orbit, "pd").value[0] < 0.18157749077490773
+    True
+    """
+    if orbit.period != len(orbit.word):
+        raise InputError(
+            f"the orbit has period {orbit.period} and goes round {orbit.word} {orbit.period // len(orbit.word)} times; "
+            "edges are proven for orbits of words that repeat no shorter one"
+        )
+    lam, mu, l = (float(orbit.map.params[key]) for key in ("lam", "mu", "l"))
+    proofs = certify_gap_edge(orbit.word, edge, lam, l)
+    unproven = [one for one in proofs if one.value is None]
+    joined = [one for one in proofs if one.value is not None and _leads(orbit, one, edge)]
+    if not joined:
+        return unproven[0] if unproven else None
+    return min(joined, key=lambda one: abs(one.value[0] - mu) if one.value is not None else 0.0)
+
+
+def _leads(orbit: Orbit, proof: GapProof, edge: str) -> bool:
+    """Whether an orbit, followed in mu, comes to that of a proven edge; at a fold two orbits do."""
+    assert proof.document is not None and proof.value is not None
+    data, (low, high) = proof.document["data"], proof.value
+    ends = np.array([[float(x) for x in pair] for pair in data["claims"]["roots"]]).mean(axis=1)
+    lam, l = (float(orbit.map.params[key]) for key in ("lam", "l"))
+    end, mu = 0.5 * (low + high), float(orbit.map.params["mu"])
+
+    def roots(value: float) -> Floats:
+        found = [one.roots for one in word_orbits(orbit.word, lam, value, l)]
+        return np.array(found).reshape(len(found), len(ends))
+
+    least = float(orbit.points.min())
+    own = min(word_orbits(orbit.word, lam, mu, l), key=lambda one: abs(float(one.points.min()) - least))
+    s, way = np.array(own.roots), mu - end
+    for _ in range(NEARER):
+        followed = _followed(roots, s, end + way, end + 0.5 * way)
+        if followed is None:
+            return False
+        s, way = followed, 0.5 * way
+    last = roots(end + way)
+    order = np.argsort(np.abs(last - ends).max(axis=1))[: 2 if edge == "lp" else 1]
+    return any(np.array_equal(last[i], s) for i in order)
+
+
+def _followed(roots: Callable[[float], Floats], s: Floats, start: float, stop: float) -> Floats | None:
+    """Return the roots at one mu that those at another go over into; None if they end on the way, or are not told."""
+    at, step = start, stop - start
+    for _ in range(STEPS):
+        step = stop - at if abs(step) >= abs(stop - at) else step
+        here, there = roots(at), roots(at + step)
+        gaps = np.abs(here - s).max(axis=1)
+        others = gaps[gaps > 0.0]
+        moves = np.abs(there - s).max(axis=1)
+        if len(moves) and (len(others) == 0 or moves.min() <= TOLD * others.min()):
+            s, at, step = there[np.argmin(moves)], at + step, 2.0 * step
+            if at == stop:
+                return s
+        else:
+            step *= 0.5
+    return None

@@ -1,0 +1,90 @@
+"""Whether a certificate is about a given model: walls, objects, laws and values of parameters, one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from grazing.billiard.table import Table
+from grazing.maps.map import Map
+from grazing.oscillator.model import Oscillator
+from grazing.oscillator.walled import Walled
+from grazing.outcome import InputError, shown
+from grazing.proof.expression import NotAnExpression
+
+#: What certificates say of a model, and not of an orbit of it.
+PARTS = ("model", "law", "walls", "objects", "rho", "g", "tilt", "lam", "mu", "l")
+
+
+def speeds_in(data: Mapping[str, Any]) -> list[float]:
+    """Return the velocities before the impacts of a certificate, where it claims them."""
+    return [float(low) for low, _high in data.get("claims", {}).get("incoming", [])]
+
+
+def same_model(data: Mapping[str, Any], model: Any) -> None:
+    """Raise InputError unless the data of a right certificate are about a model.
+
+    A parameter that the certificate encloses may have any value.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.proof.same_model import same_model
+    >>> model = gz.pinball(d=0.12, V=0.4)
+    >>> proof = gz.certify(gz.one_impact_orbits(model, 3)[-1])
+    >>> same_model(proof.document["data"], model)
+    >>> same_model(proof.document["data"], model.replace(V=0.3))
+    Traceback (most recent call last):
+    ...
+    grazing.outcome.InputError: the certificate is right, but about another model: its law V is 0.4, here it is 0.3
+    """
+    theirs = dict(_leaves({name: data[name] for name in PARTS if name in data}))
+    ours = dict(_leaves(_described(model, data)))
+    enclosed = {"mu"} if data.get("edge") else {name for name, text in theirs.items() if text is None}
+    for name in dict.fromkeys([*theirs, *ours]):
+        if theirs.get(name) != ours.get(name) and not (name in enclosed and name in ours):
+            said, here = (_value(one.get(name)) for one in (theirs, ours))
+            raise InputError(
+                f"the certificate is right, but about another model: its {name} is {said}, here it is {here}"
+            )
+
+
+def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a certificate would say of a model."""
+    from grazing.proof.equations import Equations
+    from grazing.proof.report import described
+    from grazing.proof.table import described_table
+
+    speeds = speeds_in(data)
+    try:
+        if isinstance(model, (Oscillator, Walled)):
+            found = described(Equations(model, 0, 1, speeds=speeds), 0)
+        elif isinstance(model, Table):
+            found = described_table(model, [-v for v in speeds])
+        elif isinstance(model, Map) and model.origin.orbits is not None:
+            found = {name: float(model.params[name]).hex() for name in ("lam", "mu", "l")}
+        else:
+            raise InputError(f"model is {shown(model)}; give a gz.Oscillator, a gz.table or a gap map")
+    except NotAnExpression as error:
+        raise InputError(f"the reset law of {shown(model)} is no expression to hold against it: {error}") from None
+    return {name: found[name] for name in PARTS if name in found}
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the numbers and words in data, each with a name that says where."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{name} {key}".strip() if key not in ("model", "parameters") else name)
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            named = inner.get("name") if isinstance(inner, Mapping) else None
+            yield from _leaves(inner, f"{name} {named or i + 1}".strip())
+    else:
+        yield name, value
+
+
+def _value(text: Any) -> Any:
+    """Return a number as it is written in a sentence."""
+    if isinstance(text, str) and text.lstrip("-").startswith("0x"):
+        return repr(float.fromhex(text))
+    return "none" if text is None else text

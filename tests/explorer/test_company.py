@@ -1,0 +1,174 @@
+"""What keeps the ball company: all attractors with their shares, a twin that parts at a rate, and sweeps."""
+
+import math
+import re
+from shlex import split
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.cli.app import main
+
+BALL = "explorer.views.ball"
+CHAOTIC = "alpha=0.2&omega=2.6&offset=0.14&V=0.1"
+
+
+def faster(shown, speed=12):
+    shown.page.evaluate(f"() => {{ {BALL}.speed = {speed}; }}")
+
+
+# ---- attractors
+
+
+def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
+    shown.open(f"{address}#version=1&view=ball&offset=0.1225")
+    names, colours, flights = (
+        shown.page.evaluate(f"() => {BALL}.orbits.map(o => o.{what})")
+        for what in ("name", "colour", "flight.hits.length")
+    )
+    shares = {name.split()[0]: int(name.split()[1].partition("/")[0]) for name in names}
+    assert shares.keys() == {"001", "0001"} and sum(shares.values()) == 16 and flights == [1, 1]
+    said = shown.page.inner_text("#summary")
+    for word, share in shares.items():
+        assert re.search(rf"word {word}[;,].*\b{share} of 16 starts", said)
+    # the same colours in the sentence, in the words below and in the portrait
+    lead, below = (
+        shown.page.evaluate(f"() => [...document.querySelectorAll('{where} i.chip')].map(i => i.style.backgroundColor)")
+        for where in ("#lead", "#summary")
+    )
+    rgb = [f"rgb({', '.join(str(int(c[i : i + 2], 16)) for i in (1, 3, 5))})" for c in colours]
+    assert lead == below == rgb
+    painted = shown.page.evaluate(
+        """() => {
+          const canvas = document.getElementById("phase"), c = canvas.getContext("2d");
+          const { data } = c.getImageData(0, 0, canvas.width, canvas.height), found = new Set();
+          for (let i = 0; i < data.length; i += 4) found.add(`rgb(${data[i]}, ${data[i + 1]}, ${data[i + 2]})`);
+          return [...found];
+        }"""
+    )
+    assert set(rgb) <= set(painted)
+
+
+def test_the_ball_takes_the_colour_of_the_orbit_it_is_on(shown, address):
+    """At d = 0.1225 two orbits live: the ball that came from below is on 001, and its letters say so in its colour."""
+    shown.open(f"{address}#version=1&view=ball&offset=0.1225&ball=0.1171906:0.2250153:0")
+    faster(shown)
+    shown.until(f"() => {BALL}.now > 30 * {BALL}.T")
+    heard = shown.page.evaluate(f"() => {BALL}.past.heard({BALL}.classes).word")
+    letters = dict(shown.page.evaluate(f"() => [...{BALL}.past.letters]"))
+    word = "".join(str(letters[n]) for n in sorted(letters)[1:-1])
+    assert heard in {"001", "0001"} and heard in word
+    assert word.count("1") == pytest.approx(len(word) / len(heard), abs=1.1)
+
+
+# ---- the twin
+
+
+#: The rate over so many turns from a state, by the class of the page and the module's map.
+MEASURED = """async ([u, v, turns]) => {
+  const { Rate } = await import("./twin.js"), { machine, model } = explorer.views.ball, rate = new Rate();
+  const turn = (u, v) => [...machine.call("orbits", { columns: 1, starts: 1, keep: 1, rows: model.row,
+    lanes: Float64Array.of(u, v), transient: 0 }, ["points"]).points];
+  for (let n = 0; n < turns; n++, [u, v] = turn(u, v)) rate.pass([u, v], turn, model.sigma, 0.5);
+  return rate.exponent;
+}"""
+
+
+@pytest.mark.parametrize(
+    ("given", "model", "close"),
+    [
+        ("offset=0.12&V=0.4", gz.pinball(d=0.12, V=0.4), 0.02),  # a periodic orbit: its multipliers say the rate
+        ("offset=0.14&V=0.4", gz.pinball(d=0.14, V=0.4), 1e-3),  # no impact
+        (CHAOTIC, gz.pinball(alpha=0.2, omega=2.6, d=0.14, V=0.1), 0.15),  # chaos: over so many turns
+    ],
+)
+def test_the_rate_is_the_lyapunov_exponent_of_python(shown, address, given, model, close):
+    shown.open(f"{address}#version=1&view=ball&columns=20&{given}")
+    want = float(gz.lyapunov(gz.stroboscopic_map(model), starts=3)["exponent"].values[:, 0].mean())
+    found = shown.page.evaluate(MEASURED, [0.2, 0.1, 1500])
+    assert math.isclose(found, want, rel_tol=close) and (want > 0) == (given == CHAOTIC)
+
+
+def test_balls_part_where_orbits_are_chaotic(shown, address):
+    shown.open(f"{address}#version=1&view=ball&columns=20&{CHAOTIC}&twin=yes")
+    faster(shown)
+    height = shown.page.evaluate(f"() => {BALL}.axes.x1")
+    apart = f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])"
+    shown.until(f"{apart} > {0.3 * height}")  # it is seen
+    shown.until(f"() => {BALL}.company.rate.turns >= 60")
+    shown.until(f"{apart} < {0.1 * height}")  # and it begins anew, near
+    assert re.search(r"Near balls part: λ = 0\.\d+ a push, over \d+ pushes", shown.page.inner_text("#rate"))
+
+
+def test_balls_come_together_on_a_periodic_orbit(shown, address):
+    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&twin=yes")
+    faster(shown)
+    shown.until(f"() => {BALL}.company.rate.turns >= 20")
+    assert "Near balls come together: λ = −" in shown.page.inner_text("#rate")
+    assert shown.page.evaluate(f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])") < 1e-3
+
+
+def test_the_rate_is_that_of_the_parameters_now(shown, address):
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&twin=yes")
+    faster(shown)
+    shown.until(f"() => {BALL}.company.rate.turns >= 10")
+    shown.page.fill("input[type=number][name=offset]", "0.125")
+    shown.until(f"() => {BALL}.lived && {BALL}.company.rate.turns < 8")
+    shown.page.click("#twin")
+    shown.until(f"() => {BALL}.company.twin === null && !location.hash.includes('twin')")
+    assert shown.page.inner_text("#rate") == ""
+
+
+def test_chatter_brings_balls_together_without_end(shown, address):
+    shown.open(f"{address}#version=1&view=ball&sigma=-0.3&V=0&r=0.3&offset=-0.5&twin=yes")
+    faster(shown)
+    shown.until(f"() => {BALL}.company.rate.turns >= 3")
+    assert "λ = −∞" in shown.page.inner_text("#rate")
+
+
+# ---- sweeps
+
+
+def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(shown, address, tmp_path):
+    shown.open(f"{address}#version=1&view=ball&reach=0.118:0.128")
+    plain = shown.pixels("ball-diagram")
+    shown.page.click("#sweeps")
+    shown.until(f"() => {BALL}.company.sweeps.found")
+    shown.until("() => location.hash.includes('sweeps=yes')")
+    assert shown.pixels("ball-diagram") != plain
+    values, up, down = (
+        np.array(shown.page.evaluate(f"() => [...{BALL}.company.sweeps.found.{name}]"))
+        for name in ("values", "up", "down")
+    )
+    known = {}
+    exec(shown.page.evaluate("() => explorer.texts().python").replace("gz.plot.save", "(lambda *_: None)"), known)
+    kept = len(up) // len(values)
+    up, down = up.reshape(-1, kept), down.reshape(-1, kept)
+    np.testing.assert_array_equal(values, known["result"]["up"]["d"])
+    np.testing.assert_array_equal(up, known["result"]["up"]["u"][:, 0])
+    np.testing.assert_array_equal(down, known["result"]["down"]["u"][:, 0])
+    for line, want in zip(shown.page.evaluate("() => explorer.texts().command").split("\n"), (up, down), strict=True):
+        words = split(line)
+        words[-1] = str(tmp_path / "way.nc")
+        assert main([*words[1:], "--quiet"]) == 0
+        np.testing.assert_array_equal(gz.load(tmp_path / "way.nc")["u"][:, 0], want)
+    # where the diagram is two orbits, one is kept on the way up and the other on the way down
+    period = lambda row: next((N for N in range(1, kept) if np.allclose(row[N:], row[:-N], atol=1e-6)), 0)  # noqa: E731
+    middle = np.argmin(np.abs(values - 0.1225))
+    assert (period(up[middle]), period(down[middle])) == (3, 4)
+    said = re.search(r"different orbits for ([\d.]+) ≤ d ≤ ([\d.]+): hysteresis", shown.page.inner_text("#summary"))
+    low, high = map(float, said.groups())
+    apart = [v for v, a, b in zip(values, up, down, strict=True) if {period(a), period(b)} == {3, 4}]
+    assert math.isclose(low, min(apart), rel_tol=1e-3) and math.isclose(high, max(apart), rel_tol=1e-3)
+    assert (period(up[0]), period(down[0])) == (3, 3) and (period(up[-1]), period(down[-1])) == (4, 4)
+
+
+def test_sweeps_of_the_wall_stay_above_it(shown, address):
+    shown.open(f"{address}#version=1&view=ball&vary=sigma&reach=-0.2:0.1&sweeps=yes")
+    shown.until(f"() => {BALL}.company.sweeps.found")
+    values, up = (
+        np.array(shown.page.evaluate(f"() => [...{BALL}.company.sweeps.found.{n}]")) for n in ("values", "up")
+    )
+    rows = up.reshape(len(values), -1)
+    assert np.isfinite(rows).all() and (rows >= values[:, None] - 1e-12).all()

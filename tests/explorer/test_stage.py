@@ -1,0 +1,213 @@
+"""The page before a room, and what can be read from where: sizes of letters, and what needs no scrolling."""
+
+import pytest
+
+from tests.explorer.browser import Shown
+from tests.explorer.test_page import AXE
+
+VIEWS = {
+    "ball": "view=ball&offset=0.1225&twin=yes",
+    "gap": "view=gap&columns=60&web=4",
+    "oscillator": "view=oscillator&columns=30&bins=40",
+    "chart": "view=chart&chart_columns=20&chart_rows=16",
+    "strobe": "view=strobe",
+    "edges": "view=edges",
+    "tour": "view=ball&tour=2&offset=0.1305",
+}
+#: What can be read of the page: the least size of a letter, and whose it is.
+SMALLEST = """() => {
+  let least = [Infinity, ""];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node; (node = walker.nextNode());) {
+    const { parentElement: box } = node;
+    if (!node.data.trim() || !box.checkVisibility() || box.closest("noscript, option, script")) continue;
+    const range = document.createRange();
+    range.selectNode(node);
+    if (!range.getBoundingClientRect().width) continue;
+    const size = parseFloat(getComputedStyle(box).fontSize);
+    if (size < least[0]) least = [size, `${box.tagName} ${node.data}`];
+  }
+  for (const field of document.querySelectorAll("select, input[type=number]")) {
+    if (field.checkVisibility()) least = [Math.min(least[0], parseFloat(getComputedStyle(field).fontSize)), least[1]];
+  }
+  return least;
+}"""
+#: The sizes of letters in the pictures that are seen, in CSS pixels: what is written is measured as it is drawn.
+DRAWN = """async () => {
+  const sizes = [], write = CanvasRenderingContext2D.prototype.fillText;
+  CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+    const size = parseFloat(/([\\d.]+)px/.exec(this.font)[1]);
+    if (this.canvas.offsetParent) sizes.push(size * this.getTransform().a / devicePixelRatio);
+    return write.call(this, text, ...rest);
+  };
+  for (const { draw } of explorer.views[explorer.state().view].panels()) draw();
+  CanvasRenderingContext2D.prototype.fillText = write;
+  return Math.min(...sizes);
+}"""
+
+
+def presenting(shown):
+    return shown.page.evaluate("() => document.body.classList.contains('presenting')")
+
+
+def opened(browser, address, view, size=(1280, 800), scheme="light"):
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
+    shown = Shown(context.new_page())
+    shown.open(f"{address}#version=1&{VIEWS[view]}")
+    return context, shown
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view):
+    context, shown = opened(browser, address, view, (1920, 1080))
+    shown.page.keyboard.press("p")
+    shown.settle()
+    assert presenting(shown)
+    for more in (False, True):
+        if more:
+            shown.page.click("#more")
+        size, whose = shown.page.evaluate(SMALLEST)
+        assert size >= 24, whose
+    shown.page.click("#more")
+    assert shown.page.evaluate(DRAWN) >= 24
+    # the picture fills the screen, and the controls lie over its foot
+    bottom, right = shown.page.evaluate(
+        "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    )
+    assert (bottom, right) == (1080, 1920)
+    boxes = shown.page.evaluate(
+        "() => [...document.querySelectorAll('main canvas')].filter(c => c.offsetParent).map(c => { "
+        "const { width, height, bottom } = c.getBoundingClientRect(); return [width * height, height, bottom]; })"
+    )
+    assert sum(box[0] for box in boxes) > 0.4 * 1920 * 1080 and all(box[1] > 150 and box[2] <= 1080 for box in boxes)
+    context.close()
+    assert shown.errors == []
+
+
+def test_it_begins_and_ends_by_key_and_button(shown, address):
+    shown.open(f"{address}#version=1&view=ball")
+    before = shown.pixels("strip")
+    shown.page.click("#present")
+    assert presenting(shown) and shown.page.is_hidden("nav") and shown.page.is_visible("#end")
+    shown.page.click("#end")
+    assert not presenting(shown) and shown.page.evaluate("() => document.activeElement.id") == "present"
+    shown.page.keyboard.press("P")
+    assert presenting(shown) and shown.pixels("strip") != before
+    shown.page.keyboard.press("p")
+    assert not presenting(shown)
+    shown.page.focus("input[type=number][name=V]")
+    shown.page.keyboard.press("p")  # a letter in a field is none of this
+    assert not presenting(shown)
+
+
+def test_keys_are_at_hand_before_a_room(shown, address):
+    shown.open(f"{address}#version=1&view=ball&offset=0.14&tour=1")
+    shown.page.keyboard.press("p")
+    shown.page.keyboard.press(" ")
+    assert presenting(shown) and not shown.page.evaluate("() => explorer.views.ball.playing")
+    shown.page.keyboard.press("PageDown")  # of a remote control
+    shown.until("() => explorer.state().tour === 2")
+    shown.page.keyboard.press("PageDown")
+    shown.until("() => explorer.state().tour === 3 && explorer.state().view === 'oscillator'")
+    shown.page.keyboard.press("PageUp")
+    shown.until("() => explorer.state().tour === 2")
+    assert presenting(shown) and shown.problem() == ""
+    shown.page.keyboard.press("Escape")
+    shown.until("() => !document.body.classList.contains('presenting')")
+
+
+def test_hands_do_the_same_before_a_room(shown, address):
+    shown.open(f"{address}#version=1&view=gap&columns=60")
+    shown.page.keyboard.press("p")
+    shown.settle()
+    axes = "explorer.views.gap.diagram.axes"
+    box = shown.page.locator("#gap-diagram").bounding_box()
+    x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"]
+    under = (
+        f"([x, y]) => {{ const a = {axes}, [across, down] = a.place({{ clientX: x, clientY: y }}); "
+        "return [a.atX(across), a.atY(down)]; }"
+    )
+    before = shown.page.evaluate(under, [x, y])
+    width = shown.page.evaluate(f"() => {axes}.x1 - {axes}.x0")
+    shown.page.mouse.click(x, y)
+    shown.until(f"() => Math.abs(explorer.state().mu - {before[0]}) < 2e-3")
+    shown.page.mouse.wheel(0, -300)
+    shown.until(f"() => {axes}.x1 - {axes}.x0 < {0.9 * width}")
+    shown.settle()
+    after = shown.page.evaluate(under, [x, y])
+    assert abs(after[0] - before[0]) < 4e-3 * width
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("view", ["ball", "gap", "chart", "strobe", "tour"])
+def test_axe_reports_no_violation_before_a_room(browser, address, view, scheme):
+    context, shown = opened(browser, address, view, scheme=scheme)
+    shown.page.keyboard.press("p")
+    shown.page.click("#more")
+    shown.page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = shown.page.evaluate("() => axe.run()")["violations"]
+    context.close()
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+
+
+# ---- as it is used
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_at_a_desk_nothing_is_smaller_than_14_pixels(browser, address, view):
+    context, shown = opened(browser, address, view)
+    size, whose = shown.page.evaluate(SMALLEST)
+    assert size >= 14, whose
+    assert shown.page.evaluate(DRAWN) >= 14
+    context.close()
+
+
+def test_all_sliders_of_the_opening_are_seen_without_scrolling(browser, address):
+    for view, size in (("ball", (1280, 800)), ("ball", (1920, 1080))):
+        context, shown = opened(browser, address, view, size)
+        bottoms = shown.page.evaluate(
+            "() => [...document.querySelectorAll('#oscillator-sliders > .control')].filter(e => e.offsetParent)"
+            ".map(e => e.getBoundingClientRect().bottom)"
+        )
+        context.close()
+        assert len(bottoms) == 7 and max(bottoms) <= size[1]
+
+
+def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
+    shown.open(f"{address}#version=1&view=ball")
+    names = shown.page.evaluate(
+        "() => [...document.querySelectorAll('#oscillator-sliders .control[data-name] label')].map(e => e.textContent)"
+    )
+    assert {
+        "steady push d",
+        "kick of the bumper V",
+        "bounce r",
+        "damping α",
+        "pace of the pushes ω",
+        "spring k",
+    } <= set(names)
+    exact = shown.page.get_attribute(".control[data-name=offset] label", "title")
+    assert exact == "constant part of the forcing"  # and what it is exactly is there to be asked
+
+
+def test_every_parameter_has_words(shown, address):
+    shown.open(address)
+    missing = shown.page.evaluate(
+        "async () => { const { WORDS } = await import('./names.js'); const all = '.control[data-name]'; "
+        "return [...document.querySelectorAll(all)].map(e => e.dataset.name).filter(n => !WORDS[n]); }"
+    )
+    assert missing == []
+
+
+@pytest.mark.parametrize("view", ["chart", "edges", "oscillator"])
+def test_on_a_phone_the_words_stand_under_the_picture(browser, address, view):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown = Shown(context.new_page())
+    shown.open(f"{address}#version=1&{VIEWS[view]}&reduced=no")
+    tops = shown.page.evaluate(
+        "() => ['main .view:not([hidden]) .first', '#summary', '#controls', '[data-copy=link]', '#hint']"
+        ".map(e => document.querySelector(e).getBoundingClientRect().top)"
+    )
+    context.close()
+    assert tops == sorted(tops)

@@ -1,0 +1,236 @@
+"""The page of the pinball table, played: keys, thumbs, words, near balls, exits, links and programs."""
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from tests.explorer.test_page import AXE
+
+GAME = "pinball.game()"
+
+
+def opened(shown, address, fragment="#v=1&table=classic", still=True):
+    if still:  # no ball is launched by itself
+        shown.page.emulate_media(reduced_motion="reduce")
+    shown.page.goto(address.replace("index.html", "") + "table.html" + fragment)
+    shown.until("() => window.pinball && pinball.game() && pinball.exits()")
+    return shown.page
+
+
+def hits(page):
+    return page.evaluate(f"() => {GAME}.hits.map(h => {GAME}.names[h.owner])")
+
+
+def play(page, seconds, fine=1 / 60):
+    """Let the clock of the game run, as frames would."""
+    page.evaluate(
+        f"([s, d]) => {{ for (let i = 0; i < s / d && {GAME}.alive; i++) pinball.step(d); }}", [seconds, fine]
+    )
+
+
+def hold(page):
+    """Stop the page's own clock: then tests move it."""
+    page.evaluate("() => pinball.pause()")
+
+
+def test_a_ball_is_launched_by_the_space_bar_held(shown, address):
+    page = opened(shown, address)
+    assert not page.evaluate(f"() => {GAME}.alive")
+    page.keyboard.down(" ")
+    page.wait_for_timeout(300)
+    page.keyboard.up(" ")
+    shown.until(f"() => {GAME}.t > 0.05")
+    speed = page.evaluate(f"() => {GAME}.start[3]")
+    low, high = page.evaluate(f"() => {GAME}.table.speeds")
+    assert low < speed <= high
+    shown.until(f"() => {GAME}.hits.length > 0")
+
+
+def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    random = np.random.default_rng(4)
+    for _ in range(120):
+        key = ["ArrowLeft", "ArrowRight"][int(random.integers(2))]
+        page.keyboard.down(key)
+        play(page, 0.1)
+        page.keyboard.up(key)
+        play(page, float(random.uniform(0.02, 0.2)))
+    there, pressed = hits(page), page.evaluate(f"() => {GAME}.presses")
+    assert len(there) > 20 and all(pressed.values())
+    page.click("[data-copy=python]")
+    program = page.evaluate("() => navigator.clipboard.readText()")
+    assert "read_table" in program and "gz.presses(" in program
+    scope = {}
+    exec(program.replace("gz.plot.table(T, flown)", "").replace("print(", "found = ("), scope)
+    print(scope["flown"].outcome, scope["flown"].trust.item(), program[:300])
+    flown, unsure = scope["flown"], page.evaluate(f"() => {GAME}.unsure")
+    assert unsure == 0 and flown.impact_wall.values.tolist() == there
+    end = page.evaluate(f"() => {GAME}.end")
+    assert flown.exit.item() == end
+    page.click("[data-copy=link]")
+    link = page.evaluate("() => navigator.clipboard.readText()")
+    page.goto("about:blank")
+    page.goto(link)
+    shown.until("() => window.pinball && pinball.game()?.t > 0")
+    hold(page)
+    play(page, 60.0, 0.05)  # other frames than before: the same game
+    assert hits(page) == there
+
+
+def test_flippers_work_as_long_as_the_ball_flies(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    switches = page.evaluate(
+        """() => { const game = pinball.game(); let n = 0;
+        for (; n < 3000; n++) { if (!game.alive) pinball.launch([2.5, 6.0, 3.0 + 1e-3 * n, 9.0]); pinball.pause();
+          for (let i = 0; i < 900 && game.alive; i++) {
+            game.press(i % 2, (i >> 1) % 2 === 0);
+            game.advance(game.t + 0.004);
+          }
+          if (game.presses.left_flipper.length > 400) break; }
+        return game.presses.left_flipper; }"""
+    )
+    assert len(switches) > 400 and all(a < b for a, b in pairwise(switches))
+    start, t = page.evaluate(f"() => [{GAME}.start, {GAME}.t]")
+    T, presses = gz.read_table("classic"), page.evaluate(f"() => {GAME}.presses")
+    flown = gz.trajectory(gz.table(T.objects, T.rho, T.g, T.tilt, gz.presses(**presses)), start, until=t)
+    assert hits(page)[:30] == flown.impact_wall.values.tolist()[:30]
+    assert page.evaluate(f"() => {GAME}.unsure") > 0 or hits(page) == flown.impact_wall.values.tolist()
+
+
+def test_letters_are_typed_as_bumpers_are_hit(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    play(page, 8.0)
+    assert page.evaluate("() => pinball.letters()") == list("ABCDE")
+    names = dict(zip(["bumper1", "bumper2", "bumper3", "left_sling", "right_sling"], "ABCDE", strict=True))
+    word = "".join(names.get(name, "") for name in hits(page))
+    assert word and page.inner_text("#word") == word[-40:]
+
+
+def test_near_balls_part_and_their_rate_is_told(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.plunge(0.7)")
+    hold(page)
+    play(page, 0.6)
+    page.keyboard.press("g")
+    assert page.evaluate(f"() => {GAME}.flying.length") == 100
+    first = page.evaluate(f"() => {GAME}.spread")
+    play(page, 3.0)
+    assert page.evaluate(f"() => {GAME}.spread") > first + np.log(100.0)
+    assert re.search(r"tenfold every \d+\.\d+ s", page.inner_text("#parted"))
+
+
+def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
+    page = opened(shown, address)
+    shown.until("() => pinball.exits().side >= 40")
+    box = page.locator("#exits").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
+    shown.until(f"() => {GAME}.alive")
+    hold(page)
+    state = page.evaluate(f"() => {GAME}.start")
+    play(page, 300.0, 0.1)
+    flown = gz.trajectory(gz.read_table("classic"), state, until=300.0)
+    assert page.evaluate(f"() => {GAME}.end") == (flown.exit.item() or "stopped")
+
+
+def test_shares_of_exits_are_those_of_python(shown, address):
+    page = opened(shown, address)
+    shown.until("() => pinball.exits().side >= 40")
+    x, y, fast = page.evaluate(f"() => {GAME}.table.from")
+    side = page.evaluate("() => pinball.exits().side")
+    shares = page.evaluate("() => [...pinball.exits().shares]")
+    T = gz.read_table("classic")
+    found = gz.launches(T, (x, y), np.linspace(0.0, 2.0 * np.pi, side), np.linspace(0.0, fast, side), hits=1500)
+    drains = [one.name for one in T.objects if one.kind == "drain"]
+    truth = [float((found.exit == name).mean()) for name in drains]
+    np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
+
+
+def test_a_slider_changes_the_bumpers(shown, address):
+    page = opened(shown, address)
+    slider = page.locator("input[name='*.V']")
+    slider.focus()
+    page.keyboard.press("End")
+    kicks = page.evaluate(f"() => [1, 2, 3].map(i => {GAME}.value(`bumper${{i}}.V`))")
+    assert kicks == [16.0] * 3
+    assert page.evaluate(f"() => {GAME}.value('left_sling.V')") == 8.0
+    tilt = page.locator("input[name=tilt]")
+    tilt.focus()
+    page.keyboard.press("End")
+    T = gz.read_table("classic").replace(tilt=0.25)
+    assert page.evaluate(f"() => {GAME}.block[{GAME}.layout.GRAVITY]") == T.gravity
+
+
+@pytest.mark.parametrize("name", ["Galton board", "Three discs", "One bumper"])
+def test_every_table_plays(shown, address, name):
+    page = opened(shown, address)
+    page.click(f"#rungs button:text-is('{name}')")
+    page.evaluate("() => pinball.plunge(0.5)")
+    hold(page)
+    play(page, 20.0)
+    assert hits(page)
+    assert page.locator("[data-press]:visible").count() == 0  # they have no flippers
+
+
+def test_thumbs_on_a_telephone(browser, address):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(address.replace("index.html", "") + "table.html")
+    page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()")
+    assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+    box = page.locator("#table").bounding_box()
+    assert box["y"] + box["height"] <= 844
+    page.touchscreen.tap(box["x"] + 40, box["y"] + 200)
+    page.wait_for_function(f"() => {GAME}.alive")
+    page.touchscreen.tap(box["x"] + 40, box["y"] + 200)
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 2
+    context.close()
+
+
+@pytest.mark.parametrize(
+    ("fragment", "said"),
+    [
+        ("#table=nothing", "there is no table nothing"),
+        ("#table=classic&start=1,2", "start needs four numbers"),
+        ("#table=classic&bumper1.V=-1", "0 or more"),
+        ("#table=classic&start=1,2,3,4&left_flipper.pressed=2,1", "do not rise"),
+        ("#table=classic&tilt=abc", "no numbers"),
+        ("#v=99&table=classic", "newer version"),
+    ],
+)
+def test_a_link_that_cannot_be_read_is_explained(shown, address, fragment, said):
+    page = opened(shown, address, fragment)
+    assert said in page.inner_text("#problem p")
+    assert page.evaluate(f"() => {GAME}.table.objects.length") > 10  # and the machine is there
+
+
+def test_what_cannot_be_loaded_is_said(shown, address):
+    shown.page.route("**/tables.json", lambda route: route.abort())
+    shown.page.goto(address.replace("index.html", "") + "table.html")
+    shown.until("() => !document.getElementById('problem').hidden")
+    assert "could not be loaded" in shown.page.inner_text("#problem p")
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_axe_reports_no_violation(browser, address, scheme, width):
+    context = browser.new_context(
+        color_scheme=scheme, bypass_csp=True, viewport={"width": width, "height": 800}, reduced_motion="reduce"
+    )
+    page = context.new_page()
+    page.goto(address.replace("index.html", "") + "table.html#table=nothing")  # with a message
+    page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()?.side >= 40")
+    page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.evaluate("() => axe.run()")["violations"]
+    context.close()
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []

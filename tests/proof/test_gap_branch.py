@@ -1,0 +1,46 @@
+"""Edges of the gap map that belong to the orbit that is given, and not to another one of its word."""
+
+import pytest
+
+import grazing as gz
+from grazing.orbits.gap_orbits import gap_orbits
+from grazing.proof.enclose import enclose
+from grazing.proof.gap_branch import nearest_edge
+
+
+def orbits(lam, mu, l, period, word):
+    return [one for one in gap_orbits(gz.gap_map(lam=lam, mu=mu, l=l), period) if one.word == word]
+
+
+def test_of_two_orbits_of_a_word_each_has_its_own_edges():
+    """At this mu LLRR has two admissible orbits, which meet in a fold below; above, each ends in its own way."""
+    both = [one for one in orbits(0.5, 0.0245580187874896, -0.6, 4, "LLRR") if one.admissible]
+    (stable,), (unstable,) = ([one for one in both if one.stable is kind] for kind in (True, False))
+    for one in (stable, unstable):
+        low, high = enclose(one, "lp", "mu").value
+        assert low < 0.02321914945430513 < high
+    assert enclose(stable, "bcb", "mu").value[0] == pytest.approx(0.02682424716271)
+    assert enclose(unstable, "gr", "mu").value[0] == pytest.approx(0.02744488371942)
+    for one, kind in ((stable, "gr"), (unstable, "bcb")):
+        proof = enclose(one, kind, "mu")
+        assert not proof.proven and f"no {kind} of LLRR is joined to this orbit" in proof.statement
+
+
+def test_an_orbit_that_goes_round_its_word_twice_is_given_no_edge_of_the_word():
+    (doubled,) = orbits(0.9, 0.19, 0.0, 6, "LLR")
+    assert doubled.period == 6
+    for kind in ("pd", "bcb", "gr", "lp"):
+        with pytest.raises(gz.InputError, match="goes round LLR 2 times"):
+            enclose(doubled, kind, "mu")
+
+
+def test_an_edge_that_is_not_proven_is_not_replaced_by_another_one(monkeypatch):
+    from grazing.proof import gap_branch
+
+    (orbit,) = orbits(0.9, 0.17, 0.0, 3, "LLR")
+    proofs = gap_branch.certify_gap_edge("LLR", "pd", 0.9, 0.0)
+    failed = gap_branch.GapProof(False, "Nothing is proven: for a test.", None)
+    monkeypatch.setattr(gap_branch, "certify_gap_edge", lambda *_args: (failed,))
+    assert nearest_edge(orbit, "pd") is failed
+    monkeypatch.setattr(gap_branch, "certify_gap_edge", lambda *_args: (failed, *proofs))
+    assert nearest_edge(orbit, "pd") is proofs[0]

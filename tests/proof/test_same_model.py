@@ -1,0 +1,64 @@
+"""A certificate is held against a model: all that both say of it, and nothing else."""
+
+import pytest
+
+import grazing as gz
+from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
+from tests.billiard.orbits import active_discs
+from tests.grazing_checker.bases import table_bases
+from tests.grazing_checker.documents import documents, own_model, rattle, vibrating_table
+
+PINBALL = gz.pinball(d=0.12, V=0.4)
+ACTIVE = gz.collision_map(active_discs(3.0)).origin.impacts_on
+
+
+def same(document, model):
+    assert gz.check_certificate(document, model=model) == document["statement"]
+
+
+def another(document, model, said):
+    with pytest.raises(gz.InputError, match=f"is right, but about another model: {said}"):
+        gz.check_certificate(document, model=model)
+
+
+def test_a_certificate_is_held_against_every_value_of_a_model():
+    made = documents()
+    same(made["stable"], PINBALL)
+    same(made["own"], own_model())
+    for name, value in PINBALL.params.items():
+        known = {"d": "offset", "cos1": "cos 1", "sin1": "sin 1", "r": "law r", "V": "law V"}.get(name, name)
+        another(made["stable"], PINBALL.replace(**{name: value + 1e-9}), f"its {known} is ")
+    another(made["stable"], gz.pinball(d=0.12, V=0.4, r=0.5), "its law r is 0.8, here it is 0.5")
+    another(made["stable"], rattle(), "its alpha is 3.0, here it is 0.1")
+
+
+def test_the_parameter_that_is_enclosed_may_have_any_value_and_no_other():
+    made = documents()
+    same(made["pd"], PINBALL.replace(V=0.1))
+    another(made["pd"], PINBALL.replace(d=0.1), "its offset is 0.12, here it is 0.1")
+    table = vibrating_table(0.5, 1.4)
+    same(made["table lp"], table.replace(**{"A.sin1": 0.7}))
+    another(made["table pd"], table.replace(**{"A.sin1": 0.7}), "its walls A sin 1 is 1.4, here it is 0.7")
+
+
+def test_walls_and_objects_are_compared_by_their_names():
+    made = documents()
+    same(made["rattle"], rattle())
+    another(made["rattle"], rattle(sigma=0.25), "its walls B sigma is 0.5, here it is 0.25")
+    kicked = table_bases()["kicked"]
+    same(kicked, ACTIVE)
+    another(kicked, active_discs(3.0, V=0.5), "its objects A law V is 0.25, here it is 0.5")
+    another(kicked, active_discs(2.9), "its objects B shape x is 3.0, here it is 2.9")
+    assert gz.check_certificate(kicked, law=lambda v, p: -p.r * v + p.V) == kicked["statement"]
+    with pytest.raises(gz.InputError, match="about another law of A"):
+        gz.check_certificate(kicked, law=lambda v, p: -v)
+
+
+def test_of_the_gap_map_the_values_are_compared():
+    orbit, (edge,) = certify_gap_orbit("R", 0.5, 0.9, 0.0).document, certify_gap_edge("LLR", "pd", 0.9, 0.0)
+    same(orbit, gz.gap_map(lam=0.5, mu=0.9, l=0.0))
+    another(orbit, gz.gap_map(lam=0.5, mu=0.8, l=0.0), "its mu is 0.9, here it is 0.8")
+    same(edge.document, gz.gap_map(lam=0.9, mu=0.3, l=0.0))
+    another(edge.document, gz.gap_map(lam=0.8, mu=0.3, l=0.0), "its lam is 0.9, here it is 0.8")
+    with pytest.raises(gz.InputError, match=r"give a gz\.Oscillator, a gz\.table or a gap map"):
+        gz.check_certificate(orbit, model=3)
