@@ -28,7 +28,7 @@ from grazing.explorer.composed import Module
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, numbers
-from grazing.maps.launches import fan
+from grazing.maps.launch import fan
 from grazing.oscillator.reset import Reset
 from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple

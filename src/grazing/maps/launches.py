@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache, partial
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import BEFORE, FLAGS, OWNER, TIME, flights_of
-from grazing.billiard.hit import way_at
 from grazing.billiard.objects import two_of
-from grazing.billiard.rows import THINGS
+from grazing.billiard.rows import CIRCLES
 from grazing.billiard.table import AWAY, Table
+from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.elementary import sincos
-from grazing.kernel.primitives import inlined, numbers, numbers_at
-from grazing.maps.collisions import blocks_at, checked_table, fastest, plain_block
+from grazing.kernel.lanes import abreast_loop
+from grazing.maps.collisions import blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
+from grazing.maps.launch import (
+    ROUNDS,
+    Launch,
+    all_launched,
+    heading,
+    launched,
+    launched_derived,
+    launcher,
+    plain_launched,
+    plain_tangent,
+)  # fmt: skip
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, ESCAPED, FATAL, OK, TOO_MANY_IMPACTS, InputError, shown
+from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, shown
 from grazing.parameter import Parameter, real, whole
 
 if TYPE_CHECKING:
@@ -35,11 +44,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
-#: Angles beyond which the sines of kernels are not meant.
-FAR = 1e5
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
-#: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
+#: Impacts that may be asked for.
 MOST = 1_000_000
 COORDINATES = {
     one.name: one
@@ -59,91 +66,6 @@ OWN = {
 }
 
 
-class Launch(NamedTuple):
-    """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
-
-    block: Any
-    x: float
-    y: float
-    hits: float
-
-
-@inlined
-def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> Any:
-    """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
-    left, t, outcome = -1.0, 0.0, OK
-    for hits in range(most + 1):
-        (_surface, owner, length, flags, on), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
-        outcome |= flags
-        t += length
-        if flags & FATAL:
-            return -1, hits, t, outcome
-        if flags & ESCAPED:
-            return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
-        left, (x, y, vx, vy) = on, after
-    return -1, most, t, outcome | TOO_MANY_IMPACTS
-
-
-@inlined
-def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
-    """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
-    angle, speed = state
-    way = way_at(angle, table)
-    if speed == 0.0 and way >= 0 and way == angle:
-        return (1.0 * way, 0.0), way, ESCAPED
-    s, c = heading(angle)
-    way, _hits, _t, outcome = launch(x, y, speed * c, speed * s, most, table)
-    if outcome & FATAL:
-        return (NAN, NAN), 0, outcome
-    return (1.0 * way, 0.0), way, outcome
-
-
-def launched(state: Any, c: Launch) -> Any:
-    """Return (state, letter, outcome) of a launch."""
-    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-
-
-def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
-
-
-def plain_launched(state: Any, c: Any) -> Any:
-    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
-    return way_out(state, c.x, c.y, int(c.hits), c.block)
-
-
-def plain_tangent(state: Any, c: Any) -> Any:
-    """Return a launch with its Jacobian as plain Python takes it."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
-
-
-def heading(angle: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle, with the bits of a browser; beyond 1e5 whole turns are taken off first."""
-    return sincos(angle if abs(angle) < FAR else angle % (2.0 * pi))
-
-
-def fan(
-    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
-    outcomes: Any,
-) -> None:  # fmt: skip
-    """Launch a ball at all angles and speeds of two lists."""
-    table = numbers(block)
-    for i in range(len(angles)):
-        s, c = heading(angles[i])
-        for j in range(len(speeds)):
-            vx, vy = speeds[j] * c, speeds[j] * s
-            ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
-
-
-@lru_cache(maxsize=1)
-def launcher() -> Callable[..., None]:
-    """Compile :func:`fan`."""
-    return compiled(fan)
-
-
 def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: int) -> tuple[int, int, float, int]:
     """Return what :func:`launch` does, each flight that doubles cannot decide being decided exactly."""
     s, c = heading(angle)
@@ -159,6 +81,7 @@ class OfLaunches(Origin):
     """The origin of the map of launches of a table."""
 
     exact = True
+    together = 8192
 
     def __init__(self, table: Table) -> None:
         self.table = table
@@ -177,9 +100,17 @@ class OfLaunches(Origin):
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
         n = len(self.table.params)
-        blocks = self.table.blocks(rows[:, :n], arithmetic)
-        numbers = np.hstack([blocks_at(blocks), rows[:, n:]])
-        return Derived(launched_derived, None, Launch, numbers, blocks, launched)
+        addresses, blocks = blocks_of(self.table, rows[:, :n], arithmetic)
+        numbers = np.hstack([addresses, rows[:, n:]])
+        return Derived(
+            launched_derived,
+            None,
+            Launch,
+            numbers,
+            blocks,
+            launched,
+            compiled(abreast_loop(all_launched, 2), arithmetic),
+        )
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
@@ -332,12 +263,11 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     block = table.blocks(table.row())[0]
-    few = max(1, MOST // int(most))
-    for i in range(shape[0]):
-        for j in range(0, shape[1], few):  # a few at a time, so that it can be stopped
-            at = slice(i, i + 1), slice(j, j + few)
-            call(launcher(), block, x, y, int(most), angles[at[0]], speeds[at[1]],
-                 ways[at], count[at], times[at], outcomes[at])  # fmt: skip
+    each, fast = (grid.ravel() for grid in np.meshgrid(angles, speeds, indexing="ij"))
+    flat = [one.reshape(-1) for one in (ways, count, times, outcomes)]
+    w, job = np.empty(room_for(int(block[CIRCLES]))), np.array([0, 0])
+    while job[0] < len(each) or job[1] > 0:  # some rounds at a time, so that it can be stopped
+        call(launcher(), block, w, job, ROUNDS, x, y, int(most), each, fast, *flat)
     for i, j in np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
