@@ -429,14 +429,13 @@ class Map(ByValue):
         known = self.origin
         if known.block is not None:
             return known.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
-        who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
+        who, step, prepare, source, loop = f"the step of {self.name}", self._full_step, self.prepare, None, None
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
-            tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
+            tangent, prepare, kind, rows, source, alone, loop = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
-        if prepare is None:
+        if loop is None and prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
-        else:
-            loop = runner(step, prepare, kind, self.dimension, arithmetic)
+        loop = loop or runner(step, prepare, kind, self.dimension, arithmetic)
         return step_tasks(loop, rows, lanes, transient, found, who, source)
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:

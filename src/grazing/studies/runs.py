@@ -200,7 +200,7 @@ def together(P: Map, arithmetic: str) -> int:
     """Return how many orbits of a map are worth computing in one go."""
     if flies(P, arithmetic):
         return TOGETHER
-    return MANY if P.prepare is None else FEW
+    return P.origin.together or (MANY if P.prepare is None else FEW)
 
 
 def checked_runs(
