@@ -12,8 +12,6 @@ from itertools import islice
 from keyword import iskeyword
 from typing import Any
 
-import numpy as np
-
 from grazing.outcome import InputError, shown
 
 #: What a rig in SI units calls in another way than the model that is made of it.
@@ -138,7 +136,9 @@ def in_order(values: Any) -> Any:
     """Return several values whose order counts; raise TypeError for a set, which has none, and for masked values."""
     if isinstance(values, (Set, Mapping)):
         raise TypeError("a set has no order")
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+    from numpy import ma  # not before: the command line starts without
+
+    if ma.is_masked(values):
         raise TypeError("masked values are none")
     return values
 
