@@ -261,6 +261,13 @@ def value_of(name: str, params: Mapping[str, float]) -> float:
     return float(next(iter(found.values()), float("nan")))
 
 
+def checked_text(name: Any) -> str:
+    """Return what may be the name of a parameter or a coordinate, or raise InputError."""
+    if not isinstance(name, str):
+        raise InputError(f"name is {shown(name)}; give the name of a parameter or a coordinate, a text")
+    return name
+
+
 def checked_name(name: Any, names: Iterable[str], of: str) -> str:
     """Return the name of a parameter, or of several, see :func:`named_by`; raise InputError for anything else."""
     known = list(names)
@@ -271,6 +278,8 @@ def checked_name(name: Any, names: Iterable[str], of: str) -> str:
 
 def spread(changes: Mapping[str, Any], names: Iterable[str], of: str) -> dict[str, Any]:
     """Return changes by the names of parameters, refusing names that do not exist, and one that is changed twice."""
+    if not isinstance(changes, Mapping):
+        raise InputError(f"changes of {of} are {shown(changes)}; give a mapping of names to values")
     known, found = list(names), dict[str, Any]()
     for name, value in changes.items():
         for one in named_by(checked_name(name, known, of), known):
