@@ -25,7 +25,7 @@ from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravit
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import Parameter, checked_params, unknown, updated
+from grazing.parameter import Parameter, checked_params, checked_text, unknown, updated
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -163,7 +163,7 @@ class Table(ByValue):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter."""
-        if name in OWN or (self.plunger and name in KNOWN):
+        if checked_text(name) in OWN or (self.plunger and name in KNOWN):
             return (OWN | KNOWN)[name]
         front, _dot, last = name.partition(".")
         for one in self.objects:

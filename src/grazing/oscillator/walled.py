@@ -23,7 +23,7 @@ from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple, spread
+from grazing.parameter import Parameter, checked_text, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -193,7 +193,7 @@ class Walled(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         known = COORDINATES[last] if last in COORDINATES and not front else describe_parameter(last)
         if front:
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
@@ -208,7 +208,7 @@ class Walled(Rig):
 
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         moving = bool(front) and last.startswith(("cos", "sin"))
         seen = self.seen[self.names.index(front) if front else 0]
         unit = seen.unit_of("sigma" if moving else last)
