@@ -33,6 +33,16 @@ def test_studies_in_units_of_powers_of_two(a, b):
         assert one.shape == other.shape and np.allclose(one, other, rtol=1e-9, atol=1e-9, equal_nan=True)
 
 
+def test_windows():
+    """Below 1e-14 units of force all edges were taken for one, and no window was found."""
+    found = []
+    for L, T in [(1.0, 1.0), (2.0**-50, 1.0), (2.0**-140, 1.0), (2.0**40, 2.0**45)]:
+        numbers = (3.0, 1.0, 2.2, 0.12, 0.0, 0.8, 0.4, None)
+        table = gz.windows(pushed(numbers, L, T), "offset", N=3)
+        found.append([table[edge].values * T**2 / L for edge in ("low", "high")])
+    assert found[0][0].shape == (1,) and np.allclose(found, found[0], rtol=1e-12, atol=0.0)
+
+
 #: Of alpha, k, omega, offset, sigma, r, V and trigger in units, with one force: what is followed, whence and where to.
 FOLLOWED = [
     ((0.05, 1.0, 0.6, 0.0, 0.0, 0.8, 0.0, None), 3, "sigma", (-1.6, 1.6)),  # all periods graze at once
