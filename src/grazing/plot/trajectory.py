@@ -18,6 +18,8 @@ from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
 
 Floats = NDArray[np.float64]
+#: What a ball at rest moves less than, in shares of its place: rounding.
+STILL = 1e-12
 #: Of a state of a rig.
 UNITS = {"u": "m", "v": "m/s"}
 
@@ -117,5 +119,5 @@ def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:
     """Return the ends of an axis of positions: a little beyond the motion, and into the walls."""
     low = min([float(u.min()), *(float(at.min()) for at, below in walls if below)])
     high = max([float(u.max()), *(float(at.max()) for at, below in walls if not below)])
-    edge = 0.08 * max(high - low, 1e-12)
+    edge = 0.08 * (max(high - low, STILL * max(abs(low), abs(high))) or 1.0)
     return low - edge, high + edge
