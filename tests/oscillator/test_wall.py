@@ -124,7 +124,7 @@ def test_each_wall_sees_the_forces_that_its_motion_makes():
     for j, sign in enumerate((1.0, -1.0)):
         z = [m.places_at(t + d)[0][j] - m.walls[j].position for d in (-h, 0.0, h)]
         bend, slope = (z[2] - 2 * z[1] + z[0]) / h**2, (z[2] - z[0]) / (2 * h)
-        seen = m.seen_from(j)
+        seen = m.seen[j]
         f, g = m.forcing, seen.forcing
         force = [
             w.offset
