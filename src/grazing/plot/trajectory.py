@@ -18,6 +18,8 @@ from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
 
 Floats = NDArray[np.float64]
+#: What a ball at rest moves less than, in shares of its place: rounding.
+STILL = 1e-12
 #: Of a state of a rig.
 UNITS = {"u": "m", "v": "m/s"}
 
@@ -75,7 +77,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
                 ax.axvspan(outer, near, color=WALL, alpha=0.4, lw=0, zorder=0)
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
         ax.set_xlim(*ends)
-        ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+        room = 0.08 * ((high - low) or 1.0)  # a ball at rest has no scale
+        ax.set_ylim(low - room, high + room)
         ax.set_xlabel(quantity(result["u"]))
         ax.set_ylabel(quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
@@ -116,5 +119,5 @@ def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:
     """Return the ends of an axis of positions: a little beyond the motion, and into the walls."""
     low = min([float(u.min()), *(float(at.min()) for at, below in walls if below)])
     high = max([float(u.max()), *(float(at.max()) for at, below in walls if not below)])
-    edge = 0.08 * max(high - low, 1e-12)
+    edge = 0.08 * (max(high - low, STILL * max(abs(low), abs(high))) or 1.0)
     return low - edge, high + edge
