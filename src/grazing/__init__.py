@@ -47,6 +47,7 @@ _PUBLIC = {
     "segment": "billiard.objects",
     "flips": "billiard.players",
     "presses": "billiard.players",
+    "plunger": "billiard.plunger",
     "read_table": "config.tables",
     "table": "billiard.table",
     "Surface": "systems.contract",
@@ -136,6 +137,7 @@ if TYPE_CHECKING:
     from grazing.billiard.objects import segment as segment
     from grazing.billiard.players import flips as flips
     from grazing.billiard.players import presses as presses
+    from grazing.billiard.plunger import plunger as plunger
     from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
