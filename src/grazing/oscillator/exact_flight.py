@@ -81,9 +81,9 @@ class Flight:
             return Y + h, dY + dh
         reach = motion.rate * abs(s).upper()
         if reach <= REACH:
-            y, v, C = self.series
+            height, speed, C = self.series
             tail = C * reach ** (motion.terms - 1) / factorial(motion.terms - 1) * reach.exp()
-            return around(y(s), tail * reach / motion.terms), around(v(s), tail * motion.rate)
+            return around(height(s), tail * reach / motion.terms), around(speed(s), tail * motion.rate)
         y, v = 0 * s, 0 * s
         for system, start in self.parts:
             state = (system * s).exp() * start
