@@ -251,12 +251,9 @@ class Walled(Rig):
         sign (f - z'' - alpha z' - k^2 z) and the wall lies at rest at sign sigma.
         """
         place, sign, H = self.places[j], self.walls[j].sign, self.harmonics
-        law = rows[:, place.law]
-        found = np.zeros((len(rows), HEAD + 2 * H + 1 + law.shape[1]))
-        found[:, :4] = rows[:, :4]
-        found[:, 4] = sign * rows[:, 4]
-        own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
-        found[:, HEAD : HEAD + own.shape[1]] = own
+        forces, stop = 2 * len(self.forcing.cos), HEAD + 2 * H
+        found = np.zeros((len(rows), stop + 1 + place.law.stop - place.law.start))
+        found[:, : HEAD + forces] = rows[:, : HEAD + forces]
         if self.walls[j].motion is not None:
             cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
             W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
@@ -265,9 +262,9 @@ class Walled(Rig):
             moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
             found[:, moved[0]] += lift * cosines - drag * sines
             found[:, moved[1]] += lift * sines + drag * cosines
-        found[:, HEAD : HEAD + 2 * H] *= sign
-        found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
-        found[:, HEAD + 2 * H + 1 :] = law
+        found[:, HEAD - 1 : stop] *= sign
+        found[:, stop] = sign * rows[:, place.sigma]
+        found[:, stop + 1 :] = rows[:, place.law]
         return found + 0.0  # no -0
 
     def kind_seen_from(self, j: int) -> type:
