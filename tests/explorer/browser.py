@@ -1,13 +1,10 @@
 """A page of the explorer in a real browser, and what it shows."""
 
 import os
-import re
 import shutil
 import time
 
 import numpy as np
-
-from grazing.explorer.server import FOLDER
 
 CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
     filter(
@@ -30,12 +27,6 @@ class Shown:
     def open(self, link):
         self.page.goto(link)
         self.settle()
-
-    def coarsen(self):
-        """Draw diagrams of so many columns only: for what is asked of words, links and steps, not of pictures."""
-        text, count = re.subn(r"(\bcolumns: )800\b", r"\g<1>80", (FOLDER / "page" / "state.js").read_text("utf-8"))
-        assert count == 1
-        self.page.route("**/state.js", lambda route: route.fulfill(body=text, content_type="text/javascript"))
 
     def until(self, condition):
         end = time.monotonic() + SECONDS

@@ -119,6 +119,8 @@ class Oscillator(Rig):
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
         kept = {"alpha", "k", "stiffness", "forcing", "mass", "base"}
         cls._refuse_beside(sorted(set(given) - kept) or (["reset"] if len(args) > 3 else []))
+        if missing := [name for name in ("alpha", "forcing") if name not in given]:
+            raise InputError(f"an oscillator between walls needs {listed(missing)} as well")
         return Walled(**({"k": None} | given), walls=walls)
 
     @staticmethod
