@@ -12,7 +12,7 @@ from grazing.billiard.objects import DRAIN, GEOMETRY, Thing
 from grazing.billiard.players import NOBODY, Player, flips, presses
 from grazing.billiard.plunger import KNOWN, Plunger
 from grazing.billiard.table import OWN, Table, table
-from grazing.config.files import read_toml
+from grazing.config.toml import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
 
