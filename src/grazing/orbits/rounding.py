@@ -88,6 +88,8 @@ def sloped(height: Callable[[Floats], Floats], middle: float, far: Floats) -> Fl
 def shift_of(A: Floats, off: Floats, crossed: bool) -> float:
     """Return how far the last coordinate may be off, if defects with derivative A may be off by so much."""
     norm = np.abs(A).max(axis=1)
+    if not (norm > 0.0).all():
+        return float("inf")
     A, off = A / norm[:, None], off / norm
     if crossed:  # what takes one branch to the other is no error of the place on this one
         U, S, across = np.linalg.svd(A)
