@@ -5,10 +5,11 @@ from collections import Counter
 import pytest
 
 import grazing as gz
-from grazing.orbits import flight_equations, impact_equations, path
+from grazing.orbits import impact_equations, path
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.piece_equations import PieceEquations
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
 from tests.orbits.test_locus import NORMAL, only
 from tests.test_in_any_unit import henon
@@ -30,7 +31,7 @@ def work(monkeypatch):
 
     count(path, "linearised", "steps")
     count(path, "corrected", "points")
-    count(flight_equations, "numbers_seen", "prepared")
+    count(Rig, "rows_seen", "prepared")
     count(ImpactEquations, "evaluated", "evaluated")
     count(ImpactEquations, "_profiles", "profiles")
     count(impact_equations, "call", "kernels")

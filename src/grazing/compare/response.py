@@ -16,11 +16,11 @@ from grazing.maps.map import Map
 from grazing.orbits.branch import POINTS, Branch, Piece
 from grazing.orbits.branch_table import branch_table, special_once
 from grazing.orbits.contacts import model_of as oscillator_of
-from grazing.orbits.contacts import section_of, walls_of
+from grazing.orbits.contacts import numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.gauge import Model, flown_cycle, gauged, readings_of, repeated_cycle
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.gauge import flown_cycle, gauged, readings_of, repeated_cycle
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, whole
@@ -158,14 +158,14 @@ def response(
 
 def checked_strobe(P: Any) -> Map:
     """Return the stroboscopic map of an oscillator at phase 0, where its branches are; raise InputError for others."""
-    if not isinstance(P, Map) or section_of(P) != "strobe":
+    if not isinstance(P, Map) or P.section != "strobe":
         said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
         raise InputError(f"P is {shown(P)}: {said}")
     refuse_stiffness(model_of(P), "a response, which sweeps follow where it attracts,")
     return P.replace(phase=0.0)  # readings do not depend on the section
 
 
-def model_of(P: Map) -> Model:
+def model_of(P: Map) -> Rig:
     """Return the oscillator of a map that has one."""
     model = oscillator_of(P)
     assert model is not None
@@ -188,11 +188,11 @@ def between_walls(P: Map, name: str, grid: Floats) -> tuple[float, float]:
 def at_rest(P: Map, name: str, grid: Floats) -> tuple[float, float]:
     """Return a state that is allowed at every value: at rest where constant forces balance, inside the map's box."""
     model = model_of(P)
-    if not isinstance(model, Oscillator):
+    if model.walled:
         low, high = between_walls(P, name, grid)
         balance = model.forcing.offset / model.k2 if model.k2 > 0.0 else 0.5 * (low + high)
         return min(max(balance, low), high), 0.0
-    wall, stiffness = float(grid.max()) if name == "sigma" else model.sigma, model.k**2
+    wall, stiffness = float(grid.max()) if name == "sigma" else model.walls[0].position, model.k**2
     balance = model.forcing.offset / stiffness if stiffness > 0.0 else wall
     return max(wall, min(balance, P.box[0][1])), 0.0
 
@@ -323,8 +323,7 @@ def read_along(P: Map, orbits: Sequence[Orbit], readable: Sequence[bool]) -> Flo
             continue
         model, state = model_of(orbit.map), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
         if isinstance(orbit, ImpactOrbit):
-            names = "".join(str(wall.name) for wall in walls_of(model))
-            walls = [names.index(letter) for letter in orbit.walls]
+            walls = numbered(model, orbit.walls)
             cycle = repeated_cycle(model, state, orbit.times, orbit.incoming, orbit.outgoing, orbit.period, walls)
         else:
             cycle = flown_cycle(model, state, orbit.period)

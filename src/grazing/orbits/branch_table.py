@@ -13,7 +13,6 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
-from grazing.oscillator.walled import Walled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,7 +61,7 @@ def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[st
 
     rows = [np.full(one.impacts, i) for i, one in hit]
     walls = np.array([letter for _i, one in hit for letter in one.walls], dtype=object)
-    named = isinstance(hit[0][1].model, Walled) if hit else False
+    named = bool(hit) and hit[0][1].model.walled
     return {
         **({"impact_wall": ("impact", walls, {"long_name": "wall that is hit"})} if named else {}),
         "impact_point": ("impact", _joined(rows, np.int64), {"long_name": "row of the orbit"}),

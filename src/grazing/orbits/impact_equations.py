@@ -16,14 +16,11 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, DEEP, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
 from grazing.orbits.closure import FIRED, WHOLE
 from grazing.orbits.contacts import (
-    Model,
     addresses,
     frames_at,
-    law_numbers,
     letters_of_walls,
     piece_of,
     wall_of,
-    walls_of,
 )
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations, Prepared
@@ -34,8 +31,8 @@ from grazing.orbits.word import word
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.frames import Frames, frame_of, seen_at_strobe
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import refuse_swings
-from grazing.oscillator.walled import Walled
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +61,7 @@ class ImpactEquations(FlightEquations):
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         Gives the values of all parameters that do not vary.
     names : tuple of str
         Parameters that vary.
@@ -77,21 +74,21 @@ class ImpactEquations(FlightEquations):
         Size of each parameter that varies.
     """
 
-    def __init__(self, model: Model, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
+    def __init__(self, model: Rig, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         refuse_swings(model)
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
-        several = len(walls_of(model)) > 1
+        several = len(model.walls) > 1
         self._at: list[Any] = (
             [np.flatnonzero(np.equal(self.walls, wall)) for wall in (0, 1)] if several else [slice(None)]
         )
-        sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
+        sizes = [self.sizes(wall) for wall in range(len(model.walls))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
         self._force = self.own_frames.a.force or 1.0
         self.scale = np.array([self.period_at(self.own)] * self.n + [self._fast[wall] for wall in self.walls])
-        self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
+        self._gaps, self._close, self._profile = closer(model.harmonics, model.walled)
 
     def laws(self, seen: list[Floats]) -> Floats:
         """Return for each impact the addresses of its law, of its slope and of their numbers, and its wall.
@@ -175,7 +172,7 @@ class ImpactEquations(FlightEquations):
             speed, fast = -table[ENDING, i], self._fast[self.walls[k]]
             found.append(("v0", k, speed / fast))
             if piece_of(self.pieces[k]) != WHOLE:
-                law = law_numbers(self.model, self.walls[k], at.values)
+                law = self._law_numbers(self.walls[k], at.seen)
                 over = speed - law["trigger"] if piece_of(self.pieces[k]) == FIRED else law["trigger"] - speed
                 found.append(("law", k, np.where(law["V"] != 0.0, over / fast, 1.0)))  # without a kick both are one law
             wall = self.walls[i]
@@ -185,6 +182,11 @@ class ImpactEquations(FlightEquations):
             if x[0, self.n + i] == 0.0:
                 found.append(("st", i, table[FORCE, i] / self._force))
         return found
+
+    def _law_numbers(self, wall: int, seen: list[Floats]) -> dict[str, Floats]:
+        """Return the parameters (k,) of the law of a wall by name, of all that walls see."""
+        law = self.model.walls[wall].law.params
+        return dict(zip(law, seen[wall][:, -len(law) :].T, strict=True))
 
     def touched(self, type: str, where: int) -> tuple[int, int]:
         """Return which impact or flight a test function is about, and at which wall."""
@@ -226,7 +228,7 @@ class ImpactEquations(FlightEquations):
         if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
             return None
         model = self.model_at(p)
-        return self.uneven(x, self.period_at(p)) if isinstance(model, Walled) and model.symmetric else None
+        return self.uneven(x, self.period_at(p)) if model.symmetric else None
 
     def uneven(self, x: Floats, T: float) -> Floats:
         """Return by how much the second half of the impacts differs from the first one, scaled."""
@@ -275,7 +277,7 @@ class ImpactEquations(FlightEquations):
             incoming=incoming,
             outgoing=outgoing,
             clearance=float(table[:, [DEEP, DEEP + OTHER]].min()),
-            walls="".join(str(walls_of(model)[wall].name) for wall in self.walls),
+            walls="".join(str(model.walls[wall].name) for wall in self.walls),
         )
 
 
@@ -288,7 +290,7 @@ class Flown(NamedTuple):
     N: int
 
 
-def strobed(flown: Flown, model: Model, c: Frames, phase: float) -> tuple[Floats, list[int]]:
+def strobed(flown: Flown, model: Rig, c: Frames, phase: float) -> tuple[Floats, list[int]]:
     """Return the states (u, v) at phase, phase + T, ..., and the letters of the periods that end there.
 
     An impact at the strobe belongs to the period before it: (phase + jT, phase + (j + 1) T].

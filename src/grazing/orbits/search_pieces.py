@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.finder import Tally
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import closed
 from grazing.orbits.piece_equations import PieceEquations, PieceOrbit, letters_from
-from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_windows import drawn
 from grazing.orbits.switching import same_solution, turns
 from grazing.orbits.word import letters_of, words

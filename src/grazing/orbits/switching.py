@@ -11,7 +11,7 @@ from scipy.optimize import root_scalar
 
 from grazing.orbits.closing import DIPS, OTHER, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
-from grazing.orbits.contacts import PIECES, kick_of, walls_of
+from grazing.orbits.contacts import PIECES, kick_of
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.free_equations import FreeEquations
@@ -230,7 +230,7 @@ def called(equations: Equations, type: str, where: int, p: Floats) -> tuple[str,
     if wall < 0 or not isinstance(equations, (ImpactEquations, FreeEquations)):
         return type, ""
     grazes = type == "v0" and kick_of(equations.model_at(p), wall) == 0.0
-    return "gr" if grazes else type, str(walls_of(equations.model)[wall].name)
+    return "gr" if grazes else type, str(equations.model.walls[wall].name)
 
 
 def allowed(equations: Equations, x: Floats, p: Floats) -> bool:
@@ -272,7 +272,7 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
 def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
     """Return the branch with one impact more, which begins with speed 0 where a flight touches the wall."""
     model, (i, wall) = equations.model, equations.touched(event.type, event.where)
-    piece = PIECES * wall + (PASSIVE if walls_of(model)[wall].law.law is triggered_law else WHOLE)
+    piece = PIECES * wall + (PASSIVE if model.walls[wall].law.law is triggered_law else WHOLE)
     if isinstance(equations, FreeEquations):
         _end, _E, dips = equations.turned(x, p)
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)

@@ -18,7 +18,7 @@ from grazing.kernel.primitives import built, replaced, unit
 from grazing.oscillator.constants import Constants, constants_of, section_phase
 from grazing.oscillator.contact import NO_LAUNCH, Ball, Launch, contact_until
 from grazing.oscillator.pointed import flight_fields, flight_kind, pointed_rows
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
 from grazing.parameter import parameter_tuple
 
@@ -187,7 +187,7 @@ def frames_of(harmonics: int) -> Callable[..., Frames]:
     return frames
 
 
-def link_rows(model: Walled, rows: Floats) -> Floats:
+def link_rows(model: Rig, rows: Floats) -> Floats:
     """Return how the walls lie to each other, for rows of the model's parameters.
 
     Whether there are two, the side of the first (1 for below, -1 for above), a lower bound on the room between them,
@@ -201,7 +201,7 @@ def link_rows(model: Walled, rows: Floats) -> Floats:
     return np.column_stack(found)
 
 
-def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+def frames_rows(model: Rig, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
     """Return the numbers that a kernel needs at rows of the model's parameters and a phase, and what they point into.
 
     Each wall's numbers are those of :func:`grazing.oscillator.pointed.flight_fields`; the laws come by address.
@@ -216,7 +216,7 @@ def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, F
     return np.ascontiguousarray(np.column_stack([found[0], found[-1], link_rows(model, rows)])), source
 
 
-def plain_frames(model: Walled, row: Floats) -> Frames:
+def plain_frames(model: Rig, row: Floats) -> Frames:
     """Return the frames at a row of the model's parameters and a phase, with laws as plain Python has them."""
     rows = np.asarray(row, np.float64).reshape(1, -1)
     prepare = constants_of(model.harmonics, section_phase)
