@@ -8,9 +8,6 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.deflection import warn_of_gap
 from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, series_said
@@ -292,10 +289,6 @@ class Oscillator(Rig):
     def seen_from(self, j: int) -> Oscillator:
         """Return what the wall sees: this oscillator."""
         return self
-
-    def rows_seen_from(self, j: int, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the parameters that the wall sees: all of them."""
-        return rows
 
     @property
     def places(self) -> tuple[Place, ...]:  # type: ignore[override]

@@ -104,8 +104,11 @@ class Rig:
         raise NotImplementedError
 
     def rows_seen_from(self, j: int, rows: Floats) -> Floats:
-        """Return the parameters of the oscillator that wall j sees, for rows of :attr:`params`; its law's are last."""
-        raise NotImplementedError
+        """Return the parameters of the oscillator that wall j sees, for rows of :attr:`params`; its law's are last.
+
+        One wall at rest, below the ball, sees all as they are.
+        """
+        return rows
 
     @property
     def oscillators(self) -> list[Oscillator]:
