@@ -75,10 +75,10 @@ NAME_NO_SYSTEM = {
 NAME_NO_SYSTEM |= {
     f"grazing.{part}.{name}"
     for part, names in {
-        "orbits": "adding_tree branch_table branch_windows curves equations "
+        "orbits": "adding_tree branch branch_search branch_table branch_windows corrector curves equations events "
                   "even_equations finder gap_boundaries gap_orbits locus manifold manifold_growth manifold_steps "
-                  "map_equations one_sided orbit path periodic piece_end piece_equations point_equations search_map search_pieces "
-                  "search_steps search_windows special word",
+                  "map_equations one_sided orbit path periodic piece_end piece_equations point_equations "
+                  "search_map search_pieces search_steps search_windows special word",
         "proof": "check expression gap gap_branch gap_chaos repeats search text",
         "compare": "bifurcation_diagram edges orders search word_branches",
         "config": "build check command files problems settings values",
@@ -340,7 +340,7 @@ def plant(source, texts):
         ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),
         ("orbits/resting", "from grazing.oscillator.walled import W", "orbits.resting serves any number of walls: ask"),
         ("proof/seen", "from grazing.oscillator.model import O", "proof.seen serves any number of walls: ask"),
-        ("orbits/locus", "from grazing.oscillator.rig import R", "grazing.orbits.locus serves every system: ask"),
+        ("orbits/branch", "from grazing.oscillator.rig import R", "grazing.orbits.branch serves every system: ask"),
         ("orbits/periodic", "from grazing.orbits.search_section import S", "periodic asks the origin of a map for its"),
         ("novelty", "", "novelty has no layer yet"),
     ],

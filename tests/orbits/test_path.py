@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 import grazing as gz
-from grazing.orbits import impact_equations, path
+from grazing.orbits import corrector, impact_equations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.piece_equations import PieceEquations
@@ -29,8 +29,8 @@ def work(monkeypatch):
 
         monkeypatch.setattr(owner, name, counted)
 
-    count(path, "linearised", "steps")
-    count(path, "corrected", "points")
+    count(corrector, "linearised", "steps")
+    count(corrector, "corrected", "points")
     count(Rig, "rows_seen", "prepared")
     count(ImpactEquations, "evaluated", "evaluated")
     count(ImpactEquations, "_profiles", "profiles")
@@ -81,9 +81,9 @@ def test_a_branch_between_walls_makes_a_model_for_each_orbit_and_one_for_each_po
     P = gz.stroboscopic_map(gz.Oscillator(1.0, 1.2, gz.Forcing(1.4, offset=0.1, cos=(1.2,)), walls=walls))
     orbit = next(one for one in gz.periodic_orbits(P, 1, starts=20, threads=1) if one.impacts == 2)
     made, points = [], []
-    plain, ran = Walled.replace, path.tangent_of
+    plain, ran = Walled.replace, corrector.tangent_of
     monkeypatch.setattr(Walled, "replace", lambda model, **changes: made.append(1) or plain(model, **changes))
-    monkeypatch.setattr(path, "tangent_of", lambda *args: points.append(1) or ran(*args))
+    monkeypatch.setattr(corrector, "tangent_of", lambda *args: points.append(1) or ran(*args))
     branch = gz.continuation(P, orbit, "omega", (1.2, 1.8))
     assert len(list(branch)) > 20  # whether a point is symmetric was asked of a model of its own from either side
     assert len(made) <= len(list(branch)) + len(points) + 10

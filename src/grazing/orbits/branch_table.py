@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
@@ -17,7 +16,8 @@ from grazing.orbits.special import SPECIAL
 if TYPE_CHECKING:
     import xarray as xr
 
-    from grazing.orbits.branch import Branch, Piece
+    from grazing.orbits.branch import Branch
+    from grazing.orbits.branch_search import Piece
     from grazing.orbits.orbit import Orbit
     from grazing.orbits.special import Special
 
@@ -27,11 +27,8 @@ SAME = 1e-9
 
 def shifts(piece: Piece) -> NDArray[np.int64]:
     """Return by how many periods each orbit's points are numbered later than along the branch."""
-    equations = piece.equations
-    if not isinstance(equations, ImpactEquations):
-        return np.zeros(len(piece.orbits), np.int64)
-    T = np.array([equations.period_at(np.array([value])) for value in piece.values])
-    return np.asarray(np.floor(piece.unknowns[:, 0] / T), np.int64)
+    at = zip(piece.unknowns, piece.values[:, None], strict=True)
+    return np.array([piece.equations.begins_in(x, p) for x, p in at], np.int64)
 
 
 def events_of(branch: Branch) -> NDArray[np.int8]:

@@ -67,6 +67,10 @@ class EvenEquations(Equations):
         """Return which impact or flight a test function is about, and the number of its wall."""
         return self.base.touched(type, where)
 
+    def called(self, type: str, where: int, p: Floats) -> tuple[str, str]:
+        """Return the type of a special point, and the letter of its wall."""
+        return self.base.called(type, where, p)
+
     def broken(self, x: Floats, p: Floats) -> str:
         """Say why these are not the equations of an orbit any more."""
         return self.base.broken(self.whole(x, p), p)

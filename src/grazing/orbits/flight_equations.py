@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.contacts import flight_rows, framed, room_in
+from grazing.orbits.contacts import flight_rows, framed, kick_of, room_in
 from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD
 from grazing.oscillator.frames import Frames, frame_of
@@ -117,6 +117,17 @@ class FlightEquations(Equations):
     def constants(self, p: Floats) -> Any:
         """Return the constants of flights as the first wall sees them, as numbers of Python."""
         return self.frames(p).a
+
+    def called(self, type: str, where: int, p: Floats) -> tuple[str, str]:
+        """Return the type of a special point, and the letter of the wall that it is about; empty for none.
+
+        An impact that loses its speed at a wall that does not kick the ball is a graze, as one dip that meets it.
+        """
+        wall = self.touched(type, where)[1]
+        if wall < 0:
+            return type, ""
+        grazes = type == "v0" and kick_of(self.model_at(p), wall) == 0.0
+        return "gr" if grazes else type, self.model.names[wall]
 
     def sizes(self, wall: int = 0) -> tuple[float, float]:
         """Return the sizes of positions and velocities that a wall sees, > 0: of a still ball those of its starts."""

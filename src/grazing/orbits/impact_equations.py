@@ -22,7 +22,7 @@ from grazing.orbits.contacts import (
     piece_of,
     wall_of,
 )
-from grazing.orbits.equations import Test
+from grazing.orbits.equations import ONE, Equations, Test
 from grazing.orbits.flight_equations import FlightEquations, Prepared
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
@@ -193,6 +193,48 @@ class ImpactEquations(FlightEquations):
         if type == "gr":
             return where % self.n, where // self.n
         return where, self.walls[where] if type in ("v0", "law", "st") else -1
+
+    def begins_in(self, x: Floats, p: Floats) -> int:
+        """Return how many periods after the first one the first impact comes."""
+        return floor(float(x[0]) / self.period_at(p))
+
+    def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of two turns, and the solution that goes round twice."""
+        n, N = self.n, self.N
+        twice = ImpactEquations(self.model, self.names, 2 * N, self.pieces * 2, self.spans)
+        return twice, np.concatenate([x[:n], x[:n] + N * self.period_at(p), x[n:], x[n:]])
+
+    def halving(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of half the turns, and the mean of both halves of a solution."""
+        n, h, turn = self.n, self.n // 2, self.N // 2 * self.period_at(p)
+        half = ImpactEquations(self.model, self.names, self.N // 2, self.pieces[:h], self.spans)
+        return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
+
+    def later(self, x: Floats, p: Floats, k: int) -> Floats | None:
+        """Return by how much an orbit differs, scaled, if begun a k-th of its turn later."""
+        n, m, N = self.n, self.n // k, self.N
+        if n % k or self.walls[m:] + self.walls[:m] != self.walls:
+            return None
+        period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
+        if abs(period - self.period_at(p)) > 0.1 * self.period_at(p):
+            return None
+        times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
+        return np.asarray(np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]]) / self.scale)
+
+    def same(self, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
+        """Whether two solutions are one orbit, begun at another impact perhaps."""
+        if not isinstance(other, ImpactEquations) or len(x) != len(y):
+            return super().same(x, other, y, p)
+        n, T = self.n, self.period_at(p)
+        for k in range(n):
+            if other.walls[k:] + other.walls[:k] != self.walls:
+                continue
+            times = np.concatenate([y[k:n], y[:k] + self.N * T])
+            gap = np.mod(times - x[:n] + 0.5 * T, T) - 0.5 * T
+            after = np.concatenate([y[n + k :], y[n : n + k]])
+            if max(np.abs(gap / self.scale[:n]).max(), np.abs((after - x[n:]) / self.scale[n:]).max()) < ONE:
+                return True
+        return False
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return the solution, begun at another impact or period, that is nearest to another, and its order."""

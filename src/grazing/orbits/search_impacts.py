@@ -16,10 +16,10 @@ from grazing.kernel.random import uniform
 from grazing.orbits.closing import DEEP, DIPS, ENDING, OTHER, WHEN
 from grazing.orbits.closure import FIRED, PASSIVE
 from grazing.orbits.contacts import PIECES, contacts_of, piece_of, pieces_of, wall_of
+from grazing.orbits.corrector import weighed
 from grazing.orbits.finder import Tally
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
-from grazing.orbits.path import weighed
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.rig import Rig

@@ -15,7 +15,8 @@ import numpy as np
 
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.branch import Branch, Piece, continuation
+from grazing.orbits.branch import Branch, continuation
+from grazing.orbits.branch_search import Piece
 from grazing.orbits.branch_windows import windows_of_piece
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.orbits.contacts import contacts_of, piece_of, pieces_of, wall_of

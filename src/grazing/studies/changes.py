@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.corrector import closed
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import closed
 from grazing.orbits.signature import equations_of
 from grazing.orbits.word import word
 from grazing.oscillator.trajectory import trajectory
