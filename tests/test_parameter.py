@@ -112,3 +112,36 @@ def test_files_and_the_shell_take_one_value_for_all_walls():
         checked({**config, "parameters": given | {"r": 0.7, "A.r": 0.5}, "vary": {"cos1": "1:2:3"}})
     with pytest.raises(gz.InputError, match=r"B\.r: missing"):
         checked({**config, "parameters": given | {"A.r": 0.7}, "vary": {"cos1": "1:2:3"}})
+
+
+def masked(*values):
+    return np.ma.array(values, mask=[0] * (len(values) - 1) + [1])
+
+
+BALL, G = gz.pinball(d=0.12, V=0.4), gz.gap_map(lam=0.5, mu=0.1, l=0.2)
+NORMAL = gz.normal_form(BALL, "d")
+WITHOUT_ORDER_OR_MASKED = {
+    "state": lambda: gz.stroboscopic_map(BALL)(masked(0.1, 0.2)),
+    "start": lambda: gz.trajectory(BALL, masked(0.1, 0.2), until=1.0),
+    "ball": lambda: gz.read_table("one_bumper").trajectory(masked(0.3, 4.0, 0.0, 1.0), 0.0, 1.0, 3),
+    "values": lambda: gz.orbit_diagram(G, "mu", masked(0.1, 0.2), starts=2, transient=2, keep=2),
+    "starts": lambda: gz.orbit_diagram(G, "mu", [0.1], starts=masked(0.1, 0.2)[:, None], transient=2, keep=2),
+    "rows": lambda: G.run_columns(masked(0.5, 0.1, 0.2)[None], np.zeros((1, 1, 1)), 0, 2),
+    "lanes": lambda: G.run(masked(0.1, 0.2)[None], 0, 2),
+    "series": lambda: gz.zero_one(masked(*range(500))),
+    "samples": lambda: gz.Forcing.from_samples(masked(1.0, 0.0, -1.0, 0.0), omega=1.0, harmonics=1),
+    "mu": lambda: NORMAL.mu(masked(0.1, 0.2)),
+    "points": lambda: NORMAL.to_xy(masked(0.1, 0.2)),
+    "lam": lambda: gz.theory.mu_pd(3, masked(0.5, 0.9), 0.1),
+    "angle": lambda: gz.launches(gz.read_table("one_bumper"), (0.3, 4.0), masked(0.1, 0.2), 1.0),
+    "amplitudes": lambda: gz.Forcing(omega=1.0, cos={1.0, 2.0}),
+    "place": lambda: gz.disc("a", {0.0, 2.0}, 1.0, law=LAW),
+    "shard": lambda: gz.sweep.run(gz.plans.density(G, "mu", [0.1], starts=2), "none.zarr", shard={1, 2}),
+}
+
+
+@pytest.mark.parametrize("call", WITHOUT_ORDER_OR_MASKED.values(), ids=WITHOUT_ORDER_OR_MASKED)
+def test_masked_values_and_sets_are_no_lists_of_numbers(call):
+    """What a mask hides was computed with, and the numbers of a set became x and y in whatever order it gave them."""
+    with pytest.raises(gz.InputError):
+        call()

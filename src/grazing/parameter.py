@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, lru_cache
 from itertools import islice
 from keyword import iskeyword
 from typing import Any
+
+import numpy as np
 
 from grazing.outcome import InputError, shown
 
@@ -120,6 +122,7 @@ def checked_params(params: Any) -> dict[str, float]:
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
+@lru_cache(maxsize=4096)
 def _is_name(text: str) -> bool:
     return text.isidentifier() and not iskeyword(text) and not text.startswith("_")
 
@@ -130,6 +133,15 @@ def checked_coordinates(names: Any) -> tuple[str, ...]:
     if not given or isinstance(names, (str, bytes)) or not all(isinstance(name, str) and name for name in given):
         raise InputError(f"coordinates are {shown(names)}; give their names, such as ('x', 'y')")
     return given
+
+
+def in_order(values: Any) -> Any:
+    """Return several values whose order counts; raise TypeError for a set, which has none, and for masked values."""
+    if isinstance(values, (Set, Mapping)):
+        raise TypeError("a set has no order")
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise TypeError("masked values are none")
+    return values
 
 
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:

@@ -129,6 +129,7 @@ def calls():
         ),
         "flips": dict(period=2.0, hold=0.3, phase={"L": 0.5}),
         "presses": dict(L=[0.4, 0.7]),
+        "plunger": dict(point=(0.5, 0.0), angle=1.5, slow=0.0, fast=2.0),
         "read_table": dict(source="one_bumper"),
         "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
         "table, flipper": dict(objects=[FLIPPER], rho=0.1, g=1.0, tilt=0.3, player=gz.flips(2.0, 0.3)),

@@ -40,6 +40,19 @@ def test_a_trajectory_breaks_at_impacts():
     assert len(plot.trajectory(part)["impacts"]) == 1  # those before it are not in sight
 
 
+@pytest.mark.parametrize("side", ["below", "above"])
+def test_states_at_the_strobe_are_where_the_motion_is_in_any_unit(side):
+    """States in metres were drawn as if they were the millimetres of the trajectory."""
+    rig = gz.Oscillator.from_si(
+        m=0.8, c=2.4, k=3200, force=2.5, gap=1.2e-3, side=side, frequency=14, reset=gz.newton(0.7)
+    )
+    flown = gz.trajectory(rig, (0.0, 0.1), until=0.02)
+    drawn = plot.trajectory(gz.in_units(flown, "mm", "mm/s"), strobe=[(0.0, 0.1), (1e-3, 0.2)])
+    sign = -1.0 if side == "above" else 1.0
+    assert drawn["strobe"].get_xdata() == pytest.approx([0.0, sign])
+    assert drawn["strobe"].get_ydata() == pytest.approx([sign * 100.0, sign * 200.0])
+
+
 def test_a_graph_jumps_where_the_letter_changes():
     graph = plot.graph_of(gap_map(0.8, 0.5, 1.0), np.linspace(-1.0, 1.0, 101))
     pieces = plot.map_graph(graph, label="map")["pieces"]

@@ -28,20 +28,16 @@ from grazing.explorer.composed import Module, arguments
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, numbers
-from grazing.maps.launches import fan
+from grazing.maps.launch import fan
 from grazing.oscillator.reset import Reset
 from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 
 INFINITY = float("inf")
-#: Where a ball is launched on a table that ships: point, direction, and speeds; from where exits are drawn, up to which
-#: speed; what a millimetre is on it, 0 where that means nothing.
-LAUNCHES: dict[str, dict[str, Any]] = {
-    "classic": {"launch": [5.275, 0.7, pi / 2], "speeds": [12.0, 22.0], "from": [2.55, 5.6, 12.0], "mm": 0.01},
-    "galton": {"launch": [0.05, 9.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.05, 9.0, 3.0], "mm": 0.0},
-    "one_bumper": {"launch": [0.3, 4.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.3, 4.0, 3.0], "mm": 0.0},
-    "three_discs": {"launch": [3.0, 1.7, -2.6], "speeds": [1.0, 2.0], "from": [3.0, 1.7, 2.0], "mm": 0.0},
-}
+#: Where a ball is thrown from for the picture of exits, and how fast at most, where that is not in the plunger.
+THROWN = {"classic": (2.55, 5.6, 12.0), "galton": (0.05, 9.0, 3.0), "one_bumper": (0.3, 4.0, 3.0)}
+#: What a millimetre is, on tables where that means something.
+MILLIMETRE = {"classic": 0.01}
 #: Of a ball that is followed: time, surface just left and state at the begin of its flight, then impacts, the object it
 #: hit last, and bits of outcomes.
 CLOCK, LEFT, X, Y, VX, VY, HITS, LAST, FLAGS, BALL = range(10)
@@ -197,12 +193,17 @@ def described_table(name: str) -> dict[str, Any]:
     own = len(block) - 1 - len(names)
     things = block[rows_of_tables.HEAD :][: rows_of_tables.THING * len(table.objects)].reshape(-1, rows_of_tables.THING)
     things[:, [rows_of_tables.LAW, rows_of_tables.SLOPE, rows_of_tables.ROW]] = 0.0  # addresses, which are the page's
+    shot = table.plunger
+    assert shot is not None
     x, y = ([value for one in table.outlines() for value in one.points[:, axis].tolist()] for axis in (0, 1))
     return {
         "objects": [described_thing(one) for one in table.objects],
         "rho": table.rho,
         "box": [min(x), max(x), min(y), max(y)],
-        **LAUNCHES[name],
+        "launch": [shot.x, shot.y, shot.angle],
+        "speeds": [shot.slow, shot.fast],
+        "from": list(THROWN.get(name, (shot.x, shot.y, shot.fast))),
+        "mm": MILLIMETRE.get(name, 0.0),
         "block": block.tolist(),
         "params": names,
         "row": own,

@@ -16,7 +16,15 @@ from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
-from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, stay_ended, step_tasks
+from grazing.maps.columns import (
+    Columns,
+    checked_columns,
+    empty_columns,
+    run_columns,
+    size_of_columns,
+    stay_ended,
+    step_tasks,
+)
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
@@ -29,6 +37,7 @@ from grazing.parameter import (
     checked_box,
     checked_coordinates,
     checked_params,
+    in_order,
     parameter_tuple,
     parameters,
     updated,
@@ -317,7 +326,8 @@ class Map(ByValue):
         points (keep, dim, n), letters (keep, n), outcomes (records, n)
         """
         row = self.packed()[1][None]
-        found = self.run_columns(row, lanes[None], transient, keep, records=records, arithmetic=arithmetic, threads=1)
+        there = lanes[None] if isinstance(lanes, np.ndarray) else lanes
+        found = self.run_columns(row, there, transient, keep, records=records, arithmetic=arithmetic, threads=1)
         return found.points[0], found.letters[0], found.outcomes[0]
 
     def run_columns(
@@ -374,14 +384,7 @@ class Map(ByValue):
         >>> found.letters[1, :, 0].tolist()
         [0, 1, 0, 0, 1, 0]
         """
-        names = tuple(self.params)
-        table = np.array(rows, np.float64, ndmin=2)
-        fits = lanes.ndim == 3 and lanes.shape[:2] == (len(table), self.dimension)
-        if table.ndim != 2 or table.shape[1] != max(len(names), 1) or not fits:
-            raise InputError(
-                f"rows have shape {table.shape} and lanes {lanes.shape}; {self.name} needs (columns, {len(names)}): "
-                f"{', '.join(names)}; and (columns, {self.dimension}, n): {', '.join(self.coordinates)}"
-            )
+        table = checked_columns(rows, lanes, self)
         transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
         if arithmetic not in FLAGS:
             raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
@@ -426,14 +429,13 @@ class Map(ByValue):
         known = self.origin
         if known.block is not None:
             return known.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
-        who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
+        who, step, prepare, source, loop = f"the step of {self.name}", self._full_step, self.prepare, None, None
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
-            tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
+            tangent, prepare, kind, rows, source, alone, loop = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
-        if prepare is None:
+        if loop is None and prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
-        else:
-            loop = runner(step, prepare, kind, self.dimension, arithmetic)
+        loop = loop or runner(step, prepare, kind, self.dimension, arithmetic)
         return step_tasks(loop, rows, lanes, transient, found, who, source)
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:
@@ -475,7 +477,7 @@ class Map(ByValue):
         try:
             if np.iscomplexobj(state):
                 raise TypeError
-            start = np.atleast_1d(np.asarray(state, dtype=np.float64))
+            start = np.atleast_1d(np.asarray(in_order(state), dtype=np.float64))
         except Exception:  # of whatever object was given, or of one too large
             raise InputError(
                 f"state is {shown(state)}; give {self.dimension} numbers ({', '.join(self.coordinates)})"

@@ -63,6 +63,8 @@ class Origin(ByValue):
         The oscillator that the map shows, over one wall or between several; ``walled`` if these are walls of its own.
     impacts_on : Table, optional
         The table of which the steps of the map are the impacts, one each.
+    together : int
+        Orbits that are worth computing in one go, where the map knows; else 0.
     stirred : tuple of str
         Coordinates in which copies of an orbit are moved a little to part from it, in their own units; all if empty.
     section : {"strobe", "impact"}, optional
@@ -83,6 +85,7 @@ class Origin(ByValue):
     model: Any = None
     rig: Any = None
     impacts_on: Any = None
+    together: ClassVar[int] = 0
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
 

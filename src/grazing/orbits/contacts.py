@@ -173,7 +173,7 @@ def addresses(model: Rig, contacts: Sequence[int]) -> list[tuple[float, float, i
 
 def sizes_of(model: Rig) -> tuple[float, float]:
     """Return how far and how fast the ball goes, by an estimate; of two walls as the one sees it that sees less."""
-    reach = [one.reach for one in model.oscillators]
+    reach = [one.reach for one in model.seen]
     return min(one.height for one in reach), min(one.speed for one in reach)
 
 

@@ -134,5 +134,5 @@ class FlightEquations(Equations):
         c = frame_of(bool(wall), self.own_frames)
         if c.size > 0.0:
             return c.size, c.size * c.rate
-        at = self.model.oscillators[wall].reach
+        at = self.model.seen[wall].reach
         return at.height, at.speed

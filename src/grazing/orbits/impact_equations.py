@@ -28,6 +28,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.frames import Frames, frame_of, seen_at_strobe
@@ -277,6 +278,15 @@ class ImpactEquations(FlightEquations):
         n, h = self.n, self.n // 2
         apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
+
+    def periods(self, x: Floats, p: Floats) -> Floats:
+        """Return how many periods after the first impact each is, at several points, x (k, 2n) and p (k, names).
+
+        From strobe to strobe, see :func:`strobed`: orbits for which they are the same have the same word.
+        """
+        T = 2.0 * np.pi / self.prepared(p).values[:, [HEAD.index("omega")]]
+        passed: Floats = np.ceil((x[:, : self.n] - T * np.floor(x[:, :1] / T)) / T)
+        return passed
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""

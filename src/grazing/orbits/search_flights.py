@@ -98,7 +98,7 @@ def recorded(model: Rig, states: Floats, N: int, most: int) -> Flights:
         rows, source = frames_rows(model, np.array([[*model.params.values(), 0.0]]), "strict")
         row = rows[0]
     else:
-        row, source = pointed_model(model.seen_from(0))
+        row, source = pointed_model(model.seen[0])
     found = Flights(np.zeros(k, np.int64), *(np.full((k, most), np.nan) for _ in range(4)))
     call(recorder(model.harmonics, model.walled), row, np.ascontiguousarray(states), N, *found, who="the flight")
     del source  # the laws' numbers lie in it: it had to live so long

@@ -41,7 +41,7 @@ def presses(model: Rig) -> list[float]:
 def resting_starts(P: Map, model: Rig) -> list[Floats]:
     """Return states of a map of an oscillator from which the ball rests, or has just rested, before each release."""
     starts, phase = [], float(P.params.get("phase", 0.0))
-    for j, seen in enumerate(model.oscillators):
+    for j, seen in enumerate(model.seen):
         if kick_of(model, j) != 0.0 or never_rests(model, j):
             continue
         c = FreeEquations(seen, ()).constants(np.empty(0))

@@ -209,7 +209,7 @@ def _impacts_of(points: Floats, letters: NDArray[np.int64], search: Search) -> t
 
 def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: float) -> None:
     """Add what closed forms, random guesses, neighbours and doubled orbits give for N periods."""
-    for j, seen in enumerate(search.model.oscillators) if 1 in counts else ():
+    for j, seen in enumerate(search.model.seen) if 1 in counts else ():
         try:
             known = one_impact_orbits(seen, N)
         except OutsideForm:

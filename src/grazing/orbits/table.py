@@ -114,7 +114,7 @@ def window_table(
     if sensitivity:
         from grazing.orbits.sensitivity import sensitivity as derivatives
 
-        moved = derivatives(model.seen_from(0), name, table.attrs["N"], span, table.attrs["samples"])[
+        moved = derivatives(model.seen[0], name, table.attrs["N"], span, table.attrs["samples"])[
             ["derivative", "error"]
         ]
         table = table.merge(moved.rename(parameter="moved"))

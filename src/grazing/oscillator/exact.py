@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from grazing.oscillator.exact_contact import Rule
-from grazing.oscillator.exact_flight import Flight, Motion, next_impact, rounded, windows_of
+from grazing.oscillator.exact_flight import Flight, next_impact, rounded
+from grazing.oscillator.exact_motion import Motion, windows_of
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.sure import Beyond, Undecided, rational, sign
 from grazing.outcome import BAD_LAW, CHATTER, OK
@@ -62,7 +63,7 @@ class Frame:
     def __init__(self, model: Rig, j: int, phase: float) -> None:
         from flint import arb
 
-        seen = model.seen_from(j)
+        seen = model.seen[j]
         self.side, self.sigma = int(model.walls[j].sign), model.walls[j].position
         force, moved = _pairs(model.forcing.cos, model.forcing.sin), []
         if model.walls[j].motion is not None:

@@ -190,7 +190,7 @@ def flown_legs(model: Rig, state: tuple[float, float], start: float, until: floa
         given: tuple[Any, ...] = (until - start,)
     else:
         prepare = constants_of(model.harmonics, section_phase)
-        row, source = pointed_model(model.seen_from(0), start)
+        row, source = pointed_model(model.seen[0], start)
         record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
         now, given = np.array([0.0, 0.0, u - model.walls[0].position, v, 0.0, 0.0, 0.0]), (until - start, PATIENCE)
     who = " or ".join(dict.fromkeys(f"the reset law {wall.law.name}" for wall in model.walls))

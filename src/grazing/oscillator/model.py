@@ -120,6 +120,8 @@ class Oscillator(Rig):
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
         kept = {"alpha", "k", "stiffness", "forcing", "mass", "base"}
         cls._refuse_beside(sorted(set(given) - kept) or (["reset"] if len(args) > 3 else []))
+        if missing := [name for name in ("alpha", "forcing") if name not in given]:
+            raise InputError(f"an oscillator between walls needs {listed(missing)} as well")
         return Walled(**({"k": None} | given), walls=walls)
 
     @staticmethod
@@ -286,9 +288,10 @@ class Oscillator(Rig):
         """The one wall, below the ball and at rest."""
         return (Wall(self.sigma, self.reset, "below", None, NAMES[0]),)
 
-    def seen_from(self, j: int) -> Oscillator:
-        """Return what the wall sees: this oscillator."""
-        return self
+    @property
+    def seen(self) -> tuple[Oscillator, ...]:  # type: ignore[override]
+        """What the wall sees: this oscillator."""
+        return (self,)
 
     @property
     def places(self) -> tuple[Place, ...]:  # type: ignore[override]

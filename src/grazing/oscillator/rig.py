@@ -67,6 +67,8 @@ class Rig:
     walls: Sequence[Wall]
     #: Where the numbers of each wall stand in a row of :attr:`params`; the number of harmonics of force and motions.
     places: tuple[Place, ...]
+    #: The oscillator above one wall at rest that each wall sees.
+    seen: tuple[Oscillator, ...]
     harmonics: int
     offset_name: str
     walled: ClassVar[bool] = False
@@ -99,21 +101,12 @@ class Rig:
         """Whether the model is its own mirror image half a period later."""
         return False
 
-    def seen_from(self, j: int) -> Oscillator:
-        """Return the oscillator above one wall at rest that wall j sees."""
-        raise NotImplementedError
-
     def rows_seen_from(self, j: int, rows: Floats) -> Floats:
         """Return the parameters of the oscillator that wall j sees, for rows of :attr:`params`; its law's are last.
 
         One wall at rest, below the ball, sees all as they are.
         """
         return rows
-
-    @property
-    def oscillators(self) -> list[Oscillator]:
-        """What each wall sees."""
-        return [self.seen_from(j) for j in range(len(self.walls))]
 
     def rows_seen(self, rows: Floats) -> list[Floats]:
         """Return what each wall sees of rows of :attr:`params`."""

@@ -40,7 +40,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import parameters, real, whole
+from grazing.parameter import in_order, parameters, real, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -132,7 +132,7 @@ def trajectory(
     _refuse_too_much(model, (until - start) / model.period * samples, samples)
     if isinstance(model, Walled):
         return walled_trajectory(model, (u, v), start, until, samples)
-    given = model = model.seen_from(0)
+    given = model = model.seen[0]
     refuse_inside(u, model)
     model, legs = _flown(model, (u, v), start, until)
     times, us, vs = _sampled(model, legs, start, until, samples)
@@ -213,7 +213,7 @@ def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
 def two_numbers(state: ArrayLike) -> tuple[float, float]:
     """Return (u, v) as floats, or raise InputError."""
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
     except Exception:  # of whatever object was given
         values = []
     if len(values) != 2:

@@ -76,6 +76,8 @@ class Walled(Rig):
     stiffness: float | None = field(default=None, kw_only=True)
     mass: float | None = field(default=None, kw_only=True, repr=False)
     base: Base | None = field(default=None, kw_only=True, repr=False)
+    #: The oscillator that each wall sees.
+    seen: tuple[Oscillator, ...] = field(init=False, repr=False, compare=False)
     #: Where the numbers of each wall stand in a row of :attr:`params`; the number of harmonics of force and motions.
     places: tuple[Place, ...] = field(init=False, repr=False, compare=False)
     harmonics: int = field(init=False, repr=False, compare=False)
@@ -104,8 +106,8 @@ class Walled(Rig):
         object.__setattr__(self, "places", places)
         object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
         row = list(self.params.values())
-        for j in range(len(walls)):
-            self.seen_from(j, row)  # checks ranges, and the law at speeds of this model
+        # checks ranges, and the laws at speeds of this model
+        object.__setattr__(self, "seen", tuple(self._seen_from(j, row) for j in range(len(walls))))
         room = float(self.rooms(np.array([row]))[0])
         if not room > 0.0:
             raise InputError(
@@ -177,7 +179,7 @@ class Walled(Rig):
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
         front, _dot, last = name.rpartition(".")
         moving = bool(front) and last.startswith(("cos", "sin"))
-        seen = self.seen_from(self.names.index(front) if front else 0)
+        seen = self.seen[self.names.index(front) if front else 0]
         unit = seen.unit_of("sigma" if moving else last)
         room = float(self.rooms(np.array([list(self.params.values())]))[0])
         return min(unit, 0.5 * room) if moving or last == "sigma" else unit
@@ -237,10 +239,9 @@ class Walled(Rig):
         found[:, HEAD + 2 * H + 1 :] = law
         return found + 0.0  # no -0
 
-    def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
-        """Return the oscillator that wall j sees, at this model's parameters or at a row of others."""
-        values = list(self.params.values()) if row is None else list(row)
-        found = self.rows_seen_from(j, np.array([values], np.float64))[0].tolist()
+    def _seen_from(self, j: int, row: list[float]) -> Oscillator:
+        """Return the oscillator that wall j sees at a row of :attr:`params`."""
+        found = self.rows_seen_from(j, np.array([row], np.float64))[0].tolist()
         stop = HEAD + 2 * self.harmonics
         law = self.walls[j].law
         forcing = Forcing(found[2], found[3], found[4], cos=found[HEAD:stop:2], sin=found[HEAD + 1 : stop : 2])
@@ -251,9 +252,7 @@ class Walled(Rig):
     def reach_at(self, row: Sequence[float]) -> tuple[Reach, ...]:
         """Return how far and how fast the ball goes as each wall sees it, at a row of parameters."""
         rows = np.array([row], np.float64)
-        return tuple(
-            self.seen_from(j).reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j in range(len(self.walls))
-        )
+        return tuple(one.reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j, one in enumerate(self.seen))
 
     def refuse_inside(self, u: float, t: float) -> None:
         """Raise InputError for a ball inside a wall at time t."""

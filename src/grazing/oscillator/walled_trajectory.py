@@ -40,7 +40,7 @@ Floats = NDArray[np.float64]
 def above_first(model: Rig) -> Oscillator:
     """Return an oscillator that flies as a model does, above the place where its first wall is, or has its middle."""
     if not model.walled:
-        return model.seen_from(0)
+        return model.seen[0]
     name, value = spring_of(model)
     spring: dict[str, Any] = {name: value}
     return Oscillator(model.alpha, forcing=model.forcing, reset=newton(1.0), sigma=model.walls[0].position, **spring)
@@ -66,7 +66,7 @@ def walled_trajectory(
     begins = start + legs[:, PERIOD] * T + legs[:, START]
     ends = np.where(legs[:, END] >= T, start + (legs[:, PERIOD] + 1.0) * T, start + legs[:, PERIOD] * T + legs[:, END])
     times, us, vs = [], [], []
-    seen = [model.seen_from(j) for j in range(len(names))]
+    seen = model.seen
     for leg, begin, end in zip(legs, begins, np.minimum(ends, until), strict=True):
         if begin > end:
             continue

@@ -102,7 +102,7 @@ class _Edge:
 
 def _orbits(model: Rig, N: int, word: str) -> Sequence[ImpactOrbit]:
     """Return orbits of N periods: with one impact, or between walls that hit them in the order of a word."""
-    return one_impact_orbits(model.seen_from(0), N) if not model.walled else met(stroboscopic_map(model), N, [word])
+    return one_impact_orbits(model.seen[0], N) if not model.walled else met(stroboscopic_map(model), N, [word])
 
 
 def _enclosed(model: Rig, name: str, edge: _Edge) -> Certificate | str:

@@ -86,9 +86,7 @@ class Equations:
         self.model, self.n, self.N, self.name = model, n, N, name
         self.hits = tuple(hits) or (0,) * n
         self.size = 2 * n if n else 2
-        self.trees = [
-            expression(one.reset.law, one.reset.params, tuple(one.params), speeds) for one in model.oscillators
-        ]
+        self.trees = [expression(one.reset.law, one.reset.params, tuple(one.params), speeds) for one in model.seen]
         self._fixed: dict[int, Flow] = {}
 
     @property
