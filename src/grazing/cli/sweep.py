@@ -258,7 +258,8 @@ def _plan(store: Path, map: str | None, model: str | None) -> Any:
     """Return the plan of a store that is made of code which this call names; None if it names none."""
     if map is None and model is None:
         return None
-    from grazing.sweep.store import folder_of, open_existing
+    from grazing.sweep.opened import open_existing
+    from grazing.sweep.store import folder_of
     from grazing.sweep.task import plan_from_recipe
 
     found = open_existing(folder_of(store))

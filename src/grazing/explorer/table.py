@@ -24,7 +24,7 @@ from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, PX, PY, SIDES, SIZE, 
 from grazing.billiard.rows import OWNER as OWNER_OF
 from grazing.billiard.table import Table
 from grazing.config.tables import LAWS, read_table, shipped
-from grazing.explorer.composed import Module
+from grazing.explorer.composed import Module, arguments
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, numbers
@@ -235,118 +235,81 @@ def table_module() -> Module:
 def entries() -> list[Entry]:
     """Return the functions of the module."""
     block = Argument("block", "float64", ("numbers",), "a table, see `tables`; laws and rows by address")
-    until = Argument("until", "float64", (), "the time up to which")
-    most = Argument("most", "int64", (), "impacts of a ball at most")
-    pair = ("angles", "speeds")
     return [
         *(law_entry(name, made) for name, made in LAWS.items()),
         Entry(
-            "record",
-            record,
-            ("numbers", "capacity"),
-            (
-                block,
-                Argument("now", "float64", (6,), "time, surface just left, state; moved on"),
-                Argument(
-                    "flights",
-                    "float64",
-                    ("capacity", COLUMNS),
-                    "length, surface, object, v_minus, v_plus, "
-                    "outcome; states at its begin, its end, and after the impact there; slid on, and left",
-                ),
-                until,
-            ),
+            "record", record, ("numbers", "capacity"),
+            (block, *arguments(f"""
+                now: float64[6]  time, surface just left, state; moved on
+                flights: float64[capacity, {COLUMNS}]  length, surface, object, v_minus, v_plus, outcome; \
+                    states at its begin, its end, and after the impact there; slid on, and left
+                until: float64  the time up to which
+            """)),
             "int64",
             "follow the ball from impact to impact; returns how many rows were filled, negative if none follows",
         ),
         Entry(
-            "place",
-            place,
-            ("numbers",),
-            (
-                block,
-                Argument("now", "float64", (6,), "as `record` left it"),
-                until,
-                Argument("state", "float64", (4,), "of the ball at that time"),
-            ),
+            "place", place, ("numbers",),
+            (block, *arguments("""
+                now: float64[6]  as `record` left it
+                until: float64  the time up to which
+                state: float64[4]  of the ball at that time
+            """)),
             meaning="where the ball is",
         ),
         Entry(
-            "follow",
-            follow,
-            ("numbers", "many"),
-            (
-                block,
-                Argument(
-                    "balls",
-                    "float64",
-                    ("many", BALL),
-                    "time, surface just left, state, impacts, object hit last, outcome; moved on",
-                ),
-                until,
-                most,
-                Argument("places", "float64", ("many", 4), "states at that time"),
-            ),
+            "follow", follow, ("numbers", "many"),
+            (block, *arguments(f"""
+                balls: float64[many, {BALL}]  time, surface just left, state, impacts, object hit last, \
+                    outcome; moved on
+                until: float64  the time up to which
+                most: int64  impacts of a ball at most
+                places: float64[many, 4]  states at that time
+            """)),
             meaning="follow many balls to a time",
         ),
         Entry(
-            "pressed",
-            pressed,
-            ("numbers", "capacity"),
-            (
-                block,
-                Argument("flipper", "int64", (), "which"),
-                Argument("motion", "float64", ("capacity", MOTION), "begin, angle and angular velocity of its pieces"),
-                Argument("pieces", "int64", (), "how many it has"),
-                Argument("t", "float64", (), "when its button is pressed or released"),
-                Argument("goal", "float64", (), "the angle to which it turns then"),
-                Argument("rate", "float64", (), "the angular velocity"),
-            ),
-            "int64",
-            "press or release the button of a flipper; returns how many pieces its motion has then",
+            "pressed", pressed, ("numbers", "capacity"),
+            (block, *arguments(f"""
+                flipper: int64  which
+                motion: float64[capacity, {MOTION}]  begin, angle and angular velocity of its pieces
+                pieces: int64  how many it has
+                t: float64  when its button is pressed or released
+                goal: float64  the angle to which it turns then
+                rate: float64  the angular velocity
+            """)),
+            "int64", "press or release the button of a flipper; returns how many pieces its motion has then",
         ),
         Entry(
-            "nearest",
-            nearest,
-            ("numbers",),
-            (
-                block,
-                Argument("state", "float64", (4,), "at the begin of a flight"),
-                Argument("length", "float64", (), "how long it lasts"),
-                Argument("owner", "int64", (), "the object"),
-            ),
-            "float64",
-            "how near a flight comes to the circles of an object",
+            "nearest", nearest, ("numbers",),
+            (block, *arguments("""
+                state: float64[4]  at the begin of a flight
+                length: float64  how long it lasts
+                owner: int64  the object
+            """)),
+            "float64", "how near a flight comes to the circles of an object",
         ),
         Entry(
-            "fan",
-            fan,
-            ("numbers", *pair),
-            (
-                block,
-                Argument("x", "float64", (), "where the ball is launched"),
-                Argument("y", "float64", (), "where the ball is launched"),
-                most,
-                Argument("angle", "float64", (pair[0],), "of the launches"),
-                Argument("speed", "float64", (pair[1],), "of the launches"),
-                *(
-                    Argument(name, kind, pair, meaning)
-                    for name, kind, meaning in (
-                        ("ways", "int64", "the drain through which each ball leaves; behind all objects, away"),
-                        ("hits", "int64", "impacts before"),
-                        ("times", "float64", "when it leaves"),
-                        ("said", "int64", "outcomes, bits"),
-                    )
-                ),
-            ),
+            "fan", fan, ("numbers", "angles", "speeds"),
+            (block, *arguments("""
+                x: float64  where the ball is launched
+                y: float64  where the ball is launched
+                most: int64  impacts of a ball at most
+                angle: float64[angles]  of the launches
+                speed: float64[speeds]  of the launches
+                ways: int64[angles, speeds]  the drain through which each ball leaves; behind all objects, away
+                hits: int64[angles, speeds]  impacts before
+                times: float64[angles, speeds]  when it leaves
+                said: int64[angles, speeds]  outcomes, bits
+            """)),
             meaning="launch balls at all of these angles and speeds",
         ),
         Entry(
-            "gravity",
-            gravity_of,
-            (),
-            (Argument("g", "float64", (), "acceleration"), Argument("tilt", "float64", (), f"up to {pi / 2:.4f}")),
-            "float64",
-            "what pulls the ball down the table",
+            "gravity", gravity_of, (),
+            arguments(f"""
+                g: float64  acceleration
+                tilt: float64  up to {pi / 2:.4f}
+            """),
+            "float64", "what pulls the ball down the table",
         ),
-    ]
+    ]  # fmt: skip

@@ -92,6 +92,7 @@ class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
     stirred = ("angle",)
+    finder = "grazing.orbits.search_bounces:Bounced"
 
     def __init__(self, table: Table, on: str) -> None:
         self.table, self.impacts_on, self.on = table, table, on

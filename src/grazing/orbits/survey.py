@@ -14,8 +14,9 @@ from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, contact_after, impact_state, simple_zeros, turning
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.frames import alone
-from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.model import checked_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
 from grazing.outcome import OutsideForm
 from grazing.parameter import parameter_tuple
@@ -39,7 +40,7 @@ class Family(NamedTuple):
     unit: float  # of the parameter that varies: a step where it is 0
 
 
-def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]:
+def families(model: Rig, N: int, name: str | None = None) -> list[Family]:
     """Return the families of a model, one for each affine piece of its reset law.
 
     Raises
@@ -49,7 +50,7 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     OutsideForm
         For a reset law that is not known to be affine piece by piece.
     """
-    checked_model(model)
+    model = checked_model(model)
     law = model.reset
     if law.law not in (newton_law, active_law, triggered_law):
         raise OutsideForm(

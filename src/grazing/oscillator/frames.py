@@ -18,7 +18,7 @@ from grazing.kernel.primitives import built, replaced, unit
 from grazing.oscillator.constants import Constants, angle, constants_of, section_phase
 from grazing.oscillator.contact import NO_LAUNCH, Ball, Launch, contact_until
 from grazing.oscillator.pointed import flight_fields, flight_kind, pointed_rows
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
 from grazing.parameter import parameter_tuple
 
@@ -173,7 +173,7 @@ def wave_at(link: tuple[float, ...], first: int, c: Constants | Clock) -> tuple[
     return series(0.0, link[first], cos, sin, c.omega, c.theta)
 
 
-def walls_at_strobe(model: Walled, row: Floats) -> tuple[tuple[float, float], tuple[float, float]]:
+def walls_at_strobe(model: Rig, row: Floats) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return place and velocity of the first wall and of the last one at a row of the model's parameters and a phase.
 
     They are those of :func:`plain_frames`, without the windows of the force.
@@ -208,7 +208,7 @@ def frames_of(harmonics: int) -> Callable[..., Frames]:
     return frames
 
 
-def link_rows(model: Walled, rows: Floats) -> Floats:
+def link_rows(model: Rig, rows: Floats) -> Floats:
     """Return how the walls lie to each other, for rows of the model's parameters.
 
     Whether there are two, the side of the first (1 for below, -1 for above), a lower bound on the room between them,
@@ -225,7 +225,7 @@ def link_rows(model: Walled, rows: Floats) -> Floats:
     return found
 
 
-def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+def frames_rows(model: Rig, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
     """Return the numbers that a kernel needs at rows of the model's parameters and a phase, and what they point into.
 
     Each wall's numbers are those of :func:`grazing.oscillator.pointed.flight_fields`; the laws come by address.
@@ -240,7 +240,7 @@ def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, F
     return np.ascontiguousarray(np.column_stack([found[0], found[-1], link_rows(model, rows)])), source
 
 
-def plain_frames(model: Walled, row: Floats) -> Frames:
+def plain_frames(model: Rig, row: Floats) -> Frames:
     """Return the frames at a row of the model's parameters and a phase, with laws as plain Python has them."""
     rows = np.asarray(row, np.float64).reshape(1, -1)
     prepare = constants_of(model.harmonics, section_phase)

@@ -25,9 +25,10 @@ from grazing.sweep.grid import Chunk, checked_plan, grid_of
 from grazing.sweep.lock import locked
 from grazing.sweep.manifest import SEAL
 from grazing.sweep.mend import said
+from grazing.sweep.opened import exists, open_existing
 from grazing.sweep.same import refuse_another
 from grazing.sweep.status import Status, status_of
-from grazing.sweep.store import Store, exists, folder_of, open_existing
+from grazing.sweep.store import Store, folder_of
 from grazing.sweep.task import chunk_task, note_run, plan_from_recipe
 from grazing.sweep.template import create, tidy
 

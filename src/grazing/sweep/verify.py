@@ -26,8 +26,9 @@ from grazing.sweep.lock import locked
 from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import MANIFEST
 from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
+from grazing.sweep.opened import open_existing
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import ASIDE, Store, folder_of, open_existing, stored_chunk
+from grazing.sweep.store import ASIDE, Store, folder_of, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
 
 #: What a difference names where the record of a chunk is at fault.
