@@ -145,3 +145,31 @@ def test_masked_values_and_sets_are_no_lists_of_numbers(call):
     """What a mask hides was computed with, and the numbers of a set became x and y in whatever order it gave them."""
     with pytest.raises(gz.InputError):
         call()
+
+
+ODD = [[1], {"a": 1}, np.array([0.1, 0.2]), np.array([]), {1, 2}, object(), b"x", 3.5]
+RECORDED, FLOWN = gz.sample(gz.trajectory(BALL, (0.1, 0.0), until=5.0), rate=20), gz.trajectory(BALL, (0.1, 0.0))
+NO_WORDS = {
+    "of": lambda odd: gz.spectrum(RECORDED, of=odd),
+    "of a sound": lambda odd: gz.to_wav(FLOWN, "none.wav", of=odd),
+    "arithmetic": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, arithmetic=odd),
+    "algorithm": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, algorithm=odd),
+    "records": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, records=odd),
+    "describe": BALL.describe,
+    "describe of a map": G.describe,
+    "describe of walls": rattle().describe,
+    "describe of a table": gz.read_table("one_bumper").describe,
+    "unit": BALL.unit_of,
+    "changes": lambda odd: BALL.changed({1: 1} if isinstance(odd, dict) else odd),
+    "kind": lambda odd: gz.sweep.cluster(odd).__enter__(),
+    "prepare": lambda odd: gz.Map(lambda x, p: (x[0] * p.a,), params={"a": 0.5}, prepare=odd),
+    "name": lambda odd: gz.Map(lambda x, p: (x[0] * p.a,), params={"a": 0.5}, name=odd),
+}
+
+
+@pytest.mark.parametrize("call", NO_WORDS.values(), ids=NO_WORDS)
+def test_what_is_no_word_is_named(call):
+    """Lists, arrays and numbers in the place of a word were unhashable, ambiguous or without an attribute."""
+    for odd in ODD:
+        with pytest.raises(gz.InputError):
+            call(odd)

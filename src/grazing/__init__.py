@@ -48,6 +48,7 @@ _PUBLIC = {
     "flips": "billiard.players",
     "presses": "billiard.players",
     "plunger": "billiard.plunger",
+    "strategy": "billiard.strategy",
     "read_table": "config.tables",
     "table": "billiard.table",
     "Surface": "systems.contract",
@@ -138,6 +139,7 @@ if TYPE_CHECKING:
     from grazing.billiard.players import flips as flips
     from grazing.billiard.players import presses as presses
     from grazing.billiard.plunger import plunger as plunger
+    from grazing.billiard.strategy import strategy as strategy
     from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram

@@ -12,8 +12,6 @@ from itertools import islice
 from keyword import iskeyword
 from typing import Any
 
-import numpy as np
-
 from grazing.outcome import InputError, shown
 
 #: What a rig in SI units calls in another way than the model that is made of it.
@@ -139,7 +137,9 @@ def in_order(values: Any) -> Any:
     """Return several values whose order counts; raise TypeError for a set, which has none, and for masked values."""
     if isinstance(values, (Set, Mapping)):
         raise TypeError("a set has no order")
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+    from numpy import ma  # not before: the command line starts without
+
+    if ma.is_masked(values):
         raise TypeError("masked values are none")
     return values
 
@@ -262,6 +262,13 @@ def value_of(name: str, params: Mapping[str, float]) -> float:
     return float(next(iter(found.values()), float("nan")))
 
 
+def checked_text(name: Any) -> str:
+    """Return what may be the name of a parameter or a coordinate, or raise InputError."""
+    if not isinstance(name, str):
+        raise InputError(f"name is {shown(name)}; give the name of a parameter or a coordinate, a text")
+    return name
+
+
 def checked_name(name: Any, names: Iterable[str], of: str) -> str:
     """Return the name of a parameter, or of several, see :func:`named_by`; raise InputError for anything else."""
     known = list(names)
@@ -272,6 +279,8 @@ def checked_name(name: Any, names: Iterable[str], of: str) -> str:
 
 def spread(changes: Mapping[str, Any], names: Iterable[str], of: str) -> dict[str, Any]:
     """Return changes by the names of parameters, refusing names that do not exist, and one that is changed twice."""
+    if not isinstance(changes, Mapping):
+        raise InputError(f"changes of {of} are {shown(changes)}; give a mapping of names to values")
     known, found = list(names), dict[str, Any]()
     for name, value in changes.items():
         for one in named_by(checked_name(name, known, of), known):

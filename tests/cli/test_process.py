@@ -76,6 +76,15 @@ def test_an_interrupt_in_code_that_python_was_given_as_text_ends_with_its_exit_c
     assert done.returncode == 130 and "stopped: interrupted" in done.stderr
 
 
+def test_an_interrupt_while_packages_are_imported_is_no_traceback(tmp_path):
+    (tmp_path / "cyclopts.py").write_text("raise KeyboardInterrupt")
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; from grazing.__main__ import main; sys.exit(main())"],
+        cwd=tmp_path, env=settings(), capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
+
+
 # ---- streams
 
 

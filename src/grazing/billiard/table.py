@@ -19,13 +19,14 @@ from grazing.billiard.laws import addresses
 from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
-from grazing.billiard.players import NOBODY, Flips, Player, Presses, angle_at
+from grazing.billiard.players import NOBODY, Flips, Presses, angle_at
 from grazing.billiard.plunger import KNOWN, Plunger
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravity_of, surfaces_of
+from grazing.billiard.strategy import Player, Strategy
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import Parameter, checked_params, unknown, updated
+from grazing.parameter import Parameter, checked_params, checked_text, unknown, updated
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,10 +88,13 @@ class Table(ByValue):
         for name, known in OWN.items():
             object.__setattr__(self, name, known.check(getattr(self, name)))
         if not isinstance(self.player, Player):
-            raise InputError(f"player is {shown(self.player)}; give gz.flips(period, hold) or gz.presses(name=times)")
+            raise InputError(f"player is {shown(self.player)}; give gz.flips, gz.presses or gz.strategy")
         if self.player != NOBODY and not any(one.kind == FLIPPER for one in objects):
             raise InputError("there is a player, but the table has no flipper; put a gz.flipper on it")
         object.__setattr__(self, "player", self.player.bound([one.name for one in objects if one.kind == FLIPPER]))
+        for gate in self.player.drains:
+            if gate.name in names:
+                raise InputError(f"an object is called {gate.name!r}, as a gate of the strategy is; rename it")
         params = {name: getattr(self, name) for name in OWN}
         for one in objects:
             params |= {f"{one.name}.{name}": value for name, value in one.params.items()}
@@ -135,7 +139,7 @@ class Table(ByValue):
         """The period of its flippers, 0 if they do not move, or infinity if what they do is not repeated."""
         if isinstance(self.player, Flips):
             return self.player.period
-        return inf if self.player.times else 0.0
+        return inf if self.player.times or self.player.drains else 0.0
 
     @property
     def config(self) -> dict[str, str]:
@@ -143,7 +147,8 @@ class Table(ByValue):
         laws = [one.law for one in self.objects if one.law is not None and one.law.own]
         own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws)
         recorded = self.player.times if isinstance(self.player, Presses) else {}
-        return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {})
+        asked = {"strategy": self.player.config} if isinstance(self.player, Strategy) else {}
+        return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {}) | asked
 
     def replace(self, **changes: float) -> Table:
         """Return the table with other parameter values; names as in :attr:`params`.
@@ -163,7 +168,7 @@ class Table(ByValue):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter."""
-        if name in OWN or (self.plunger and name in KNOWN):
+        if checked_text(name) in OWN or (self.plunger and name in KNOWN):
             return (OWN | KNOWN)[name]
         front, _dot, last = name.partition(".")
         for one in self.objects:
@@ -174,18 +179,22 @@ class Table(ByValue):
             return known
         raise unknown(name, self.params, "the table")
 
-    def blocks(self, rows: Floats, arithmetic: str = "strict") -> Floats:
+    def blocks(self, rows: Floats, arithmetic: str = "strict", player: Player | None = None) -> Floats:
         """Return the numbers that kernels get, one block in a row for each row of parameters.
+
+        Gates of a strategy stand in it as drains behind all objects; ``player`` is what it has done so far.
 
         ``rows`` (columns, parameters) are values in the order of :attr:`params`. A block points into itself: it must
         live as long as it is used.
         """
-        names, n = list(self.params), len(self.objects)
+        names, n, gates = list(self.params), len(self.objects), self.player.drains
+        fixed = {f"{gate.name}.{name}": value for gate in gates for name, value in gate.shape.items()}
         found = []
         for row in rows:
-            values = dict(zip(names, row.tolist(), strict=True))
-            surfaces = surfaces_of(self.objects, values["rho"], values, self.player)
-            block = block_of(self.objects, surfaces, gravity_of(values["g"], values["tilt"]))
+            values = dict(zip(names, row.tolist(), strict=True)) | fixed
+            things = (*self.objects, *gates)
+            surfaces = surfaces_of(things, values["rho"], values, self.player if player is None else player)
+            block = block_of(things, surfaces, gravity_of(values["g"], values["tilt"]))
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
         laws = np.array([addresses(one.law, arithmetic) for one in self.objects])

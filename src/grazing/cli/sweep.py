@@ -105,7 +105,7 @@ def run(
     from grazing.catalogue import studies
     from grazing.cli.options import asked_from
     from grazing.config import plan_of
-    from grazing.config.files import read_toml
+    from grazing.config.toml import read_toml
 
     share, pieces = _shard(shard), _chunk(chunk)
     study = read_toml(config).get("study")

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from grazing.billiard.objects import DRAIN, GEOMETRY, Thing
-from grazing.billiard.players import NOBODY, Player, flips, presses
+from grazing.billiard.players import NOBODY, flips, presses
 from grazing.billiard.plunger import KNOWN, Plunger
+from grazing.billiard.strategy import Player
 from grazing.billiard.table import OWN, Table, table
-from grazing.config.files import read_toml
+from grazing.config.toml import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
 

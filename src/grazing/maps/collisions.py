@@ -226,9 +226,10 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     """
     table = checked_table(table)
     if table.period == INFINITY:
+        who = "a strategy" if table.player.drains else "a recording"
         raise InputError(
-            "the flippers of the table are worked by a recording, which does not repeat: gz.trajectory and gz.launches "
-            "follow that; a map needs gz.flips(period, hold), or no player"
+            f"the flippers of the table are worked by {who}, which does not repeat: gz.trajectory "
+            "and gz.launches follow that; a map needs gz.flips(period, hold), or no player"
         )
     pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
     solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]

@@ -176,6 +176,8 @@ def launch_map(table: Table, point: Sequence[float] | None = None, hits: int = H
     """
     table = checked_table(table)
     values = dict(zip(OWN, checked_launch(table, point, hits), strict=True))
+    if table.player.drains:
+        raise InputError("a strategy looks at the ball, which compiled maps cannot: gz.launches follows it")
     if any(name in table.params for name in OWN):
         raise InputError("an object is called 'launch', as the parameters of a launch are; give it another name")
     if point is None:  # its place is a parameter of the table
@@ -300,8 +302,9 @@ def launches(
     each = [grid.ravel() for grid in np.meshgrid(angles, speeds, indexing="ij")]
     flat = [*each, *(one.reshape(-1) for one in (ways, count, times, outcomes))]
     parts = [[one[first : first + TOGETHER] for one in flat] for first in range(0, len(each[0]), TOGETHER)]
-    run_tasks([partial(_flown, block, (x, y, int(most)), part) for part in parts], threads)
-    for i, j in np.argwhere(outcomes & AMBIGUOUS):
+    asked = bool(table.player.drains)  # a function of the user's: one by one
+    run_tasks([] if asked else [partial(_flown, block, (x, y, int(most)), part) for part in parts], threads)
+    for i, j in np.ndindex(shape) if asked else np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
     names = np.array([*table.names, AWAY, ""])

@@ -37,6 +37,7 @@ from grazing.parameter import (
     checked_box,
     checked_coordinates,
     checked_params,
+    checked_text,
     in_order,
     parameter_tuple,
     parameters,
@@ -178,6 +179,11 @@ class Map(ByValue):
     formulas: Formulas | None = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
+        if self.name is not None and not isinstance(self.name, str):
+            raise InputError(f"name is {shown(self.name)}; give a text, or leave it out")
+        for function in ("step", "prepare", "tangent"):
+            if not (getattr(self, function) is None or callable(getattr(self, function))):
+                raise InputError(f"{function} is {shown(getattr(self, function))}; give a function, or leave it out")
         params = checked_params(self.params)
         coordinates = checked_coordinates(self.coordinates)
         box = checked_box(self.box, coordinates)
@@ -386,12 +392,13 @@ class Map(ByValue):
         """
         table = checked_columns(rows, lanes, self)
         transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
-        if arithmetic not in FLAGS:
+        if not isinstance(arithmetic, str) or arithmetic not in FLAGS:
             raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
-        if algorithm not in (None, "block", "scalar"):
+        if algorithm is not None and not (isinstance(algorithm, str) and algorithm in ("block", "scalar")):
             raise InputError(f"algorithm is {shown(algorithm)}; allowed are 'block' and 'scalar'")
+        records = whole(records, "records", 1)
         if records not in (1, max(keep, 1)):
-            raise InputError(f"records = {shown(records)}; allowed are 1 and keep = {keep}")
+            raise InputError(f"records = {records}; allowed are 1 and keep = {keep}")
         shape = len(table), self.dimension, lanes.shape[2], keep, records
         refuse_too_large(
             size_of_columns(*shape),
@@ -493,7 +500,7 @@ class Map(ByValue):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate: symbol, meaning, range, units."""
-        known = self.origin.describe(name)
+        known = self.origin.describe(checked_text(name))
         if known is not None:
             return known
         full = "lambda" if name == "lam" else name

@@ -560,7 +560,7 @@ def told(found: tuple[float, Event], before: Test, after: Test, i: int) -> bool:
 
     Differences across a kink of a map lead from one slope to another as if there were slopes between.
     """
-    error = found[1].point.tests[i].error
+    error = found[1].point.tests[i].error or max(before.error, after.error)
     return error == 0.0 or error <= VANISHED * min(1.0, max(abs(before.value), abs(after.value)))
 
 

@@ -2,7 +2,7 @@
 
 The place solves F(x, p) = 0 and f(x, p) = 0, of the defects F of an orbit and a test function f. Where both are off by
 e, it moves by A^-1 e to first order, A being their derivative. What rounding leaves of them is measured: it is by how
-much they miss their linear approximation a few hundred units in the last place away.
+much they miss a straight line within a few hundred units in the last place.
 """
 
 from __future__ import annotations
@@ -54,12 +54,27 @@ def moved_by_rounding(equations: Equations, x: Floats, p: Floats, index: int, cr
     A = np.vstack([np.column_stack([J, slopes]) * unit, slope])
     if not (np.isfinite(here).all() and np.isfinite(A).all()):
         return float("inf")
-    ways = NOISY * size * np.cos(np.arange(1.0, PROBES * len(z) + 1.0) ** 2).reshape(PROBES, -1)
-    missed = np.abs(both(ways) - here - ways @ A.T)
-    missed[~np.isfinite(missed)] = 0.0  # on another piece
-    off = np.abs(here) + SAFETY * missed.max(axis=0) + EPS * (np.abs(A) @ np.abs(z))
+    off = np.abs(here) + noise(both, here, size) + EPS * (np.abs(A) @ np.abs(z))
     off[-1] += test.error
     return shift_of(A, off, crossed) * float(equations.spans[-1])
+
+
+def noise(values: Callable[[Floats], Floats], here: Floats, size: Floats) -> Floats:
+    """Return what rounding may do to each of several functions at a point, by how much they miss a straight line.
+
+    Parameters
+    ----------
+    values : callable
+        ``values(shifts)`` are the functions (k, m) at points that lie beside it by shifts (k, n).
+    here : ndarray, shape (m,)
+        Their values at the point itself.
+    size : ndarray, shape (n,)
+        Of the coordinates.
+    """
+    ways = NOISY * size * np.cos(np.arange(1.0, PROBES * len(size) + 1.0) ** 2).reshape(PROBES, -1)
+    missed = np.abs(0.5 * (values(ways) + values(-ways)) - here)
+    missed[~np.isfinite(missed)] = 0.0  # on another piece
+    return np.asarray(SAFETY * missed.max(axis=0))
 
 
 def sloped(height: Callable[[Floats], Floats], middle: float, far: Floats) -> Floats:
@@ -73,6 +88,8 @@ def sloped(height: Callable[[Floats], Floats], middle: float, far: Floats) -> Fl
 def shift_of(A: Floats, off: Floats, crossed: bool) -> float:
     """Return how far the last coordinate may be off, if defects with derivative A may be off by so much."""
     norm = np.abs(A).max(axis=1)
+    if not (norm > 0.0).all():
+        return float("inf")
     A, off = A / norm[:, None], off / norm
     if crossed:  # what takes one branch to the other is no error of the place on this one
         U, S, across = np.linalg.svd(A)

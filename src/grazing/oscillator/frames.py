@@ -214,12 +214,15 @@ def link_rows(model: Walled, rows: Floats) -> Floats:
     Whether there are two, the side of the first (1 for below, -1 for above), a lower bound on the room between them,
     and for each its position and the cosines and sines of its motion; the first one's again where there is one only.
     """
-    two = len(model.walls) > 1
-    found = [np.full(len(rows), float(two)), np.full(len(rows), model.walls[0].sign), model.rooms(rows)]
-    for j in (0, 1) if two else (0, 0):
+    two, H = len(model.walls) > 1, model.harmonics
+    found = np.empty((len(rows), 5 + 4 * H))
+    found[:, 0], found[:, 1], found[:, 2] = two, model.walls[0].sign, model.rooms(rows)
+    for j, first in ((0, 3), (1 if two else 0, 4 + 2 * H)):
         waves = model.waves(j, rows)
-        found += [rows[:, model.places[j].sigma], *waves[:, ::2].T, *waves[:, 1::2].T]
-    return np.column_stack(found)
+        found[:, first] = rows[:, model.places[j].sigma]
+        found[:, first + 1 : first + 1 + H] = waves[:, ::2]
+        found[:, first + 1 + H : first + 1 + 2 * H] = waves[:, 1::2]
+    return found
 
 
 def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:

@@ -23,7 +23,7 @@ from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple, spread
+from grazing.parameter import Parameter, checked_text, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -193,7 +193,7 @@ class Walled(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         known = COORDINATES[last] if last in COORDINATES and not front else describe_parameter(last)
         if front:
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
@@ -208,7 +208,7 @@ class Walled(Rig):
 
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         moving = bool(front) and last.startswith(("cos", "sin"))
         seen = self.seen[self.names.index(front) if front else 0]
         unit = seen.unit_of("sigma" if moving else last)
@@ -251,12 +251,9 @@ class Walled(Rig):
         sign (f - z'' - alpha z' - k^2 z) and the wall lies at rest at sign sigma.
         """
         place, sign, H = self.places[j], self.walls[j].sign, self.harmonics
-        law = rows[:, place.law]
-        found = np.zeros((len(rows), HEAD + 2 * H + 1 + law.shape[1]))
-        found[:, :4] = rows[:, :4]
-        found[:, 4] = sign * rows[:, 4]
-        own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
-        found[:, HEAD : HEAD + own.shape[1]] = own
+        forces, stop = 2 * len(self.forcing.cos), HEAD + 2 * H
+        found = np.zeros((len(rows), stop + 1 + place.law.stop - place.law.start))
+        found[:, : HEAD + forces] = rows[:, : HEAD + forces]
         if self.walls[j].motion is not None:
             cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
             W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
@@ -265,9 +262,9 @@ class Walled(Rig):
             moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
             found[:, moved[0]] += lift * cosines - drag * sines
             found[:, moved[1]] += lift * sines + drag * cosines
-        found[:, HEAD : HEAD + 2 * H] *= sign
-        found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
-        found[:, HEAD + 2 * H + 1 :] = law
+        found[:, HEAD - 1 : stop] *= sign
+        found[:, stop] = sign * rows[:, place.sigma]
+        found[:, stop + 1 :] = rows[:, place.law]
         return found + 0.0  # no -0
 
     def kind_seen_from(self, j: int) -> type:

@@ -10,14 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from grazing.measured import sign_of
+from grazing.measured import of_table, sign_of
 from grazing.outcome import InputError, shown
 from grazing.plot.curves import in_units_of
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
+from grazing.plot.table import table
 
 Floats = NDArray[np.float64]
+#: What a ball at rest moves less than, in shares of its place: rounding.
+STILL = 1e-12
 #: Of a state of a rig.
 UNITS = {"u": "m", "v": "m/s"}
 
@@ -75,7 +78,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
                 ax.axvspan(outer, near, color=WALL, alpha=0.4, lw=0, zorder=0)
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
         ax.set_xlim(*ends)
-        ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+        room = 0.08 * ((high - low) or 1.0)  # a ball at rest has no scale
+        ax.set_ylim(low - room, high + room)
         ax.set_xlabel(quantity(result["u"]))
         ax.set_ylabel(quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
@@ -116,5 +120,20 @@ def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:
     """Return the ends of an axis of positions: a little beyond the motion, and into the walls."""
     low = min([float(u.min()), *(float(at.min()) for at, below in walls if below)])
     high = max([float(u.max()), *(float(at.max()) for at, below in walls if not below)])
-    edge = 0.08 * max(high - low, 1e-12)
+    edge = 0.08 * (max(high - low, STILL * max(abs(low), abs(high))) or 1.0)
     return low - edge, high + edge
+
+
+def whole(result: Any, **style: Any) -> dict[str, Any]:
+    """Draw the figure of a stored trajectory; that of a ball on a table is drawn on the table of its recipe."""
+    if not of_table(result):
+        return trajectory(result, **style)
+    return table(table_in(result), result, **style)
+
+
+def table_in(result: Any) -> Any:
+    """Return the pinball table that a result was made on, from the recipe that it keeps."""
+    from grazing.config.maps import model_of
+    from grazing.config.origin import recipe_of
+
+    return model_of(recipe_of(result.attrs, {}))

@@ -133,13 +133,16 @@ def escape_rate(
         raise InputError(
             f"stir is {stir:g}; give a small number > 0, such as 0.02: copies that are not moved stay equal"
         )
-    room = 8.0 * (4 * (P.dimension + 4) * orbits + populations)
-    refuse_too_large(room, f"reduce orbits ({orbits}) or populations ({populations})", "the populations")
+    warm = min(transient, KEPT)
+    room = 8.0 * (4 * (P.dimension + 4) * orbits + 2 * populations * (warm + steps))
+    refuse_too_large(
+        room, f"reduce orbits ({orbits}), populations ({populations}) or steps ({steps})", "the populations"
+    )
     box, left = np.array(P.box), 0
     names = P.origin.stirred or P.coordinates
     moved = np.array([P.coordinates.index(name) for name in names])
     size = np.ones(len(names)) if P.origin.stirred else (box[:, 1] - box[:, 0])[moved]
-    shares, lost = np.empty((populations, transient + steps)), 0
+    shares, lost = np.empty((populations, warm + steps)), 0
     for i in range(populations):
         states = (box[:, 0] + (box[:, 1] - box[:, 0]) * uniform(seed, (float(i), -1.0), orbits, len(box))).T
         for k in range(transient + steps):
@@ -151,18 +154,21 @@ def escape_rate(
                 raise InputError(f"all {orbits} orbits have ended after {k + 1} steps; more orbits= may stay longer")
             lost += orbits - len(stays) - int(gone.sum())
             left += int(gone.sum())
-            shares[i, k] = len(stays) / (len(stays) + int(gone.sum()))
+            if k >= transient - warm:
+                shares[i, k - transient + warm] = len(stays) / (len(stays) + int(gone.sum()))
             drawn = uniform(seed, (float(i), float(k)), orbits - len(stays), 1 + len(names))
             of = stays[(drawn[:, 0] * len(stays)).astype(np.int64)]
             states = found.points[0, 0][:, np.concatenate([stays, of])]
             states[moved, len(stays) :] += stir * size[:, None] * np.sqrt(3.0) * (2.0 * drawn[:, 1:].T - 1.0)
     if left == 0:
         raise InputError(f"none of {orbits} orbits has escaped in {transient + steps} steps: there may be no way out")
-    return EscapeRate(rates_of(shares, transient), orbits, steps, lost)
+    return EscapeRate(rates_of(shares, warm), orbits, steps, lost)
 
 
-def rates_of(shares: Floats, transient: int) -> Floats:
+def rates_of(shares: Floats, warm: int) -> Floats:
     """Return the pseudo-values, shape (populations,), whose mean is the rate, of the shares that stay at each step.
+
+    The first ``warm`` steps only weigh the populations.
 
     Examples
     --------
@@ -172,9 +178,9 @@ def rates_of(shares: Floats, transient: int) -> Floats:
     [0.693147, 0.693147]
     """
     logs = np.log(shares)
-    many, steps = len(shares), shares.shape[1] - transient
+    many, steps = len(shares), shares.shape[1] - warm
     rate, without = 0.0, np.zeros(many)
-    for k in range(transient, transient + steps):
+    for k in range(warm, warm + steps):
         stood = logs[:, max(0, k - KEPT) : k].sum(axis=1)
         weights = np.exp(stood - stood.max())
         stayed = weights * shares[:, k]
