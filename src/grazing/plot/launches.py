@@ -96,8 +96,8 @@ def launches(
             ax.set_ylabel(symbol(result["speed"]))
         if own and bar is None:
             shares = [share(float((ways == way).mean()), ways.size) for way in names]
-            said = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]
-            entries = [patch(colours[way], text) for way, text in zip(names, said, strict=True)]
+            texts = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]
+            entries = [patch(colours[way], text) for way, text in zip(names, texts, strict=True)]
             beside = legend_beside(ax, entries[:LISTED])
     return {
         "figure": root(ax), "image": image, "points": points, "colours": colours, "legend": beside, "bar": bar,
