@@ -219,7 +219,6 @@ UNSIZED = {
 PASSING = {
     ("basins", "preimages"), ("bifurcation_diagram", "period"), ("bifurcation_diagram", "points"),
     ("continuation", "limit"), ("continuation", "points"),
-    ("escape_rate", "steps"),
     ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
     ("manifolds", "steps"), ("response", "period"), ("response", "points"), ("words", "impacts"),
 }  # fmt: skip

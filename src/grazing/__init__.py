@@ -4,7 +4,18 @@ Models are forced oscillators with an impact law; seen at a section they are map
 Importing this package imports none of numba, scipy, xarray or matplotlib: each name below is loaded when used.
 """
 
-from __future__ import annotations
+import os
+import sys
+
+if (
+    sys.argv[:1] == ["-m"]
+    and any(one.endswith("grazing") for one in sys.orig_argv)
+    and not sys.flags.safe_path
+    and sys.path[0] != os.path.dirname(os.path.dirname(__file__))
+):
+    del sys.path[
+        0
+    ]  # the folder that python -m grazing runs in: modules would be looked for among its files, and be run
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

@@ -126,6 +126,10 @@ def test_sizes_whose_fourth_powers_are_no_doubles_are_refused():
             gz.table([gz.disc("A", (3.0 * size, 0), size, ELASTIC)])
         with pytest.raises(gz.InputError, match=r"g sin\(tilt\) of the table"):
             gz.table([gz.disc("A", (3, 0), 1.0, ELASTIC)], g=size, tilt=1.0)
+    for tiny in (gz.disc("B", (6, 0), 1e-308, ELASTIC), gz.arc("B", (6, 0), 1e-308, 0.0, 2.0, ELASTIC)):
+        # one collision took exact arithmetic more than a minute
+        with pytest.raises(gz.InputError, match="the smallest radius of the table is 1e-308"):
+            gz.table([gz.disc("A", (3, 0), 1.0, ELASTIC), tiny])
     seen = []
     for L in (1e-55, 1.0, 1e55):  # and within the range all is the same
         table = gz.table([gz.disc("A", (3.0 * L, 4.1 * L), L, ELASTIC), *box(9.0 * L, 9.0 * L)])

@@ -2,6 +2,7 @@
 
 import re
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -9,6 +10,8 @@ import grazing as gz
 from grazing.orbits.sensitivity import sensitivity
 from grazing.orbits.windows import windows
 from tests.models import MODELS
+from tests.orbits.test_exact_edges import N as PERIODS
+from tests.orbits.test_exact_edges import newton, orbit
 from tests.orbits.test_windows import TYPED
 
 SMALL = 1e-9
@@ -179,6 +182,34 @@ def test_one_edge_knows_the_other_way_round():
     a = float(one.derivative.sel(window=0, edge="high", parameter="V"))
     b = float(other.derivative[w, e].sel(parameter="d"))
     assert a * b == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("q", ["alpha", "k", "omega", "r", "V"])
+def test_errors_are_no_smaller_than_what_is_missed(q):
+    """Against differences in 50 digits of a period doubling that another closed form gives."""
+    model = gz.pinball(r=0.45)
+    found = sensitivity(model, "omega" if q != "omega" else "d", PERIODS, samples=200).sel(window=0)
+    edge = str(found.edge.values[found.type.values.tolist().index("pd")])
+    table = windows(model, found.attrs["parameter"], PERIODS, samples=200).isel(window=0)
+    phase, value = float(table[f"{edge}_phase"]), float(table[edge])
+    with mp.workdps(50):
+
+        def doubling(change):
+            here = {name: mp.mpf(x) for name, x in model.params.items()}
+            here[q] += change
+
+            def f(phi, p):
+                at = {**here, found.attrs["parameter"]: p}
+                G, v, trace, det = orbit(phi, at["d"], at, at["V"])
+                return G, v * (1 + trace + det)
+
+            return newton(f, (phase, value))[1]
+
+        h = mp.mpf(10) ** -12
+        true = (doubling(h) - doubling(-h)) / (2 * h)
+        missed = abs(float(true - mp.mpf(float(found.derivative.sel(edge=edge, parameter=q)))))
+    error = float(found.error.sel(edge=edge, parameter=q))
+    assert missed <= error < 1e-10 * (1.0 + abs(float(true)))
 
 
 def test_bad_input():

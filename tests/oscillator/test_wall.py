@@ -30,6 +30,7 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
         (lambda: gz.wall(0.0, LAW, name="C"), "allowed is one capital letter other than C and S"),
         (lambda: gz.wall(0.0, LAW, name="left"), "one capital letter"),
         (lambda: gz.Oscillator(0, 1, FORCE, LAW, walls=[gz.wall(0.0, LAW)]), "walls are given beside reset; each wall"),
+        (lambda: gz.Oscillator(walls=[gz.wall(0.0, LAW)]), "between walls needs alpha, forcing as well"),
         (lambda: gz.Oscillator(0, 1, FORCE, sigma=1.0, walls=[gz.wall(0.0, LAW)]), "walls are given beside sigma"),
         (lambda: gz.Oscillator(0, 1, FORCE, walls=[]), r"walls are \[\]; give one or two of gz.wall"),
         (lambda: gz.Oscillator(0, 1, FORCE, walls=(1.0, 2.0)), "give one or two of gz.wall"),
@@ -123,7 +124,7 @@ def test_each_wall_sees_the_forces_that_its_motion_makes():
     for j, sign in enumerate((1.0, -1.0)):
         z = [m.places_at(t + d)[0][j] - m.walls[j].position for d in (-h, 0.0, h)]
         bend, slope = (z[2] - 2 * z[1] + z[0]) / h**2, (z[2] - z[0]) / (2 * h)
-        seen = m.seen_from(j)
+        seen = m.seen[j]
         f, g = m.forcing, seen.forcing
         force = [
             w.offset

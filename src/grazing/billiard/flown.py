@@ -36,7 +36,7 @@ from grazing.outcome import (
     UserCodeError,
     shown,
 )
-from grazing.parameter import real
+from grazing.parameter import in_order, real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -306,7 +306,7 @@ def checked_start(state: ArrayLike) -> tuple[float, ...]:
     """Return the state of a ball as four floats, or raise InputError."""
     wanted = "give 4 numbers (x, y, vx, vy): place and velocity of the ball's centre"
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist()
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist()
     except Exception:  # of whatever object was given
         values = []
     if len(values) != 4:

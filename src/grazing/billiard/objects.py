@@ -12,7 +12,7 @@ from typing import Any
 from grazing.copies import ByValue
 from grazing.oscillator.reset import KNOWN, Reset
 from grazing.outcome import InputError, shown
-from grazing.parameter import Parameter, checked_params, real
+from grazing.parameter import Parameter, checked_params, in_order, real
 
 DISC, SEGMENT, ARC, DRAIN, FLIPPER = "disc", "segment", "arc", "drain", "flipper"
 X, Y = (Parameter(name, name, f"{name} of the centre", units="m") for name in "xy")
@@ -128,7 +128,7 @@ class Thing(ByValue):
 def two_of(value: Any) -> list[Any]:
     """Return what a point holds, two things; any other number of things for what is no point."""
     try:
-        return [] if isinstance(value, str) else list(islice(iter(value), 3))
+        return [] if isinstance(value, str) else list(islice(iter(in_order(value)), 3))
     except Exception:  # of whatever object was given
         return []
 

@@ -26,7 +26,7 @@ from grazing.billiard.strategy import Player, Strategy
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import Parameter, checked_params, unknown, updated
+from grazing.parameter import Parameter, checked_params, checked_text, unknown, updated
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -168,7 +168,7 @@ class Table(ByValue):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter."""
-        if name in OWN or (self.plunger and name in KNOWN):
+        if checked_text(name) in OWN or (self.plunger and name in KNOWN):
             return (OWN | KNOWN)[name]
         front, _dot, last = name.partition(".")
         for one in self.objects:
@@ -250,12 +250,14 @@ class Table(ByValue):
 
     def _refuse_out_of_range(self) -> None:
         lengths = [abs(x) for one in self.objects for x in one.lengths]
+        radii = [self.rho, *(one.shape.get(name, 0.0) for one in self.objects for name in ("radius", "hub", "tip"))]
         speeds = [max(one.shape[way] for way in ("up", "down")) for one in self.objects if one.kind == FLIPPER]
-        largest = (
+        sizes = (
             ("the largest length", max(self.rho, *lengths)),
+            ("the smallest radius", min(filter(None, radii), default=0.0)),
             ("the largest angular speed", max(speeds, default=0.0)),
         )
-        for what, size in (*largest, ("g sin(tilt)", self.gravity)):
+        for what, size in (*sizes, ("g sin(tilt)", self.gravity)):
             if size != 0.0 and not LEAST <= size <= MOST:
                 raise InputError(
                     f"{what} of the table is {size:g}; allowed are {LEAST:g} to {MOST:g}: choose other units, as "

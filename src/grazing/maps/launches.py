@@ -38,7 +38,7 @@ from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
 from grazing.memory import refuse_too_large
 from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, shown
-from grazing.parameter import Parameter, real, whole
+from grazing.parameter import Parameter, in_order, real, whole
 from grazing.pool import run_tasks
 
 if TYPE_CHECKING:
@@ -226,7 +226,7 @@ def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     """Return finite numbers in one list, or raise InputError."""
     try:
         items = values if isinstance(values, Iterable) and not _is_one(values) else [values]
-        found = np.array([real(x, name, "") for x in islice(iter(items), MOST + 1)])
+        found = np.array([real(x, name, "") for x in islice(iter(in_order(items)), MOST + 1)])
     except Exception:  # of whatever object was given
         found = np.empty(0)
     if not 0 < len(found) <= MOST or found.min() < least:

@@ -19,6 +19,7 @@ from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
+from grazing.oscillator.constants import refuse_to_compile
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
@@ -34,6 +35,7 @@ from grazing.oscillator.frames import (
     plain_frames,
     seen_at_strobe,
     seen_from_strobe,
+    walls_at_strobe,
 )  # fmt: skip
 from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.pointed import POINTED, law_kind, strike_address
@@ -271,6 +273,7 @@ class Strobed(OfRig):
 
 def walled_map(model: Walled, phase: float) -> Map:
     """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
+    refuse_to_compile(model.harmonics)
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
     params = {**model.params, "phase": phase}
     return Map(
@@ -292,11 +295,10 @@ def _plain(model: Walled, p: Any) -> Frames:
 
 def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
-    c = plain_frames(model, np.array(row))
-    reach = model.reach_at(row[:-1])
-    speed = max(min(one.speed, one.after) if c.two else one.speed for one in reach)
-    low, high = c.za, c.zb
-    if not c.two:
-        low, high = sorted((c.za, c.za + c.side * reach[0].height))
+    (low, slow), (high, fast) = walls_at_strobe(model, np.array(row))
+    reach, two = model.reach_at(row[:-1]), len(model.walls) > 1
+    speed = max(min(one.speed, one.after) if two else one.speed for one in reach)
+    if not two:
+        low, high = sorted((low, low + model.walls[0].sign * reach[0].height))
     edge = 1e-3 * (high - low)
-    return (low + edge, high - edge), (min(c.wa, c.wb) - speed, max(c.wa, c.wb) + speed)
+    return (low + edge, high - edge), (min(slow, fast) - speed, max(slow, fast) + speed)

@@ -117,8 +117,13 @@ class BounceEquations(PointEquations):
         pole = float(np.prod(speeds))
         J = self.turn(x, p)
         if self.energy is None:
-            pd, lp, ns = tests_of(J)
-            found = [Test("pd", pole * pd), Test("lp", pole * lp), Test("ns", pole * pole * ns)]
+            off = self.turn_error(x, p)
+            values = np.array([tests_of(one) for one in (J, J - off, J + off)]) * (pole, pole, pole * pole)
+            errors = np.abs(values[1:] - values[0]).max(axis=0)  # ns is 0 all along where the map keeps areas
+            found = [
+                Test(kind, float(value), -1, float(error))
+                for kind, value, error in zip(("pd", "lp", "ns"), values[0], errors, strict=True)
+            ]
         else:
             trace = float(np.trace(J)) - 1.0
             found = [Test("pd", pole * (2.0 + trace)), Test("lp", pole * (2.0 - trace))]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.equations import Equations
+from grazing.orbits.even_equations import EvenEquations
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
@@ -21,7 +21,9 @@ from grazing.orbits.path import HALVES, Event, Path, Point, closed, follow, join
 from grazing.orbits.piece_equations import PieceEquations
 from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.resting import RestEquations, stretch
+from grazing.orbits.rounding import moved_by_rounding
 from grazing.orbits.signature import equations_of
+from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Relabelling, Special
 from grazing.orbits.switching import (
     BARELY,
@@ -68,10 +70,10 @@ class Piece(ByValue):
     at a special point of another one, its first orbit is among them, and where it comes back to that, its last one.
     """
 
-    equations: Equations
+    equations: Equations = field(compare=False)  # what it keeps of its work is no part of the result
     unknowns: Floats
     values: Floats
-    orbits: tuple[Orbit, ...]
+    orbits: Sequence[Orbit]
     events: tuple[int, ...]
     types: tuple[str, ...]
     ends: tuple[str, str]
@@ -392,6 +394,26 @@ def one_graze(one: Special, other: Special, span: float) -> bool:
     return bool(abs(one.value - other.value) <= ALIKE * span and (np.abs(points - others) <= ALIKE * size).all())
 
 
+def bracketed(equations: Equations, event: Event, x: Floats, p: Floats) -> tuple[float, float, bool]:
+    """Return the bracket of an event, and whether it has converged: then the bracket holds what rounding can do."""
+    value = float(p[-1])
+    low, high = min(event.low, value), max(event.high, value)
+    crossed, even = event.type == "bp", event.type == "bp" and nearly_even(equations, x, p)
+    kind = "lp" if crossed else event.type, -1 if crossed else event.where
+    index = next((i for i, test in enumerate(equations.tests(x, p)) if test[::2] == kind), -1)
+    if not event.converged or index < 0:
+        return low, high, event.converged
+    if even:
+        assert isinstance(equations, ImpactEquations)
+        halves = EvenEquations(equations)
+        shift = moved_by_rounding(halves, halves.half(x, p), p, index)
+    else:
+        shift = moved_by_rounding(equations, x, p, index, crossed)
+    if not np.isfinite(shift):
+        return low, high, False
+    return value - shift, value + shift, True
+
+
 class Crossing(NamedTuple):
     """Where a smooth map changes the letters of an orbit: those before and beyond, the value, and where it goes on."""
 
@@ -433,7 +455,7 @@ class _Search:
             self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
         self._halved(path)
         solutions = [self._solution(path, point) for point in path.points]
-        orbits = tuple(equations.orbit(x, p) for x, p in solutions)
+        orbits = Solved(solutions, equations)
         unknowns, values = np.array([x for x, _p in solutions]), np.array([p[-1] for _x, p in solutions])
         kinds = {index: kind for index, event in path.events if (kind := self._note(equations, path, event, number))}
         if seed.type in SPECIAL:
@@ -443,7 +465,7 @@ class _Search:
         events = tuple(sorted(kinds))
         types = tuple(kinds[index] for index in events)
         self.pieces.append(Piece(equations, unknowns, values, orbits, events, types, (path.began, path.ended)))
-        self._relabelled(path, orbits, number)
+        self._relabelled(path, number)
         for equations, point, leaves in path.beyond:
             self._beyond(path, equations, point, leaves, number)
 
@@ -510,7 +532,7 @@ class _Search:
             good = good and event.converged
             orbit = half.orbit(x, p)
             value = float(p[-1])
-            low, high = min(event.low, value), max(event.high, value)
+            low, high, good = bracketed(half, event._replace(type="pd", where=-1, converged=good), x, p)
             one = Special("pd", value, low, high, good, orbit, allowed(half, x, p), -1, number)
             self.special.append(one)
             return one.type
@@ -521,7 +543,7 @@ class _Search:
         type, wall = called(equations, type, event.where, p)
         edge = on_the_edge(equations, event)
         value, where = float(p[-1]), max(event.where, -1)
-        found = value, min(event.low, value), max(event.high, value), event.converged
+        found = value, *bracketed(equations, event, x, p)
         one = Special(type, *found, orbit, edge, where, number, direction=event.point.tangent, wall=wall)
         span = self.bounds[1] - self.bounds[0]
         place = next((i for i, other in enumerate(self.special) if one_graze(one, other, span)), len(self.special))
@@ -573,12 +595,14 @@ class _Search:
         self.relabellings.append(Relabelling(path.value(leaves), before, after, number))
         self.waiting.append(Seed(equations, point, leaves=leaves, type="relabelled"))
 
-    def _relabelled(self, path: Path, orbits: tuple[Orbit, ...], number: int) -> None:
+    def _relabelled(self, path: Path, number: int) -> None:
         """Note where the word changes although the equations stay: an impact crosses the strobe."""
-        equations = path.equations
+        equations, piece = path.equations, self.pieces[number]
         if not isinstance(equations, ImpactEquations):
             return
-        for i, (one, other) in enumerate(pairwise(orbits)):
+        periods = equations.periods(piece.unknowns, piece.values[:, None])
+        for i in np.flatnonzero((periods[1:] != periods[:-1]).any(axis=1)).tolist():
+            one, other = piece.orbits[i], piece.orbits[i + 1]
             if one.word != other.word:
                 found = crossing(equations, path.points[i], path.points[i + 1])
                 value = float(path.unscaled(found.z)[1][-1]) if found is not None else float(np.nan)

@@ -50,7 +50,7 @@ def walls_of(model: Model) -> tuple[Wall, ...]:
 
 def oscillators_of(model: Model) -> list[Oscillator]:
     """Return the oscillator above one wall at rest that each wall sees."""
-    return [model] if isinstance(model, Oscillator) else [model.seen_from(j) for j in range(len(model.walls))]
+    return [model] if isinstance(model, Oscillator) else list(model.seen)
 
 
 def on_wall(model: Model, j: int, t: float) -> tuple[float, float]:

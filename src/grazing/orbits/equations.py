@@ -138,8 +138,10 @@ class Equations(ABC):
         F, J = self.evaluated(*beside(x, p, around(len(h)) * h))
         forward, back, ahead, behind = F[1:].reshape(len(AROUND), len(h), -1)
         columns = (8.0 * (forward - back) - (ahead - behind)) / (12.0 * h[:, None])
-        for j in np.flatnonzero(~np.isfinite(columns).all(axis=1)):
-            columns[j] = self._one_sided(x, p, np.eye(len(h))[j] * h, float(h[j]))
+        known = np.isfinite(columns)
+        if not known.all():
+            for j in np.flatnonzero(~known.all(axis=1)):
+                columns[j] = self._one_sided(x, p, np.eye(len(h))[j] * h, float(h[j]))
         return F[0], J[0], columns.T
 
     def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:

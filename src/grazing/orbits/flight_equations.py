@@ -69,9 +69,11 @@ class FlightEquations(Equations):
         place = len(p), p.tobytes()
         found = self._kept.get(place)
         if found is None:
-            values = np.repeat(self._base[None], len(p), axis=0)
+            values = np.empty((len(p), len(self._base)))
+            values[:] = self._base
             for places, column in zip(self._places, p.T, strict=True):
-                values[:, places] = column[:, None]
+                for at in places:
+                    values[:, at] = column
             values = self.model.made_from_base(values)
             seen = numbers_seen(self.model, values)
             rows = flight_rows(self.model, values, seen)

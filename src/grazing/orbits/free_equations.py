@@ -147,13 +147,21 @@ def turner(harmonics: int, walled: bool) -> Callable[..., None]:
     frames = framer(harmonics, walled)
 
     def dip(y: float, v: float, c: Constants) -> tuple[float, float]:
-        """Return the lowest local minimum of a periodic flight that is at (y, v) at time 0, and its time in [0, T)."""
+        """Return the least height of a periodic flight that is at (y, v) at time 0, and its time in [0, T).
+
+        It is that of a local minimum, or where the ball stays at one height, to rounding, that of an instant.
+        """
         anchor, begin, fastest, height = anchored(0.0, y, v, c), 0.0, -float("inf"), y
+        least, at = float("inf"), 0.0
         for i in range(INSTANTS):
             y, v = flight(i * c.T / INSTANTS, anchor, c)
             if v > fastest:
                 begin, fastest, height = i * c.T / INSTANTS, v, y
+            if y < least:
+                least, at = y, i * c.T / INSTANTS
         low, _dip, _dips, when, _deepest = lowest_dip(begin, height, fastest, c.T, False, c)
+        if least < low:
+            return least, at
         return low, begin + when - (c.T if begin + when >= c.T else 0.0)
 
     def turn(rows: Any, x: Any, out: Any) -> None:

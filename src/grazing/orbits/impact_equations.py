@@ -31,6 +31,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.frames import Frames, frame_of, seen_at_strobe
@@ -83,10 +84,6 @@ class ImpactEquations(FlightEquations):
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
-        several = len(walls_of(model)) > 1
-        self._at: list[Any] = (
-            [np.flatnonzero(np.equal(self.walls, wall)) for wall in (0, 1)] if several else [slice(None)]
-        )
         sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
         self._force = self.own_frames.a.force or 1.0
@@ -99,10 +96,12 @@ class ImpactEquations(FlightEquations):
         Their numbers are those that the walls see, and must live as long as the addresses are used.
         """
         k = len(seen[0])
-        laws = np.repeat(self._codes[None], k, axis=0)
-        for at, one in zip(self._at, seen, strict=True):
+        laws, starts = np.empty((k, self.n, 4)), np.empty((k, len(seen)))
+        laws[:] = self._codes
+        for wall, one in enumerate(seen):
             first = one.__array_interface__["data"][0]
-            laws[:, at, 2] += np.arange(first, first + k * one.strides[0], one.strides[0])[:, None]
+            starts[:, wall] = np.arange(first, first + k * one.strides[0], one.strides[0])
+        laws[:, :, 2] += starts[:, self.walls]
         return laws
 
     @cached_property
@@ -118,7 +117,9 @@ class ImpactEquations(FlightEquations):
     def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return :meth:`defects` at several points."""
         at, n = self.prepared(p), 2 * self.n
-        F, J = np.full((len(x), n), np.nan), np.full((len(x), n, n), np.nan)
+        F, J = np.empty((len(x), n)), np.empty((len(x), n, n))
+        F.fill(np.nan)
+        J.fill(np.nan)
         call(self._gaps, at.rows, np.ascontiguousarray(x), self.N, at.laws, F, J, who="the closing equations")
         shut = ~(at.room > 0.0)
         if shut.any():
@@ -233,6 +234,15 @@ class ImpactEquations(FlightEquations):
         n, h = self.n, self.n // 2
         apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
+
+    def periods(self, x: Floats, p: Floats) -> Floats:
+        """Return how many periods after the first impact each is, at several points, x (k, 2n) and p (k, names).
+
+        From strobe to strobe, see :func:`strobed`: orbits for which they are the same have the same word.
+        """
+        T = 2.0 * np.pi / self.prepared(p).values[:, [HEAD.index("omega")]]
+        passed: Floats = np.ceil((x[:, : self.n] - T * np.floor(x[:, :1] / T)) / T)
+        return passed
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""

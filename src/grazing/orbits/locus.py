@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +19,7 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Path, Point, at_value, closed, follow, joined, linearised, tangent_of
 from grazing.orbits.piece_equations import PieceOrbit, border_units
 from grazing.orbits.signature import equations_of
+from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO, called
 from grazing.outcome import InputError, abridged, listed, shown
@@ -140,7 +141,7 @@ class Locus(ByValue):
     parameters : (str, str)
     bounds : ((low, high), (low, high))
     values : ndarray, shape (n, 2)
-    orbits : tuple of Orbit
+    orbits : sequence of Orbit
     meetings : tuple of Meeting
     ends : (str, str)
         Why it ends at either end.
@@ -150,7 +151,7 @@ class Locus(ByValue):
     parameters: tuple[str, str]
     bounds: tuple[tuple[float, float], tuple[float, float]]
     values: Floats
-    orbits: tuple[Orbit, ...]
+    orbits: Sequence[Orbit]
     meetings: tuple[Meeting, ...]
     ends: tuple[str, str]
 
@@ -389,5 +390,5 @@ def locus(
             kind = name_of([own, *(called(whole_base, other, event.where, both)[0] for other in others)])
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
-    orbits = tuple(equations.orbit(X, q) for X, q in solutions)
+    orbits = Solved(solutions, equations)
     return Locus(special.type, (one, other), ranges, values, orbits, met_once(met, spans), (path.began, path.ended))

@@ -539,7 +539,7 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
                 continue
             type = "bp"
         one = located(equations, a, along, length, type, before.where, partial(height_of, i))
-        found.append(one if one is None else shown(equations, one, before, after, i, float(b.z[-1] - a.z[-1])))
+        found.append(one if one is not None and told(one, before, after, i) else None)
     return ordered([one for one in found if one is not None])
 
 
@@ -555,21 +555,13 @@ def ordered(found: list[tuple[float, Event]]) -> list[Event]:
     return [found[i][1] for group in groups for i in sorted(group)]
 
 
-def shown(
-    equations: Equations, found: tuple[float, Event], before: Test, after: Test, i: int, way: float
-) -> tuple[float, Event] | None:
-    """Return an event with the error of its test function in its bracket; None where that is no smaller than the test.
+def told(found: tuple[float, Event], before: Test, after: Test, i: int) -> bool:
+    """Whether an event is more than the error of its test function.
 
     Differences across a kink of a map lead from one slope to another as if there were slopes between.
     """
-    share, event = found
-    error = event.point.tests[i].error
-    if error == 0.0:
-        return found
-    if not error <= VANISHED * min(1.0, max(abs(before.value), abs(after.value))):
-        return None
-    slack = error / abs(after.value - before.value) * abs(way) * float(equations.spans[-1])
-    return share, event._replace(low=event.low - slack, high=event.high + slack)
+    error = found[1].point.tests[i].error or max(before.error, after.error)
+    return error == 0.0 or error <= VANISHED * min(1.0, max(abs(before.value), abs(after.value)))
 
 
 def height_of(i: int, point: Point) -> float:

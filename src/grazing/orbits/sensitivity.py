@@ -19,6 +19,8 @@ from scipy.optimize import brentq
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import TESTS, closing, impact_state, impact_velocities
+from grazing.orbits.one_sided import EPS
+from grazing.orbits.rounding import noise
 from grazing.orbits.survey import PHASE, Family, families, survey
 from grazing.orbits.windows import EDGES, windows
 from grazing.orbits.word_windows import PIECES
@@ -94,7 +96,8 @@ def sensitivity(
         d(phi, p)/dq = -[d(G, E)/d(phi, p)]^-1 d(G, E)/dq.
 
     The equations are closed forms, their derivatives differences of order 8, with the step at which they agree best
-    with those of order 6; ``error`` carries this difference, and rounding, through the linear equation.
+    with those of order 6; ``error`` carries this difference, and rounding as it is measured, through the linear
+    equation.
 
     Examples
     --------
@@ -141,6 +144,7 @@ class Edge:
         self.family, self.kind, self.value, self.dip = family, kind, value, dip
         self.row = family.row.copy()
         self.row[family.position] = value
+        self.own = [0, 1, 2 + family.position] if kind == "gr" else [0, 2 + family.position]
         if kind == "gr":
             self.columns = [G, HEIGHT, FALL]
         elif kind == "lp":
@@ -153,7 +157,7 @@ class Edge:
 
         None where the equations are not satisfied at the edge, or do not determine it.
         """
-        own = [0, 1, 2 + self.family.position] if self.kind == "gr" else [0, 2 + self.family.position]
+        own = self.own
         for x in self.starts():
             slopes, errors, values = self.slopes(x)
             M = slopes[:, own]
@@ -220,17 +224,20 @@ class Edge:
 
     def slopes(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (equations, variables) of the equations at x, their errors, and the values there."""
-        values = self.evaluated(x[None])[0, self.columns]
+        values, scale = self.evaluated(x[None])[0, self.columns], np.maximum(np.abs(x), 1.0)
+        moving = np.zeros(len(x))
+        moving[self.own] = scale[self.own]  # in others equations may end or jump, as those of rest do in r and V
+        loud = noise(lambda shifts: self.evaluated(x + shifts)[:, self.columns], values, moving)
         slopes, errors = np.empty((len(values), len(x))), np.empty((len(values), len(x)))
         which = np.arange(len(values))
-        for j, size in enumerate(np.maximum(np.abs(x), 1.0)):
+        for j, size in enumerate(scale):
             for nodes, eighth, sixth in (CENTRAL, ONE_SIDED):
                 rows = np.tile(x, (len(STEPS) * len(nodes), 1))
                 rows[:, j] += size * (STEPS[:, None] * nodes).ravel()
                 got = self.evaluated(rows)[:, self.columns].reshape(len(STEPS), len(nodes), len(values))
                 h = size * STEPS[:, None]
                 high, low = (np.einsum("skf,k->sf", got, weights) / h for weights in (eighth, sixth))
-                rounding = 4.0 * np.finfo(float).eps * np.abs(got).max(axis=1) * np.abs(eighth).sum() / h
+                rounding = np.maximum(loud, 4.0 * EPS * np.abs(got).max(axis=1)) * np.abs(eighth).sum() / h
                 off = np.abs(high - low) + rounding
                 off[~np.isfinite(off)] = np.inf
                 best = np.argmin(off, axis=0)

@@ -33,7 +33,9 @@ class Special(NamedTuple):
     value : float
         Of the parameter.
     low, high : float
-        Bracket of the value: the test function has different signs there, or the orbit is there on one side only.
+        Bracket of the value. Where it has converged, what rounding of the equations and of the test function can do
+        lies inside, see :mod:`grazing.orbits.rounding`; else the test function has different signs there. At an end the
+        orbit is there on one side only.
     converged : bool
         Whether the test function is zero there to rounding, or the bracket of an end is as narrow as 1e-12 of the
         range; False where the search failed.

@@ -36,6 +36,7 @@ class Family(NamedTuple):
     position: int  # of the parameter that varies in the row; -1 for none
     N: int
     law: int
+    unit: float  # of the parameter that varies: a step where it is 0
 
 
 def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]:
@@ -62,7 +63,8 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     index = [*flight, *rules].index(name) if name is not None else -1
     kicks = law.law is triggered_law and (rules["V"] > 0.0 or name == "V")
     pieces = (FIRED, PASSIVE) if kicks else (WHOLE,)
-    return [Family(parameter_tuple(names), model.harmonics, row, index, N, piece) for piece in pieces]
+    unit = 1.0 if name is None else model.unit_of(name)
+    return [Family(parameter_tuple(names), model.harmonics, row, index, N, piece, unit) for piece in pieces]
 
 
 def survey(

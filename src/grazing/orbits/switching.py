@@ -21,6 +21,7 @@ from grazing.orbits.piece_equations import PieceEquations
 from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
+from grazing.oscillator.frames import frame_of
 from grazing.oscillator.reset import triggered_law
 from grazing.outcome import InputError
 
@@ -274,6 +275,9 @@ def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p
     model, (i, wall) = equations.model, equations.touched(event.type, event.where)
     piece = PIECES * wall + (PASSIVE if walls_of(model)[wall].law.law is triggered_law else WHOLE)
     if isinstance(equations, FreeEquations):
+        seen = frame_of(wall == 1, equations.frames(p))
+        if not any((*seen.cos, *seen.sin)):  # a ball at rest lies down on the wall
+            return None
         _end, _E, dips = equations.turned(x, p)
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
         return begins(new, np.array([dips[wall, 1], 0.0]), p, "v0", 0)

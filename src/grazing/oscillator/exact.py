@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from grazing.oscillator.exact_contact import Rule
-from grazing.oscillator.exact_flight import Flight, Motion, next_impact, rounded, windows_of
+from grazing.oscillator.exact_flight import Flight, next_impact, rounded
+from grazing.oscillator.exact_motion import Motion, windows_of
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.sure import Beyond, Undecided, rational, sign
 from grazing.oscillator.walled import Walled
@@ -63,7 +64,7 @@ class Frame:
     def __init__(self, model: Oscillator | Walled, j: int, phase: float) -> None:
         from flint import arb
 
-        seen = model if isinstance(model, Oscillator) else model.seen_from(j)
+        seen = model if isinstance(model, Oscillator) else model.seen[j]
         self.side, self.sigma = 1, model.sigma if isinstance(model, Oscillator) else model.walls[j].position
         force, moved = _pairs(model.forcing.cos, model.forcing.sin), []
         if isinstance(model, Walled):

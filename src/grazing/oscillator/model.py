@@ -18,7 +18,7 @@ from grazing.oscillator.rig import Rig
 from grazing.oscillator.si import Base, checked_side, si_numbers
 from grazing.oscillator.spring import frequency_of, spring_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter
+from grazing.parameter import Parameter, checked_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +119,8 @@ class Oscillator(Rig):
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
         kept = {"alpha", "k", "stiffness", "forcing", "mass", "base"}
         cls._refuse_beside(sorted(set(given) - kept) or (["reset"] if len(args) > 3 else []))
+        if missing := [name for name in ("alpha", "forcing") if name not in given]:
+            raise InputError(f"an oscillator between walls needs {listed(missing)} as well")
         return Walled(**({"k": None} | given), walls=walls)
 
     @staticmethod
@@ -229,7 +231,7 @@ class Oscillator(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate, with its units."""
-        own = name in COORDINATES and name not in self.reset.params
+        own = checked_text(name) in COORDINATES and name not in self.reset.params
         known = COORDINATES[name] if own else describe_parameter(name)
         return known if self.mass is not None else replace(known, units="1")
 
@@ -268,7 +270,7 @@ class Oscillator(Rig):
             "alpha": f.omega, "k": f.omega, "omega": f.omega, "t0": 0.5 * self.period,
             "sigma": natural_size(self.alpha, self.period, push), "V": drive, "trigger": drive,
         }  # fmt: skip
-        return known.get(name, push if describe_parameter(name).units == "N/kg" else 1.0)
+        return known.get(checked_text(name), push if describe_parameter(name).units == "N/kg" else 1.0)
 
     @property
     def params(self) -> Mapping[str, float]:

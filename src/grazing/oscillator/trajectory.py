@@ -39,7 +39,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import parameters, real, whole
+from grazing.parameter import in_order, parameters, real, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -212,7 +212,7 @@ def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
 def two_numbers(state: ArrayLike) -> tuple[float, float]:
     """Return (u, v) as floats, or raise InputError."""
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
     except Exception:  # of whatever object was given
         values = []
     if len(values) != 2:

@@ -23,7 +23,7 @@ from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple, spread
+from grazing.parameter import Parameter, checked_text, parameter_tuple, spread
 
 Floats = NDArray[np.float64]
 #: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
@@ -97,6 +97,8 @@ class Walled(Rig):
     stiffness: float | None = field(default=None, kw_only=True)
     mass: float | None = field(default=None, kw_only=True, repr=False)
     base: Base | None = field(default=None, kw_only=True, repr=False)
+    #: The oscillator that each wall sees.
+    seen: tuple[Oscillator, ...] = field(init=False, repr=False, compare=False)
     #: Where the numbers of each wall stand in a row of :attr:`params`; the number of harmonics of force and motions.
     places: tuple[Place, ...] = field(init=False, repr=False, compare=False)
     harmonics: int = field(init=False, repr=False, compare=False)
@@ -125,8 +127,8 @@ class Walled(Rig):
         object.__setattr__(self, "places", places)
         object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
         row = list(self.params.values())
-        for j in range(len(walls)):
-            self.seen_from(j, row)  # checks ranges, and the law at speeds of this model
+        # checks ranges, and the laws at speeds of this model
+        object.__setattr__(self, "seen", tuple(self._seen_from(j, row) for j in range(len(walls))))
         room = float(self.rooms(np.array([row]))[0])
         if not room > 0.0:
             raise InputError(
@@ -191,7 +193,7 @@ class Walled(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         known = COORDINATES[last] if last in COORDINATES and not front else describe_parameter(last)
         if front:
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
@@ -206,9 +208,9 @@ class Walled(Rig):
 
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         moving = bool(front) and last.startswith(("cos", "sin"))
-        seen = self.seen_from(self.names.index(front) if front else 0)
+        seen = self.seen[self.names.index(front) if front else 0]
         unit = seen.unit_of("sigma" if moving else last)
         room = float(self.rooms(np.array([list(self.params.values())]))[0])
         return min(unit, 0.5 * room) if moving or last == "sigma" else unit
@@ -249,12 +251,9 @@ class Walled(Rig):
         sign (f - z'' - alpha z' - k^2 z) and the wall lies at rest at sign sigma.
         """
         place, sign, H = self.places[j], self.walls[j].sign, self.harmonics
-        law = rows[:, place.law]
-        found = np.zeros((len(rows), HEAD + 2 * H + 1 + law.shape[1]))
-        found[:, :4] = rows[:, :4]
-        found[:, 4] = sign * rows[:, 4]
-        own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
-        found[:, HEAD : HEAD + own.shape[1]] = own
+        forces, stop = 2 * len(self.forcing.cos), HEAD + 2 * H
+        found = np.zeros((len(rows), stop + 1 + place.law.stop - place.law.start))
+        found[:, : HEAD + forces] = rows[:, : HEAD + forces]
         if self.walls[j].motion is not None:
             cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
             W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
@@ -263,9 +262,9 @@ class Walled(Rig):
             moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
             found[:, moved[0]] += lift * cosines - drag * sines
             found[:, moved[1]] += lift * sines + drag * cosines
-        found[:, HEAD : HEAD + 2 * H] *= sign
-        found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
-        found[:, HEAD + 2 * H + 1 :] = law
+        found[:, HEAD - 1 : stop] *= sign
+        found[:, stop] = sign * rows[:, place.sigma]
+        found[:, stop + 1 :] = rows[:, place.law]
         return found + 0.0  # no -0
 
     def kind_seen_from(self, j: int) -> type:
@@ -274,10 +273,9 @@ class Walled(Rig):
         head = ("alpha", spring_of(self)[0], "omega", "t0", "offset", *waves, "sigma")
         return parameter_tuple((*head, *self.walls[j].law.params, "phase"))
 
-    def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
-        """Return the oscillator that wall j sees, at this model's parameters or at a row of others."""
-        values = list(self.params.values()) if row is None else list(row)
-        found = self.rows_seen_from(j, np.array([values], np.float64))[0].tolist()
+    def _seen_from(self, j: int, row: list[float]) -> Oscillator:
+        """Return the oscillator that wall j sees at a row of :attr:`params`."""
+        found = self.rows_seen_from(j, np.array([row], np.float64))[0].tolist()
         stop = HEAD + 2 * self.harmonics
         law = self.walls[j].law
         forcing = Forcing(found[2], found[3], found[4], cos=found[HEAD:stop:2], sin=found[HEAD + 1 : stop : 2])
@@ -312,9 +310,7 @@ class Walled(Rig):
     def reach_at(self, row: Sequence[float]) -> tuple[Reach, ...]:
         """Return how far and how fast the ball goes as each wall sees it, at a row of parameters."""
         rows = np.array([row], np.float64)
-        return tuple(
-            self.seen_from(j).reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j in range(len(self.walls))
-        )
+        return tuple(one.reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j, one in enumerate(self.seen))
 
     def places_at(self, t: Floats) -> tuple[Floats, Floats]:
         """Return positions and velocities of the walls at times: shape (walls, times)."""

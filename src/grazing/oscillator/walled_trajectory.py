@@ -163,7 +163,7 @@ def walled_trajectory(
     begins = start + legs[:, PERIOD] * T + legs[:, START]
     ends = np.where(legs[:, END] >= T, start + (legs[:, PERIOD] + 1.0) * T, start + legs[:, PERIOD] * T + legs[:, END])
     times, us, vs = [], [], []
-    seen = [model.seen_from(j) for j in range(len(names))]
+    seen = model.seen
     for leg, begin, end in zip(legs, begins, np.minimum(ends, until), strict=True):
         if begin > end:
             continue

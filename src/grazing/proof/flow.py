@@ -24,6 +24,10 @@ class TooLong(ArithmeticError):
     """The flight has too many time scales to be followed in steps."""
 
 
+class Blurred(TooLong):
+    """The balls grow so much on the way that the digits at hand are lost."""
+
+
 class Moment(NamedTuple):
     """Height, velocity and their derivatives by the parameter (0 without one) at one time of a flight."""
 

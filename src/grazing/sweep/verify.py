@@ -19,6 +19,7 @@ from grazing.outcome import InputError, in_one_line, listed, shown
 from grazing.parameter import real, whole
 from grazing.pool import run_tasks
 from grazing.studies.plan import Plan, Progress, empty_arrays
+from grazing.sweep.grid import checked_plan
 from grazing.sweep.layout import LAYOUT, MADE_BY, RECIPE, laid_out
 from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import locked
@@ -166,6 +167,8 @@ def verify(
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
     path = folder_of(store)
+    if plan is not None:
+        checked_plan(plan)
     ours = any(os.path.isdir(path / name) for name in (ASIDE, MANIFEST))
     with locked(path / ASIDE / "locks", None) if repair and ours else nullcontext():
         mended = mend_metadata(path, plan) if repair else []

@@ -1,0 +1,78 @@
+"""Brackets of special points against closed forms in 40 digits, of the very doubles that the maps are given."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.orbits.rounding import shift_of
+
+
+def hump(state, p):
+    """A parabola with its top at c: fixed points meet at m = -1/4, and double at 3/4."""
+    u = state[0] - p.c
+    return (p.c + p.m - u * u,)
+
+
+def henon(state, p):
+    x, y = state
+    return 1.0 - p.a * x * x + y, p.b * x
+
+
+def delayed(state, p):
+    return p.r * state[0] * (1.0 - state[1]), state[0]
+
+
+def held(branch, wanted):
+    """How many special points have converged on a true value of their type, each of which must lie in the bracket."""
+    count = 0
+    for one in branch.special:
+        true = min(wanted.get(one.type, ()), key=lambda value: abs(value - one.value), default=None)
+        if true is not None and one.converged:
+            assert one.low <= true <= one.high, (one, float(true - one.value), one.high - one.low)
+            assert one.high - one.low < 1e-10 * (1.0 + abs(one.value))
+            count += 1
+    return count
+
+
+@pytest.mark.parametrize("c", [0.3, 37.0])
+def test_folds_and_doublings_of_a_map_far_from_0_lie_in_their_brackets(c):
+    P = gz.Map(hump, {"m": 0.2, "c": c}, box=((c - 2.0, c + 2.0),))
+    branch = gz.continuation(P, gz.periodic_orbits(P, 1)[-1], "m", (-0.6, 1.1))
+    assert held(branch, {"lp": [mp.mpf(-0.25)], "pd": [mp.mpf(0.75)]}) == 2
+
+
+def test_doublings_and_a_torus_of_maps_of_the_plane_lie_in_their_brackets():
+    box, b = ((-3.0, 3.0),) * 2, 0.3
+    P = gz.Map(henon, {"a": 0.2, "b": b}, coordinates=("x", "y"), box=box)
+    with mp.workdps(40):
+        B = mp.mpf(b)
+        wanted = {"lp": [-((1 - B) ** 2) / 4], "pd": [3 * (1 - B) ** 2 / 4]}
+    assert held(gz.continuation(P, gz.periodic_orbits(P, 1)[-1], "a", (-1.0, 0.9), limit=60), wanted) == 2
+    P = gz.Map(delayed, {"r": 1.85}, coordinates=("x", "y"), box=((0.05, 1.0),) * 2)
+    assert held(gz.continuation(P, gz.periodic_orbits(P, 1)[-1], "r", (1.7, 2.2)), {"ns": [mp.mpf(2)]}) == 1
+
+
+def test_a_graze_of_the_steady_response_lies_in_its_bracket_in_every_parameter():
+    m = gz.pinball(alpha=0.7, k=1.3, omega=2.1, d=0.7, V=0.2)
+    orbit = gz.periodic_orbits(gz.stroboscopic_map(m), 1, word="0")[0]
+    with mp.workdps(40):
+
+        def lift(k, omega):
+            return k**2 / mp.sqrt((k**2 - omega**2) ** 2 + (mp.mpf(m.alpha) * omega) ** 2)
+
+        k, omega = mp.mpf(m.k), mp.mpf(m.forcing.omega)
+        true = {
+            "d": lift(k, omega),
+            "k": mp.findroot(lambda x: lift(x, omega) - mp.mpf(0.7), 1.5),
+            "omega": mp.findroot(lambda x: lift(k, x) - mp.mpf(0.7), 1.9),
+        }
+    for name, value in true.items():
+        branch = gz.continuation(orbit.map, orbit, name, (0.8 * float(value), 1.3 * float(value)))
+        assert held(branch, {"gr": [value]}) >= 1, (name, value, branch)
+
+
+def test_a_place_that_nothing_determines_may_be_anywhere():
+    A = np.array([[1.0, 2.0], [2.0, 4.0]])
+    assert shift_of(A, np.array([1e-16, 1e-16]), False) > 1.0
+    assert shift_of(np.array([[0.0, 2.0], [1.0, 4.0]]), np.array([1e-16, 0.0]), False) == 5e-17
