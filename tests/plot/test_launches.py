@@ -25,7 +25,9 @@ def test_every_launch_has_the_colour_of_its_way_out(found):
     seen = rows[high // 2 :: high, wide // 2 :: wide]
     for i, j in np.ndindex(12, 9):
         assert seen[j, i].tolist() == at[found.exit.values[i, j]].tolist()
-    assert {text.get_text().partition(":")[0] for text in drawn["legend"].get_texts()} <= {*at, "still there"}
+    said = dict(text.get_text().split(": ") for text in drawn["legend"].get_texts())
+    assert set(said) == {name or "still there" for name in at}
+    assert said["left_drain"] == f"{100 * (found.exit.values == 'left_drain').mean():.0f} %"
 
 
 def test_lifetimes_are_on_a_logarithmic_scale_and_line_up_for_one_angle(found):

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba_array
 
+from grazing.catalogue.words import share
 from grazing.plot.classes import attractor_colours, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
@@ -94,7 +95,9 @@ def launches(
             ax.set_xlabel(symbol(result["angle"]))
             ax.set_ylabel(symbol(result["speed"]))
         if own and bar is None:
-            entries = [patch(colours[way], f"{way or 'still there'}: {(ways == way).mean():.1%}") for way in names]
+            shares = [share(float((ways == way).mean()), ways.size) for way in names]
+            texts = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]
+            entries = [patch(colours[way], text) for way, text in zip(names, texts, strict=True)]
             beside = legend_beside(ax, entries[:LISTED])
     return {
         "figure": root(ax), "image": image, "points": points, "colours": colours, "legend": beside, "bar": bar,
